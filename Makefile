@@ -1,0 +1,81 @@
+# Everything here does its own set-up: `make demo` and `make test` work on a fresh clone.
+# Needs GNU make and Python >= 3.11; choose one with `make PYTHON=python3.12 test`.
+
+PYTHON ?= python3
+UV_VERSION := 0.13.8
+
+# Only pinned, hashed packages are installed, and pyright uses the copy in its own wheel.
+export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+export NO_MKDOCS_2_WARNING := 1
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help venv demo test test-lowest bench docs lock clean
+
+help:
+	@echo "make demo         recompute the paper's claims and figures into out/paper/"
+	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
+	@echo "make test-lowest  run the quick tests on the oldest supported dependencies"
+	@echo "make bench        print speed ratios against named peers"
+	@echo "make docs         build the documentation into site/"
+	@echo "make venv         only set up .venv/"
+	@echo "make lock         pin the dependencies again (UPGRADE=--upgrade takes newer ones)"
+	@echo "make clean        remove everything that is made here"
+
+venv: .venv/.ready
+
+demo: .venv/.ready
+	.venv/bin/stepwell paper --out out/paper
+
+test: .venv/.ready
+	.venv/bin/ruff check
+	.venv/bin/ruff format --check
+	.venv/bin/pyright
+	.venv/bin/lint-imports
+	.venv/bin/mkdocs build --strict --quiet
+	.venv/bin/pytest --cov --cov-report=term
+
+test-lowest: .venv-lowest/.ready
+	.venv-lowest/bin/pytest -m "not slow"
+
+bench: .venv/.ready
+	.venv/bin/python benchmarks/run.py
+
+docs: .venv/.ready
+	.venv/bin/mkdocs build --strict
+
+# $(1) is the virtual environment, $(2) its lock file. No build isolation: what builds the
+# package is pinned too. Running this again on an existing environment only brings it up to date.
+define make_venv
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Stepwell needs Python >= 3.11, and '$(PYTHON)' is not one. Name one that is:" \
+	    "make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	@$(PYTHON) -m venv $(1) || { \
+	  echo "'$(PYTHON)' cannot make a virtual environment. On Debian and Ubuntu install" \
+	    "python3-venv, or name another Python: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r $(2)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+	@touch $@
+endef
+
+.venv/.ready: requirements.lock pyproject.toml
+	$(call make_venv,.venv,requirements.lock)
+
+.venv-lowest/.ready: requirements-lowest.lock pyproject.toml
+	$(call make_venv,.venv-lowest,requirements-lowest.lock)
+
+# One file for every platform and every Python from 3.11 on, with hashes and without an index.
+lock:
+	$(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION)
+	$(call compile,highest,requirements.lock)
+	$(call compile,lowest-direct,requirements-lowest.lock)
+
+compile = .venv-lock/bin/uv --no-config pip compile pyproject.toml --extra dev --quiet $(UPGRADE) \
+  --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-package stepwell \
+  --no-annotate --custom-compile-command "make lock" --resolution $(1) --output-file $(2)
+
+clean:
+	rm -rf .venv .venv-lowest .venv-lock .coverage .hypothesis .import_linter_cache .pytest_cache \
+	  .ruff_cache build dist out site
+	find src tests examples benchmarks -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true

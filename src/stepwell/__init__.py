@@ -1,0 +1,64 @@
+"""Design, check and understand machines whose motion is programmed into their springs."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from stepwell._version import __version__
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
+
+if TYPE_CHECKING:
+    from stepwell.design import Margin, margin, transition_map
+    from stepwell.files import load, preset, presets, save
+    from stepwell.sequences import Cycle, Pathway, Sequence
+    from stepwell.statics import Event, EventKind, Path
+
+# Rooms open when a name is first asked for, so that `import stepwell` costs NumPy and no more.
+_DOORS = {
+    "Cycle": "sequences",
+    "Event": "statics",
+    "EventKind": "statics",
+    "Margin": "design",
+    "Path": "statics",
+    "Pathway": "sequences",
+    "Sequence": "sequences",
+    "load": "files",
+    "margin": "design",
+    "preset": "files",
+    "presets": "files",
+    "save": "files",
+    "transition_map": "design",
+}
+
+__all__ = [
+    "Band",
+    "Cell",
+    "Chain",
+    "Cubic",
+    "Cycle",
+    "Event",
+    "EventKind",
+    "Linear",
+    "Load",
+    "Margin",
+    "Path",
+    "Pathway",
+    "Sequence",
+    "Table",
+    "__version__",
+    "load",
+    "margin",
+    "preset",
+    "presets",
+    "save",
+    "transition_map",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _DOORS:
+        return getattr(import_module(f"stepwell.{_DOORS[name]}"), name)
+    raise AttributeError(f"module 'stepwell' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

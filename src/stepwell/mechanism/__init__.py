@@ -1,0 +1,8 @@
+"""What a mechanism is made of: bands, unit cells, loads, chains. Values only, no solving."""
+
+from stepwell.mechanism.band import Band
+from stepwell.mechanism.cell import Cell
+from stepwell.mechanism.chain import Chain
+from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table
+
+__all__ = ["Band", "Cell", "Chain", "Cubic", "Law", "Linear", "Load", "Table"]

@@ -1,0 +1,56 @@
+"""Checks at the door: what came, what is allowed, what to do."""
+
+import math
+from collections.abc import Sequence
+
+Vec2 = tuple[float, float]
+
+
+def finite(name: str, value: float, unit: str) -> float:
+    """`value` as a float; raises ValueError unless it is a finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: must be a number [{unit}].") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name} = {number}: must be finite [{unit}].")
+    return number
+
+
+def positive(name: str, value: float, unit: str) -> float:
+    """`value` as a float; raises ValueError unless it is finite and above zero."""
+    number = finite(name, value, unit)
+    if number <= 0:
+        raise ValueError(f"{name} = {number} {unit}: must be > 0.")
+    return number
+
+
+def not_negative(name: str, value: float, unit: str) -> float:
+    """`value` as a float; raises ValueError unless it is finite and at least zero."""
+    number = finite(name, value, unit)
+    if number < 0:
+        raise ValueError(f"{name} = {number} {unit}: must be >= 0.")
+    return number
+
+
+def vector(name: str, value: Sequence[float]) -> Vec2:
+    """`value` as two floats [m]; raises ValueError otherwise."""
+    try:
+        x, y = value
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: must be two numbers (x, y) [m].") from None
+    return finite(f"{name}[0]", x, "m"), finite(f"{name}[1]", y, "m")
+
+
+def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[float, ...]:
+    """`values` as strictly rising floats, at least `least` of them; raises ValueError."""
+    numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
+    if len(numbers) < least:
+        raise ValueError(f"{name} has {len(numbers)} values: must have {least} or more [{unit}].")
+    for i, (low, high) in enumerate(zip(numbers, numbers[1:], strict=False)):
+        if high <= low:
+            raise ValueError(
+                f"{name}[{i + 1}] = {high} {unit} after {low}: values must rise; sort the table "
+                f"and drop repeated rows."
+            )
+    return numbers

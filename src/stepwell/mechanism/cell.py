@@ -1,0 +1,221 @@
+"""A unit cell: two blocks on two parallel levers, held by one or more bands."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stepwell.mechanism import _check, curves
+from stepwell.mechanism._check import Vec2
+from stepwell.mechanism.band import Band
+from stepwell.mechanism.curves import Load
+
+Array = NDArray[np.float64]
+
+# Angles at which a law without a closed form is looked at; a feature narrower than the limit
+# divided by this number can be missed by `peak_angle` and `barrier`, never by the engine.
+_LOOKS = 4097
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """Two blocks joined by two parallel levers, and what pulls on them.
+
+    State 0 is θ = -limit, state 1 is θ = +limit; travel runs from 0 to `full_travel` between.
+
+    Args:
+        band: one band or several.
+        lever: r [m], > 0.
+        limit: θc [rad], between 0 and π/2, where the blocks touch.
+        load: a force on the cell that depends on its travel; None for none.
+        friction: Coulomb friction against travel [N], >= 0.
+        name: what messages and figures call the cell.
+
+    Raises:
+        ValueError: a value out of its range, or a band whose two ends meet on the way.
+
+    Source: Kamp et al. 2024, Fig. 1; the defaults are the paper's cell.
+    """
+
+    band: Band | tuple[Band, ...]
+    lever: float = 0.010 * math.sqrt(2.0)
+    limit: float = math.pi / 4
+    load: Load | None = None
+    friction: float = 0.0
+    name: str = ""
+
+    def __post_init__(self):
+        if not isinstance(self.band, Band):
+            bands = tuple(self.band)
+            if not bands or not all(isinstance(band, Band) for band in bands):
+                raise ValueError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
+            object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
+        object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
+        object.__setattr__(self, "limit", _check.positive("limit", self.limit, "rad"))
+        object.__setattr__(self, "friction", _check.not_negative("friction", self.friction, "N"))
+        if self.limit >= math.pi / 2:
+            raise ValueError(
+                f"limit = {self.limit} rad: must be < π/2, levers at a right angle to the blocks "
+                f"have no travel left."
+            )
+        for band in self.bands:
+            _refuse_meeting_ends(band, self.lever, self.limit)
+
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """All bands of the cell."""
+        return (self.band,) if isinstance(self.band, Band) else self.band
+
+    @property
+    def full_travel(self) -> float:
+        """S = 2 r sin θc [m]."""
+        return 2.0 * self.lever * math.sin(self.limit)
+
+    def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
+        """The same cell with the anchors of its bands at p and q [m]; None leaves them."""
+        moved = tuple(
+            replace(b, p=b.p if p is None else p, q=b.q if q is None else q) for b in self.bands
+        )
+        return replace(self, band=moved)
+
+    def travel(self, theta: ArrayLike) -> Array:
+        """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape.
+
+        Raises:
+            ValueError: an angle past a stop.
+        """
+        return self.lever * (np.sin(self._within(theta)) + math.sin(self.limit))
+
+    def angle(self, travel: ArrayLike) -> Array:
+        """Lever angle θ [rad] at travels s [m] of any shape.
+
+        Raises:
+            ValueError: a travel outside 0..`full_travel`.
+        """
+        travel = np.asarray(travel, float)
+        slip = 1e-9 * self.full_travel
+        if np.any(~((travel >= -slip) & (travel <= self.full_travel + slip))):
+            raise ValueError(
+                f"travel = {_worst(travel) * 1e3:.6g} mm: must be between 0 and "
+                f"{self.full_travel * 1e3:.6g} mm, the stops."
+            )
+        ratio = travel / self.lever - math.sin(self.limit)
+        return np.clip(np.arcsin(np.clip(ratio, -1.0, 1.0)), -self.limit, self.limit)
+
+    def energy(self, theta: ArrayLike) -> Array:
+        """Potential energy [J] of bands and load at angles θ [rad] of any shape.
+
+        The load counts from travel 0. Source: Kamp et al. 2024, Eqs. 1 and 2.
+
+        Raises:
+            ValueError: an angle past a stop.
+        """
+        theta = self._within(theta)
+        energy = sum(band.energy(band.length(theta, self.lever)) for band in self.bands)
+        if self.load is not None:
+            energy = energy + curves.integral(self.load.pieces(), self.travel(theta))
+        return np.asarray(energy)
+
+    def force(self, theta: ArrayLike) -> Array:
+        """Force along travel F = dE/ds [N] at angles θ [rad] of any shape, without friction.
+
+        Raises:
+            ValueError: an angle past a stop.
+        """
+        theta = self._within(theta)
+        force = sum(band.force(theta, self.lever) for band in self.bands)
+        if self.load is not None:
+            force = force + curves.value(self.load.pieces(), self.travel(theta))
+        return np.asarray(force)
+
+    @property
+    def force_0(self) -> float:
+        """F0 [N], the force at state 0: above it, the cell leaves state 0."""
+        return float(self.force(-self.limit))
+
+    @property
+    def force_1(self) -> float:
+        """F1 [N], the force at state 1: below it, the cell leaves state 1."""
+        return float(self.force(self.limit))
+
+    @property
+    def peak_angle(self) -> float:
+        """θmax [rad] where the energy peaks: atan2(d_y, d_x) for one band without load.
+
+        For one band it may lie past a stop, and then the cell is monostable (Kamp et al. 2024,
+        Eq. 3). With several bands or a load it is the highest point between the stops.
+        """
+        if len(self.bands) == 1 and self.load is None:
+            dx, dy = self.bands[0].d
+            return math.atan2(dy, dx)
+        theta = np.linspace(-self.limit, self.limit, _LOOKS)
+        return float(theta[np.argmax(self.energy(theta))])
+
+    @property
+    def barrier(self) -> float:
+        """Energy [J] from state 0 up to the highest point between the stops."""
+        theta = np.linspace(-self.limit, self.limit, _LOOKS)
+        peak = min(max(self.peak_angle, -self.limit), self.limit)
+        highest = max(float(np.max(self.energy(theta))), float(self.energy(peak)))
+        return highest - float(self.energy(-self.limit))
+
+    @property
+    def is_bistable(self) -> bool:
+        """Whether an energy barrier between the stops stands above both of them."""
+        ends = self.energy(np.array([-self.limit, self.limit]))
+        over = self.barrier - max(0.0, float(ends[1] - ends[0]))
+        return over > 1e-12 * max(float(np.max(np.abs(ends))), self.barrier)
+
+    def __repr__(self):
+        inside = ", ".join(
+            f"d=({band.d[0] * 1e3:.4g}, {band.d[1] * 1e3:.4g}) mm k={band.stiffness:.4g} N/m "
+            f"ℓ0={band.rest_length * 1e3:.4g} mm"
+            for band in self.bands
+        )
+        extra = f", friction={self.friction:.3g} N" if self.friction else ""
+        extra += ", load" if self.load is not None else ""
+        name = f"{self.name!r}, " if self.name else ""
+        return (
+            f"Cell({name}{inside}, r={self.lever * 1e3:.4g} mm, "
+            f"θc={math.degrees(self.limit):.4g}°{extra})"
+        )
+
+    def _within(self, theta: ArrayLike) -> Array:
+        theta = np.asarray(theta, float)
+        if np.any(~(np.abs(theta) <= self.limit * (1 + 1e-12))):
+            raise ValueError(
+                f"theta = {math.degrees(_worst(theta)):.6g}°: must be between the stops, "
+                f"±{math.degrees(self.limit):.6g}° (angles are in rad)."
+            )
+        return np.clip(theta, -self.limit, self.limit)
+
+
+def _worst(values: Array) -> float:
+    flat = np.ravel(values)
+    return float(flat[np.argmax(np.where(np.isnan(flat), np.inf, np.abs(flat)))])
+
+
+def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
+    # Where ℓ = 0 the band has no direction and its force none either.
+    theta = min(max(math.atan2(-band.d[1], -band.d[0]), -limit), limit)
+    shortest = min(float(band.length(t, lever)) for t in (theta, -limit, limit))
+    taut = band.two_sided or shortest >= band.rest_length
+    if taut and shortest < 1e-6 * lever:
+        raise ValueError(
+            f"the ends of the band with q - p = ({band.d[0] * 1e3:.6g}, {band.d[1] * 1e3:.6g}) mm "
+            f"meet at θ = {math.degrees(theta):.4g}°, where its force has no direction: move an "
+            f"anchor, or give the band a rest length and let it go slack (two_sided=False)."
+        )
+
+
+def as_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
+    """The cells as a tuple; raises ValueError when there are none or one is not a Cell."""
+    checked = tuple(cells)
+    for i, cell in enumerate(checked):
+        if not isinstance(cell, Cell):
+            raise ValueError(f"cells[{i}] = {cell!r}: must be a Cell.")
+    if not checked:
+        raise ValueError("cells is empty: a chain has one cell or more, inner first.")
+    return checked

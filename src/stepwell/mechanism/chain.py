@@ -1,0 +1,107 @@
+"""A serial chain of unit cells and the actuator that drives it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from stepwell.mechanism.cell import Cell, as_cells
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle
+    from stepwell.statics import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Cells in series: the innermost block is fixed, the outermost is displaced.
+
+    Args:
+        cells: (N,) cells, inner first.
+        actuator_stiffness: K [N/m] of the spring between the actuator and the outermost
+            block: infinite for a prescribed stroke (the paper), 0 for a prescribed force.
+        title: what reports call the chain.
+
+    Raises:
+        ValueError: no cells, or a negative stiffness.
+
+    Source: Kamp et al. 2024, Fig. 2.
+    """
+
+    cells: tuple[Cell, ...]
+    actuator_stiffness: float = math.inf
+    title: str = ""
+
+    def __post_init__(self):
+        object.__setattr__(self, "cells", as_cells(self.cells))
+        if not self.actuator_stiffness >= 0:
+            raise ValueError(
+                f"actuator_stiffness = {self.actuator_stiffness} N/m: must be >= 0; use math.inf "
+                f"for a prescribed stroke and 0 for a prescribed force."
+            )
+
+    def __len__(self) -> int:
+        return len(self.cells)
+
+    @property
+    def full_stroke(self) -> float:
+        """Σ S_i [m]: the stroke with every cell at 1."""
+        return math.fsum(cell.full_travel for cell in self.cells)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each cell is called: its own name, else inner/outer or its number from inside."""
+        fallback = ("inner", "outer") if len(self.cells) == 2 else None
+        return tuple(
+            cell.name or (fallback[i] if fallback else f"cell {i + 1}")
+            for i, cell in enumerate(self.cells)
+        )
+
+    def path(
+        self,
+        turning_points: Sequence[float],
+        *,
+        start: str | Sequence[float] | None = None,
+        prefer: Sequence[int] | None = None,
+    ) -> Path:
+        """How the chain moves while the actuator visits these turning points.
+
+        Args:
+            turning_points: (m,) positions of the actuator [m], or forces [N] where
+                `actuator_stiffness` is 0; the first one is where it starts.
+            start: the state there, as "010" or as (N,) travels [m]; all cells at 0 by default.
+            prefer: cells by falling priority where two of them tie; innermost first by default.
+
+        Returns:
+            The path: branches, switches and snaps, each with its certificate.
+
+        Raises:
+            ValueError: turning points out of range, or a start that is no stable equilibrium.
+        """
+        from stepwell import statics
+
+        return statics.path(self, turning_points, start=start, prefer=prefer)
+
+    def cycle(self, *, prefer: Sequence[int] | None = None) -> Cycle:
+        """Load from all cells at 0 to all at 1 and unload again, once.
+
+        Args:
+            prefer: cells by falling priority where two of them tie; innermost first by default.
+
+        Returns:
+            The cycle: its sequence, its snaps, what it dissipates.
+        """
+        from stepwell import sequences
+
+        return sequences.cycle(self, prefer=prefer)
+
+    def __repr__(self):
+        title = f"{self.title!r}, " if self.title else ""
+        actuator = (
+            ""
+            if math.isinf(self.actuator_stiffness)
+            else f", actuator {self.actuator_stiffness:.4g} N/m"
+        )
+        return f"Chain({title}{list(self.cells)!r}{actuator})"

@@ -1,0 +1,180 @@
+"""Curves that a cell is made of: band laws against extension, loads against travel.
+
+Every curve is a piecewise cubic: the engine needs to know no other kind.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.mechanism import _check
+
+Array = NDArray[np.float64]
+# Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
+# x measured from x0, then the integral from the curve's origin to x0.
+COLUMNS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Linear:
+    """Hooke's law: tension is stiffness times extension (Kamp et al. 2024, Eq. 1)."""
+
+    def pieces(self) -> Array:
+        """The shape φ(e) = e as one cubic piece, (1, 6) float."""
+        return np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Cubic:
+    """Rubber that softens and stiffens: tension k (e + a2 e² + a3 e³).
+
+    Args:
+        a2: quadratic coefficient [1/m].
+        a3: cubic coefficient [1/m²].
+
+    Raises:
+        ValueError: a coefficient is not finite.
+    """
+
+    a2: float
+    a3: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "a2", _check.finite("a2", self.a2, "1/m"))
+        object.__setattr__(self, "a3", _check.finite("a3", self.a3, "1/m²"))
+
+    def pieces(self) -> Array:
+        """The shape φ(e) = e + a2 e² + a3 e³ as one cubic piece, (1, 6) float."""
+        return np.array([[0.0, 0.0, 1.0, self.a2, self.a3, 0.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A measured law: tension k φ(e), with φ through the given points, smooth between.
+
+    The interpolation is PCHIP (Fritsch & Butland 1984): no overshoot, continuous slope. Past
+    the last point the curve goes on straight.
+
+    Args:
+        extension: (n,) rising [m], the first one 0, n >= 2.
+        shape: (n,) φ at those extensions [m], the first one 0; tension divided by stiffness.
+
+    Raises:
+        ValueError: extensions that do not rise, other than 0 first, or unequal lengths.
+    """
+
+    extension: tuple[float, ...]
+    shape: tuple[float, ...]
+
+    def __post_init__(self):
+        extension = _check.rising("extension", self.extension, "m", 2)
+        shape = tuple(_check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
+        if len(shape) != len(extension):
+            raise ValueError(
+                f"shape has {len(shape)} values, extension {len(extension)}: must be as many."
+            )
+        if extension[0] != 0 or shape[0] != 0:
+            raise ValueError(
+                f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
+                f"carries nothing at its rest length."
+            )
+        object.__setattr__(self, "extension", extension)
+        object.__setattr__(self, "shape", shape)
+
+    def pieces(self) -> Array:
+        """The shape φ(e) as cubic pieces, (n, 6) float."""
+        return _smooth(self.extension, self.shape)
+
+
+Law = Linear | Cubic | Table
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A force on one cell that depends on its travel only, such as the weight of a foot.
+
+    Positive resists travel. Between the points the force is straight, outside constant.
+
+    Args:
+        travel: (n,) rising [m], n >= 1.
+        force: (n,) [N].
+
+    Raises:
+        ValueError: travels that do not rise, or unequal lengths.
+    """
+
+    travel: tuple[float, ...]
+    force: tuple[float, ...]
+
+    def __post_init__(self):
+        travel = _check.rising("travel", self.travel, "m", 1)
+        force = tuple(_check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
+        if len(force) != len(travel):
+            raise ValueError(f"force has {len(force)} values, travel {len(travel)}: as many, please.")
+        object.__setattr__(self, "travel", travel)
+        object.__setattr__(self, "force", force)
+
+    @classmethod
+    def constant(cls, force: float) -> "Load":
+        """The same force [N] at every travel."""
+        return cls((0.0,), (force,))
+
+    def pieces(self) -> Array:
+        """Force against travel as (n + 1, 6) pieces, the integral counted from travel 0."""
+        return _straight(self.travel, self.force)
+
+
+@lru_cache(maxsize=256)
+def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
+    from scipy.interpolate import PchipInterpolator
+
+    cubic = PchipInterpolator(np.array(x), np.array(y)).c[::-1].T
+    end = cubic[-1] @ (np.array([0.0, 1.0, 2.0, 3.0]) * (x[-1] - x[-2]) ** np.array([0, 0, 1, 2]))
+    rows = np.zeros((len(x), COLUMNS))
+    rows[:, 0] = x
+    rows[:-1, 1:5] = cubic
+    rows[-1, 1:3] = y[-1], end
+    return _with_integrals(rows)
+
+
+@lru_cache(maxsize=256)
+def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
+    rows = np.zeros((len(x) + 1, COLUMNS))
+    rows[0, 0] = min(x[0], 0.0) - 1.0
+    rows[0, 1] = y[0]
+    rows[1:, 0] = x
+    rows[1:, 1] = y
+    rows[1:-1, 2] = np.diff(y) / np.diff(x)
+    rows = _with_integrals(rows)
+    rows[:, 5] -= integral(rows, np.zeros(1))[0]
+    rows.setflags(write=False)
+    return rows
+
+
+def _with_integrals(rows: Array) -> Array:
+    width = np.diff(rows[:, 0])
+    area = sum(rows[:-1, j + 1] * width ** (j + 1) / (j + 1) for j in range(4))
+    rows[1:, 5] = np.cumsum(area)
+    return rows
+
+
+def _locate(rows: Array, x: Array) -> tuple[Array, Array]:
+    index = np.clip(np.searchsorted(rows[:, 0], x, side="right") - 1, 0, len(rows) - 1)
+    piece = rows[index]
+    return piece, x - piece[..., 0]
+
+
+def value(rows: Array, x: Array) -> Array:
+    """The curve with pieces `rows` at every x of any shape."""
+    c, t = _locate(rows, x)
+    return c[..., 1] + t * (c[..., 2] + t * (c[..., 3] + t * c[..., 4]))
+
+
+def integral(rows: Array, x: Array) -> Array:
+    """The curve's integral from its origin to every x of any shape."""
+    c, t = _locate(rows, x)
+    return c[..., 5] + t * (
+        c[..., 1] + t * (c[..., 2] / 2 + t * (c[..., 3] / 3 + t * c[..., 4] / 4))
+    )

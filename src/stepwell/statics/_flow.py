@@ -1,0 +1,243 @@
+"""Where a snap lands when three cells or more move: overdamped flow, integrated."""
+
+import numpy as np
+
+from stepwell.statics._branch import smallest_eigenvalue
+from stepwell.statics._compile import kernel
+from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
+
+_STEPS = 400_000
+
+
+@kernel
+def _forces(laws: Laws, travel: Floats, rows: Ints, force: Floats, slope: Floats) -> None:
+    for i in range(len(travel)):
+        pick_rows(laws, i, travel[i], rows)
+        value, stiff, _ = law(laws, i, rows, travel[i])
+        force[i], slope[i] = value, stiff
+
+
+@kernel
+def _rate(laws: Laws, i: int, travel: float, force: float, shared: float) -> float:
+    """ds_i/dt at unit mobility: stops and Coulomb friction may hold the cell."""
+    friction = laws.friction[i]
+    if shared > force + friction and travel < laws.full[i]:
+        return shared - force - friction
+    if shared < force - friction and travel > 0.0:
+        return shared - force + friction
+    return 0.0
+
+
+@kernel
+def _balance(laws: Laws, travel: Floats, force: Floats, shared: float) -> float:
+    """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
+    low, high = -np.inf, np.inf
+    for _ in range(200):
+        total, moving = 0.0, 0
+        for i in range(len(travel)):
+            rate = _rate(laws, i, travel[i], force[i], shared)
+            if rate != 0.0:
+                total += rate
+                moving += 1
+        if moving == 0 or total == 0.0:
+            return shared
+        if total > 0.0:
+            high = shared
+        else:
+            low = shared
+        following = shared - total / moving
+        if not low < following < high:
+            if not (np.isfinite(low) and np.isfinite(high)):
+                return following
+            following = 0.5 * (low + high)
+        if following == shared or abs(total) <= 1e-15 * moving * (abs(shared) + 1e-300):
+            return following
+        shared = following
+    return shared
+
+
+@kernel
+def _rates(
+    laws: Laws,
+    travel: Floats,
+    drive: float,
+    alpha: float,
+    beta: float,
+    shared: float,
+    rows: Ints,
+    force: Floats,
+    slope: Floats,
+    out: Floats,
+) -> float:
+    _forces(laws, travel, rows, force, slope)
+    if beta == 0.0:
+        shared = _balance(laws, travel, force, shared)
+    else:
+        shared = (drive - alpha * np.sum(travel)) / beta
+    for i in range(len(travel)):
+        out[i] = _rate(laws, i, travel[i], force[i], shared)
+    return shared
+
+
+@kernel
+def unstable_direction(slopes: Floats, alpha: float, beta: float) -> Floats:
+    """The one way out of an equilibrium that has lost its stability, unit largest entry."""
+    least = smallest_eigenvalue(slopes, alpha, beta)
+    out = np.empty(len(slopes))
+    biggest = 0.0
+    for i in range(len(slopes)):
+        gap = slopes[i] - least
+        out[i] = 1.0 / gap if gap != 0.0 else 1e300
+        biggest = max(biggest, abs(out[i]))
+    out /= biggest
+    return out
+
+
+@kernel
+def _polish(
+    laws: Laws,
+    travel: Floats,
+    rate: Floats,
+    shared: float,
+    alpha: float,
+    beta: float,
+    rows: Ints,
+    out: Floats,
+) -> tuple[bool, float]:
+    """Newton from a slow point of the flow to the equilibrium it creeps towards."""
+    n = len(travel)
+    out[:] = travel
+    active = np.zeros(n, np.bool_)
+    offset = np.zeros(n)
+    for i in range(n):
+        if laws.friction[i] == 0.0:
+            active[i] = 0.0 < travel[i] < laws.full[i]
+        elif rate[i] != 0.0:
+            active[i] = True
+            offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
+    for _ in range(30):
+        falling, compliance, lag, flat, step = 0, beta, 0.0, -1, 0.0
+        miss = np.zeros(n)
+        slopes = np.zeros(n)
+        for i in range(n):
+            if not active[i]:
+                continue
+            pick_rows(laws, i, out[i], rows)
+            value, slope, _ = law(laws, i, rows, out[i])
+            miss[i] = value + offset[i] - shared
+            slopes[i] = slope
+            if slope == 0.0:
+                if flat >= 0:
+                    return False, shared
+                flat = i
+                continue
+            falling += slope < 0.0
+            compliance += alpha / slope
+            lag += alpha * miss[i] / slope
+        if falling > 1 or (falling == 1 and (compliance >= 0.0 or flat >= 0)):
+            return False, shared
+        change = miss[flat] if flat >= 0 else (lag / compliance if compliance != 0.0 else 0.0)
+        total = 0.0
+        for i in range(n):
+            if active[i] and i != flat:
+                move = (change - miss[i]) / slopes[i]
+                out[i] += move
+                total += move
+                step = max(step, abs(move) / laws.full[i])
+        if flat >= 0:
+            if alpha == 0.0:
+                return False, shared
+            move = -beta * change / alpha - total
+            out[flat] += move
+            step = max(step, abs(move) / laws.full[flat])
+        shared += change
+        for i in range(n):
+            if out[i] < 0.0 or out[i] > laws.full[i] or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]:
+                return False, shared
+        if step < 1e-15:
+            break
+    for i in range(n):
+        pick_rows(laws, i, out[i], rows)
+        value = law(laws, i, rows, out[i])[0]
+        slack = laws.friction[i] + 1e-9 * (abs(value) + abs(shared))
+        if not active[i]:
+            if out[i] < laws.full[i] and shared > value + slack:
+                return False, shared
+            if out[i] > 0.0 and shared < value - slack:
+                return False, shared
+    return True, shared
+
+
+@kernel
+def flow(
+    laws: Laws,
+    travel: Floats,
+    drive: float,
+    alpha: float,
+    beta: float,
+    shared: float,
+    scale: float,
+    accuracy: float,
+    rubbed: Floats,
+) -> tuple[bool, float]:
+    """Follow the flow from `travel` to rest, in place; False if it did not settle.
+
+    Bogacki & Shampine's pair with step control; the last stretch is Newton's, so the landing is
+    an equilibrium to rounding and the integration only decides which. `rubbed` gathers the way
+    every cell went, for friction.
+    """
+    n = len(travel)
+    slots = 1
+    for i in range(n):
+        slots = max(slots, laws.band_first[i + 1] - laws.band_first[i] + 1)
+    rows = np.full(slots, -1, np.int64)
+    force, slope = np.empty(n), np.empty(n)
+    k1, k2, k3, k4 = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    trial, polished = np.empty(n), np.empty(n)
+    shared = _rates(laws, travel, drive, alpha, beta, shared, rows, force, slope, k1)
+    stiffest = np.max(np.abs(slope)) + scale / np.min(laws.full)
+    h = 1e-2 / stiffest
+    for step in range(_STEPS):
+        fastest = np.max(np.abs(k1))
+        if fastest <= 1e-14 * scale:
+            return True, shared
+        if fastest < 1e-3 * scale and step % 8 == 0:
+            settled, level = _polish(laws, travel, k1, shared, alpha, beta, rows, polished)
+            if settled:
+                rubbed += np.abs(polished - travel)
+                travel[:] = polished
+                return True, level
+        np.clip(travel + 0.5 * h * k1, 0.0, laws.full, trial)
+        middle = _rates(laws, trial, drive, alpha, beta, shared, rows, force, slope, k2)
+        np.clip(travel + 0.75 * h * k2, 0.0, laws.full, trial)
+        middle = _rates(laws, trial, drive, alpha, beta, middle, rows, force, slope, k3)
+        np.clip(travel + h * (2.0 * k1 + 3.0 * k2 + 4.0 * k3) / 9.0, 0.0, laws.full, trial)
+        if beta == 0.0:
+            _close(laws, travel, trial)
+        after = _rates(laws, trial, drive, alpha, beta, middle, rows, force, slope, k4)
+        worst = 0.0
+        for i in range(n):
+            error = h * (-5.0 * k1[i] / 72.0 + k2[i] / 12.0 + k3[i] / 9.0 - k4[i] / 8.0)
+            worst = max(worst, abs(error) / (accuracy * laws.full[i]))
+        if worst <= 1.0:
+            rubbed += np.abs(trial - travel)
+            travel[:] = trial
+            shared = after
+            k1[:] = k4
+        h *= min(4.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
+        h = max(h, 1e-9 / stiffest)
+    return False, shared
+
+
+@kernel
+def _close(laws: Laws, before: Floats, after: Floats) -> None:
+    """Give back what clipping at a stop took from the sum, to the cells that moved freely."""
+    excess = np.sum(after) - np.sum(before)
+    if excess == 0.0:
+        return
+    free = 0
+    for i in range(len(after)):
+        free += after[i] != before[i] and 0.0 < after[i] < laws.full[i]
+    for i in range(len(after)):
+        if after[i] != before[i] and 0.0 < after[i] < laws.full[i]:
+            after[i] = min(max(after[i] - excess / free, 0.0), laws.full[i])

@@ -1,0 +1,673 @@
+"""Following the local minimum through a list of turning points, event by event.
+
+Between events the set of moving cells is fixed and every event but the fold is a comparison of
+two forces, so nothing here depends on a step size.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.statics._branch import (
+    drive_of,
+    first_fold,
+    inverse_slope,
+    point_at,
+)
+from stepwell.statics._compile import kernel
+from stepwell.statics._flow import flow, unstable_direction
+from stepwell.statics._landing import JOINED, UNDECIDED, slide
+from stepwell.statics._law import Floats, Ints, Laws, law, stored
+from stepwell.statics._pieces import Pieces, find_piece, invert
+
+# What happens on a segment of the log.
+HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
+# What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
+# friction; has just reached the force at which it lets go.
+HELD, FREE, SLIDES, LETS_GO = 0, 1, 2, 3
+# Why a snap happened.
+FOLD, RELEASE, KINK = 1, 2, 3
+# How a run ended, or a part of it.
+DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON = 0, 1, 2, 3, 4, 5
+# What the follower knows beside the state: what would set off a snap, and which cells tie.
+TRIGGER, SENSE, WHY, MUST_SNAP, NOTE_A, NOTE_B = range(6)
+
+SEGMENT_COLUMNS = 11
+(KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1, RELEASED, RUBBED, CAUSE, TIE_A, TIE_B) = range(
+    SEGMENT_COLUMNS
+)
+MOVER_COLUMNS = 5
+CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1 = range(MOVER_COLUMNS)
+
+
+class Log(NamedTuple):
+    """Segments (one row each) and, per segment, the cells that moved in it."""
+
+    segments: Floats  # (K, SEGMENT_COLUMNS)
+    first: Ints  # (K + 1,) movers of segment k are first[k] .. first[k + 1]
+    movers: Floats  # (M, MOVER_COLUMNS)
+    used: Ints  # (2,) segments and movers written
+
+
+class State(NamedTuple):
+    """Where the chain is."""
+
+    travel: Floats  # (N,)
+    mode: Ints  # (N,)
+    way: Ints  # (N,) sense in which a cell slides or lets go
+    piece: Ints  # (N,)
+    at_rest: Floats  # (N,) force of a held cell
+    force: Floats  # (1,) λ
+
+
+@kernel
+def _energy(laws: Laws, pieces: Pieces, cell: int, travel: float) -> float:
+    return stored(laws, cell, pieces.picked[find_piece(pieces, cell, travel, 0)], travel)
+
+
+@kernel
+def _write(
+    log: Log,
+    kind: int,
+    direction: int,
+    before: Floats,
+    state: State,
+    moved: Ints,
+    on: Ints,
+    offset: Floats,
+    drive_0: float,
+    drive_1: float,
+    force_0: float,
+    released: float,
+    rubbed: float,
+    note: Ints,
+) -> int:
+    """Append one segment, and forget the tie that it tells of."""
+    k, m = log.used
+    if k >= len(log.segments) or m + len(moved) > len(log.movers):
+        return LOG_FULL
+    row = log.segments[k]
+    row[KIND], row[DIRECTION] = kind, direction
+    row[DRIVE_0], row[DRIVE_1] = drive_0, drive_1
+    row[FORCE_0], row[FORCE_1] = force_0, state.force[0]
+    row[RELEASED], row[RUBBED] = released, rubbed
+    row[CAUSE] = note[WHY] if kind == SNAP else 0
+    row[TIE_A], row[TIE_B] = note[NOTE_A], note[NOTE_B]
+    note[NOTE_A], note[NOTE_B] = -1, -1
+    for j in range(len(moved)):
+        i = moved[j]
+        mover = log.movers[m + j]
+        mover[CELL], mover[PIECE], mover[OFFSET] = i, on[j], offset[j]
+        mover[TRAVEL_0], mover[TRAVEL_1] = before[i], state.travel[i]
+    log.used[0] = k + 1
+    log.used[1] = m + len(moved)
+    log.first[k + 1] = m + len(moved)
+    return GOES_ON
+
+
+@kernel
+def _hold(laws: Laws, pieces: Pieces, state: State, i: int) -> None:
+    """Let cell i rest where it is."""
+    state.mode[i], state.way[i] = HELD, 0
+    piece = find_piece(pieces, i, state.travel[i], 0)
+    if state.travel[i] == pieces.left[piece]:
+        state.at_rest[i] = pieces.force_left[piece]
+    elif state.travel[i] == pieces.right[piece]:
+        state.at_rest[i] = pieces.force_right[piece]
+    else:
+        state.at_rest[i] = law(laws, i, pieces.picked[piece], state.travel[i])[0]
+
+
+@kernel
+def _choose(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    direction: int,
+    alpha: float,
+    beta: float,
+    goes: Ints,
+) -> tuple[int, int]:
+    """How the chain can go on, and the falling cell that leads it if there is one.
+
+    +1: λ moves with the drive, every moving κ > 0. -1: λ moves against it, exactly one κ < 0 and
+    α Σ 1/κ + β < 0. 0: a cell of constant force takes all the motion. 2: nothing of the kind is
+    stable, so the chain snaps. `goes` marks the cells that move.
+    """
+    goes[:] = 0
+    flat, falling, leader, blocked = 0, 0, -1, False
+    for i in range(len(state.mode)):
+        if state.mode[i] == HELD:
+            continue
+        sign = pieces.sign[state.piece[i]]
+        free = state.mode[i] == FREE
+        along = state.way[i] == direction
+        if sign == 0 and (free or along):
+            flat += 1
+            goes[i] = 1
+        elif sign < 0 and (free or along):
+            falling += 1
+            leader = i
+        elif sign <= 0:
+            # Pushed off its place by a falling λ and unable to follow it.
+            blocked = True
+    if falling == 0 and flat > 0 and not blocked:
+        return 0, -1
+    goes[:] = 0
+    if falling == 0 and not blocked:
+        for i in range(len(state.mode)):
+            if state.mode[i] == FREE or (state.mode[i] != HELD and state.way[i] == direction):
+                goes[i] = 1
+        return 1, -1
+    if falling != 1 or flat > 0 or blocked:
+        return 2, leader
+    total = beta
+    for i in range(len(state.mode)):
+        rising = i != leader and state.mode[i] != HELD
+        if i == leader or (rising and (state.mode[i] == FREE or state.way[i] == -direction)):
+            goes[i] = 1
+            total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+    if total < 0.0:
+        return -1, leader
+    goes[:] = 0
+    return 2, leader
+
+
+@kernel
+def _settle(laws: Laws, pieces: Pieces, state: State, alpha: float, beta: float) -> None:
+    """Read modes and λ off a resting configuration, after a snap."""
+    free, total = 0, 0.0
+    for i in range(len(state.mode)):
+        inside = 0.0 < state.travel[i] < laws.full[i]
+        if inside and laws.friction[i] == 0.0:
+            state.mode[i], state.way[i] = FREE, 0
+            piece = find_piece(pieces, i, state.travel[i], 0)
+            state.piece[i] = piece
+            total += law(laws, i, pieces.picked[piece], state.travel[i])[0]
+            free += 1
+        else:
+            _hold(laws, pieces, state, i)
+    if beta > 0.0:
+        return
+    if free > 0:
+        state.force[0] = total / free
+        return
+    low, high = held_range(laws, state)
+    state.force[0] = min(max(state.force[0], low), high)
+
+
+@kernel
+def held_range(laws: Laws, state: State) -> tuple[float, float]:
+    """The forces λ at which every held cell stays."""
+    low, high = -np.inf, np.inf
+    for i in range(len(state.mode)):
+        if state.mode[i] == HELD:
+            if state.travel[i] > 0.0:
+                low = max(low, state.at_rest[i] - laws.friction[i])
+            if state.travel[i] < laws.full[i]:
+                high = min(high, state.at_rest[i] + laws.friction[i])
+    return low, high
+
+
+@kernel
+def _snap(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    trigger: int,
+    sense: int,
+    drive: float,
+    alpha: float,
+    beta: float,
+    scale: float,
+    rubbed: Floats,
+) -> tuple[int, bool]:
+    """Move the chain from a lost equilibrium to the next one; how it went, and whether by a tie."""
+    n = len(state.mode)
+    force = state.force[0]
+    rubbed[:] = 0.0
+    active = 0
+    partner = -1
+    for i in range(n):
+        if state.mode[i] != HELD:
+            active += 1
+            if i != trigger and (state.mode[i] == FREE or state.way[i] == -sense):
+                partner = i
+    low, high = held_range(laws, state)
+    outcome = JOINED
+    paired = beta == 0.0 and active == 2 and partner >= 0
+    if paired or (beta > 0.0 and (active == 1 or alpha == 0.0)):
+        other = partner if beta == 0.0 else -1
+        forth, back = (trigger, other) if sense > 0 else (other, trigger)
+        if alpha == 0.0:
+            # Under a dead load no cell feels the others.
+            low, high = -np.inf, np.inf
+        outcome, shift, level = slide(
+            laws,
+            pieces,
+            forth,
+            back,
+            state.travel[forth] if forth >= 0 else 0.0,
+            state.travel[back] if back >= 0 else 0.0,
+            force,
+            alpha / beta if beta > 0.0 else 0.0,
+            low,
+            high,
+            1e-12 * scale,
+        )
+        if outcome == UNDECIDED:
+            return NOT_SETTLED, False
+        if forth >= 0:
+            state.travel[forth] += shift
+            if laws.full[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
+                state.travel[forth] = laws.full[forth]
+            rubbed[forth] = shift
+        if back >= 0:
+            state.travel[back] -= shift
+            if state.travel[back] <= 1e-15 * laws.full[back]:
+                state.travel[back] = 0.0
+            rubbed[back] = shift
+        state.force[0] = level
+    tie = False
+    if outcome == JOINED:
+        if rubbed[trigger] == 0.0:
+            _leave(laws, pieces, state, trigger, sense, alpha, beta, 1e-6)
+        again = state.travel.copy()
+        worn = rubbed.copy()
+        settled, level = flow(
+            laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-9, rubbed
+        )
+        if not settled:
+            return NOT_SETTLED, False
+        # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
+        # between two landings hangs on less than any real mechanism can promise.
+        settled, _ = flow(laws, again, drive, alpha, beta, state.force[0], scale, 1e-6, worn)
+        state.force[0] = level
+        for i in range(n):
+            tie = tie or not settled or abs(again[i] - state.travel[i]) > 1e-4 * laws.full[i]
+            if abs(state.travel[i]) <= 1e-13 * laws.full[i]:
+                state.travel[i] = 0.0
+            elif abs(state.travel[i] - laws.full[i]) <= 1e-13 * laws.full[i]:
+                state.travel[i] = laws.full[i]
+    _settle(laws, pieces, state, alpha, beta)
+    return DONE, tie
+
+
+@kernel
+def _leave(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    trigger: int,
+    sense: int,
+    alpha: float,
+    beta: float,
+    share: float,
+) -> None:
+    """Step off an unstable equilibrium along its one unstable direction."""
+    n = len(state.mode)
+    movers = np.empty(n, np.int64)
+    count = 0
+    for i in range(n):
+        if state.mode[i] == FREE or i == trigger or (
+            state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
+        ):
+            movers[count] = i
+            count += 1
+    slopes = np.empty(count)
+    mine = 0
+    for m in range(count):
+        i = movers[m]
+        inverse = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+        slopes[m] = 1.0 / inverse
+        if i == trigger:
+            mine = m
+    if count > 1:
+        way = unstable_direction(slopes, alpha, beta)
+    else:
+        way = np.ones(1)
+    turn = sense if way[mine] > 0.0 else -sense
+    for m in range(count):
+        i = movers[m]
+        moved = state.travel[i] + turn * share * laws.full[i] * way[m]
+        state.travel[i] = min(max(moved, 0.0), laws.full[i])
+
+
+@kernel
+def _pass_end(laws: Laws, pieces: Pieces, state: State, cell: int, heading: int) -> None:
+    """A cell has reached the end of its piece: it rests at a stop, or goes on to the next."""
+    stop = laws.full[cell] if heading > 0 else 0.0
+    if state.travel[cell] == stop:
+        _hold(laws, pieces, state, cell)
+        return
+    state.piece[cell] += heading
+    if state.mode[cell] == SLIDES:
+        state.mode[cell] = LETS_GO
+
+
+@kernel
+def _take_snap(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    direction: int,
+    alpha: float,
+    beta: float,
+    scale: float,
+    note: Ints,
+    log: Log,
+) -> int:
+    """Snap, and write down what moved and what was released."""
+    n = len(state.mode)
+    before = state.travel.copy()
+    force = state.force[0]
+    drive = drive_of(before, force, alpha, beta)
+    rubbed = np.zeros(n)
+    status, close = _snap(
+        laws, pieces, state, note[TRIGGER], note[SENSE], drive, alpha, beta, scale, rubbed
+    )
+    if status != DONE:
+        return status
+    moved = np.flatnonzero(state.travel != before)
+    if len(moved) == 0:
+        return STALLED
+    released, friction_work = 0.0, 0.0
+    for i in moved:
+        released += _energy(laws, pieces, i, before[i]) - _energy(laws, pieces, i, state.travel[i])
+        friction_work += laws.friction[i] * rubbed[i]
+    if alpha == 0.0:
+        released += force * (np.sum(state.travel) - np.sum(before))
+    elif beta > 0.0:
+        # The actuator's spring gives back what it held.
+        state.force[0] = (drive - alpha * np.sum(state.travel)) / beta
+        released += 0.5 * beta * (force * force - state.force[0] * state.force[0])
+    if close and note[NOTE_A] < 0:
+        note[NOTE_A] = note[NOTE_B] = note[TRIGGER]
+    nowhere = np.full(len(moved), -1, np.int64)
+    status = _write(
+        log, SNAP, direction, before, state, moved, nowhere, np.zeros(len(moved)),
+        drive, drive, force, released - friction_work, friction_work, note,
+    )  # fmt: skip
+    note[TRIGGER], note[SENSE], note[WHY], note[MUST_SNAP] = -1, direction, FOLD, 0
+    return status
+
+
+@kernel
+def _drift(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    direction: int,
+    target: float,
+    alpha: float,
+    beta: float,
+    moved: Ints,
+    on: Ints,
+    offset: Floats,
+    note: Ints,
+    log: Log,
+) -> int:
+    """Cells of constant force take the motion, equally, until one of them leaves its piece."""
+    before = state.travel.copy()
+    force = state.force[0]
+    drive = drive_of(before, force, alpha, beta)
+    ends = pieces.right[on] if direction > 0 else pieces.left[on]
+    room = np.min(np.abs(ends - before[moved]))
+    reached = alpha > 0.0 and direction * (target - drive) < alpha * len(moved) * room
+    if reached:
+        room = direction * (target - drive) / (alpha * len(moved))
+    friction_work = 0.0
+    for m in range(len(moved)):
+        i = moved[m]
+        left = abs(ends[m] - before[i]) - room
+        arrives = not reached and left <= 1e-15 * laws.full[i]
+        state.travel[i] = ends[m] if arrives else before[i] + direction * room
+        friction_work += laws.friction[i] * room
+    if len(moved) > 1:
+        # Nothing but friction decides how they share.
+        note[NOTE_A], note[NOTE_B] = moved[0], moved[1]
+    status = _write(
+        log, DRIFT, direction, before, state, moved, on, offset, drive,
+        drive_of(state.travel, force, alpha, beta), force, 0.0, friction_work, note,
+    )  # fmt: skip
+    for m in range(len(moved)):
+        i = moved[m]
+        if not reached and state.travel[i] == ends[m]:
+            note[TRIGGER], note[SENSE], note[WHY] = i, direction, KINK
+            _pass_end(laws, pieces, state, i, direction)
+    return DONE if reached and status == GOES_ON else status
+
+
+@kernel
+def _until_letting_go(laws: Laws, state: State, i: int, toward: int, force: float) -> float:
+    """How far λ has to go `toward` until held cell i lets go; inf where it never does."""
+    stop = laws.full[i] if toward > 0 else 0.0
+    if state.mode[i] != HELD or state.travel[i] == stop:
+        return np.inf
+    return max(0.0, toward * (state.at_rest[i] - force) + laws.friction[i])
+
+
+@kernel
+def _first_to_let_go(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    toward: int,
+    rank: Ints,
+    tie_force: float,
+    note: Ints,
+) -> tuple[float, int]:
+    """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
+    n = len(state.mode)
+    force = state.force[0]
+    nearest = np.inf
+    for i in range(n):
+        nearest = min(nearest, _until_letting_go(laws, state, i, toward, force))
+    first, rival, falls = -1, -1, False
+    if nearest == np.inf:
+        return nearest, first
+    for i in range(n):
+        if _until_letting_go(laws, state, i, toward, force) <= nearest + tie_force:
+            piece = find_piece(pieces, i, state.travel[i], toward)
+            falls = falls or pieces.sign[piece] < 0
+            if first < 0 or rank[i] < rank[first]:
+                first, rival = i, first
+            else:
+                rival = i
+    if rival >= 0 and falls:
+        # Cells of rising force would share the motion; of these, only one can have it.
+        note[NOTE_A], note[NOTE_B] = first, rival
+    return nearest, first
+
+
+@kernel
+def _move(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    direction: int,
+    toward: int,
+    leader: int,
+    target: float,
+    alpha: float,
+    beta: float,
+    moved: Ints,
+    on: Ints,
+    offset: Floats,
+    rank: Ints,
+    scale: float,
+    note: Ints,
+    log: Log,
+) -> int:
+    """Follow one branch to its first event or to the target; λ moves `toward`."""
+    count = len(moved)
+    tie_force = 1e-9 * scale
+    small_drive = alpha * 1e-13 * np.sum(laws.full) + beta * 1e-13 * scale
+    before = state.travel.copy()
+    force = state.force[0]
+    drive = drive_of(before, force, alpha, beta)
+    arrival, who = np.inf, -1
+    for m in range(count):
+        rising_travel = toward * pieces.sign[on[m]] > 0
+        end = pieces.force_right[on[m]] if rising_travel else pieces.force_left[on[m]]
+        distance = max(0.0, toward * (end + offset[m] - force))
+        if distance < arrival:
+            arrival, who = distance, m
+    release, cell = _first_to_let_go(laws, pieces, state, toward, rank, tie_force, note)
+    releases = release < arrival - tie_force
+    if not releases and toward != direction and release <= arrival + tie_force:
+        # An arrival and a release coincide: a snap of no size or none at all.
+        note[NOTE_A], note[NOTE_B] = moved[who], cell
+    if releases:
+        heading = toward
+        level = force + toward * release
+    elif who >= 0:
+        cell = moved[who]
+        heading = toward * pieces.sign[on[who]]
+        end = pieces.force_right[on[who]] if heading > 0 else pieces.force_left[on[who]]
+        level = end + offset[who] if arrival > 0.0 else force
+    elif beta == 0.0:
+        return RUNS_AWAY
+    else:
+        # Nothing is left to happen: the drive only changes the force.
+        state.force[0] = (target - alpha * np.sum(before)) / beta
+        status = _write(
+            log, HOLD, direction, before, state, moved, on, offset, drive, target, force,
+            0.0, 0.0, note,
+        )  # fmt: skip
+        return DONE if status == GOES_ON else status
+    folds = False
+    if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
+        fold = first_fold(
+            laws, pieces, moved, on, offset, alpha, beta, force, level, 1e-15 * scale
+        )
+        if not np.isnan(fold) and abs(fold - level) > 1e-12 * scale:
+            folds, level = True, fold
+    places = np.empty(count)
+    rest = np.sum(before)
+    for m in range(count):
+        rest -= before[moved[m]]
+        places[m] = invert(laws, pieces, moved[m], on[m], level - offset[m])
+    if not folds and not releases:
+        places[who] = pieces.right[on[who]] if heading > 0 else pieces.left[on[who]]
+    following = alpha * (rest + np.sum(places)) + beta * level
+    reached = direction * (following - target) > small_drive
+    if reached and count == 1 and beta == 0.0:
+        places[0] = target - rest
+        level = law(laws, moved[0], pieces.picked[on[0]], places[0])[0] + offset[0]
+    elif reached:
+        level = point_at(
+            laws, pieces, moved, on, offset, alpha, beta, rest, force, level, target, places
+        )
+    if reached:
+        following = target
+    friction_work = 0.0
+    for m in range(count):
+        friction_work += laws.friction[moved[m]] * abs(places[m] - before[moved[m]])
+        state.travel[moved[m]] = places[m]
+    state.force[0] = level
+    if level != force or following != drive:
+        status = _write(
+            log, MOVE if count > 0 else HOLD, direction, before, state, moved, on, offset,
+            drive, following, force, 0.0, friction_work, note,
+        )  # fmt: skip
+        if status != GOES_ON:
+            return status
+    if reached:
+        return DONE
+    if folds:
+        note[TRIGGER], note[SENSE], note[WHY], note[MUST_SNAP] = leader, direction, FOLD, 1
+    elif releases:
+        state.mode[cell], state.way[cell] = LETS_GO, toward
+        state.piece[cell] = find_piece(pieces, cell, state.travel[cell], toward)
+        note[TRIGGER], note[SENSE], note[WHY] = cell, toward, RELEASE
+    else:
+        note[TRIGGER], note[SENSE], note[WHY] = cell, heading, KINK
+        _pass_end(laws, pieces, state, cell, heading)
+    return GOES_ON
+
+
+@kernel
+def _leg(
+    laws: Laws,
+    pieces: Pieces,
+    alpha: float,
+    beta: float,
+    direction: int,
+    target: float,
+    state: State,
+    rank: Ints,
+    scale: float,
+    log: Log,
+) -> int:
+    """Drive the chain to `target` in one direction."""
+    n = len(state.mode)
+    goes = np.zeros(n, np.int64)
+    note = np.array([-1, direction, FOLD, 0, -1, -1])
+    small_drive = alpha * 1e-13 * np.sum(laws.full) + beta * 1e-13 * scale
+    for i in range(n):
+        if state.mode[i] == SLIDES or state.mode[i] == LETS_GO:
+            _hold(laws, pieces, state, i)
+    furthest, idle = np.nan, 0
+    while True:
+        drive = drive_of(state.travel, state.force[0], alpha, beta)
+        if direction * (target - drive) <= small_drive:
+            return DONE
+        idle = idle + 1 if abs(drive - furthest) <= small_drive else 0
+        furthest = drive
+        if idle > 40 * n + 400:
+            return STALLED
+        choice, leader = _choose(laws, pieces, state, direction, alpha, beta, goes)
+        if choice == 2 or note[MUST_SNAP]:
+            if note[TRIGGER] < 0:
+                note[TRIGGER], note[SENSE] = leader, direction
+            status = _take_snap(laws, pieces, state, direction, alpha, beta, scale, note, log)
+        else:
+            for i in range(n):
+                if state.mode[i] != HELD and state.mode[i] != FREE:
+                    if not goes[i]:
+                        _hold(laws, pieces, state, i)
+                    elif laws.friction[i] == 0.0:
+                        state.mode[i], state.way[i] = FREE, 0
+                    else:
+                        state.mode[i] = SLIDES
+            moved = np.flatnonzero(goes)
+            on = state.piece[moved]
+            offset = state.way[moved] * laws.friction[moved]
+            note[TRIGGER] = -1
+            if choice == 0:
+                status = _drift(
+                    laws, pieces, state, direction, target, alpha, beta, moved, on, offset,
+                    note, log,
+                )  # fmt: skip
+            else:
+                status = _move(
+                    laws, pieces, state, direction, choice * direction, leader, target, alpha,
+                    beta, moved, on, offset, rank, scale, note, log,
+                )  # fmt: skip
+        if status != GOES_ON:
+            return status
+
+
+@kernel
+def follow(
+    laws: Laws,
+    pieces: Pieces,
+    alpha: float,
+    beta: float,
+    turning: Floats,
+    state: State,
+    rank: Ints,
+    scale: float,
+    log: Log,
+) -> int:
+    """Drive the chain through `turning`, writing every segment to `log`; how it ended."""
+    for turn in range(1, len(turning)):
+        if turning[turn] != turning[turn - 1]:
+            direction = 1 if turning[turn] > turning[turn - 1] else -1
+            status = _leg(
+                laws, pieces, alpha, beta, direction, turning[turn], state, rank, scale, log
+            )
+            if status != DONE:
+                return status
+    return DONE

@@ -1,0 +1,78 @@
+"""Events on a path: cells arriving at stops, and snaps."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class EventKind(Enum):
+    """What happened."""
+
+    SWITCH = "a cell arrives at a stop"
+    SNAP = "the chain jumps at a fixed drive"
+
+
+class Cause(Enum):
+    """Why it happened."""
+
+    STOP = "the blocks of a cell touch"
+    FOLD = "the local minimum merges with a saddle and is gone"
+    RELEASE = "a held cell lets go and the others cannot carry what it gives"
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One switch or snap.
+
+    Attributes:
+        kind, cause: what happened and why.
+        drive: actuator position [m], or its force [N] under force control.
+        stroke: u = Σ s_i just before [m].
+        direction: +1 while loading, -1 while unloading.
+        cells: the cells that moved; for a switch the one that arrived.
+        before, after: their travels [m].
+        force_before, force_after: actuator force λ [N].
+        released: energy turned into heat by the jump [J], without what friction took.
+        arrivals: (cell, 0 or 1) for every cell that arrived at a stop.
+        tie: whether another outcome was closer than the tolerance.
+    """
+
+    kind: EventKind
+    cause: Cause
+    drive: float
+    stroke: float
+    direction: int
+    cells: tuple[int, ...]
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    force_before: float
+    force_after: float
+    released: float
+    arrivals: tuple[tuple[int, int], ...]
+    tie: bool
+
+    def __repr__(self):
+        moves = ", ".join(
+            f"cell {c + 1} {a * 1e3:.4g}→{b * 1e3:.4g} mm"
+            for c, a, b in zip(self.cells, self.before, self.after, strict=True)
+        )
+        what = f", releases {self.released * 1e3:.4g} mJ" if self.kind is EventKind.SNAP else ""
+        way = "loading" if self.direction > 0 else "unloading"
+        return f"{self.kind.name} at {self.stroke * 1e3:.6g} mm {way}: {moves}{what}"
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """A place where the model cannot say what happens: two outcomes closer than the tolerance.
+
+    Attributes:
+        drive: where [m], or [N] under force control.
+        cells: the cells that tie, or the one whose landing does.
+        advice: what the user can do about it.
+    """
+
+    drive: float
+    cells: tuple[int, ...]
+    advice: str
+
+    def __str__(self):
+        return self.advice

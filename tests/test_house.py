@@ -1,0 +1,144 @@
+"""Promises about the house itself: what it imports, what it names, what it calls its version."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stepwell
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCE = ROOT / "src" / "stepwell"
+HEAVY = {"matplotlib", "numba", "pandas", "pydantic", "scipy", "xarray"}
+
+# Written as patterns, so that this file does not name what it forbids.
+INDEX_HOST = re.compile(r"pypi\.(?:org|python)|python(?:hosted)\.org|npm(?:js)\.(?:org|com)", re.I)
+MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:home|root|work|Users)/\w|[A-Z]:\\Users\b|\.\./shared\b")
+
+
+def repository_files() -> list[Path]:
+    """Files that are, or would be, committed."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout, so there is no list of the repository's files")
+    listing = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    return [ROOT / name for name in listing.split("\0") if name and (ROOT / name).is_file()]
+
+
+def mentions(pattern: re.Pattern[str], files: list[Path]) -> list[str]:
+    """Places where a text file says what the pattern forbids, as "file:line: text"."""
+    found = []
+    for file in files:
+        try:
+            lines = file.read_text("utf-8").splitlines()
+        except UnicodeDecodeError:
+            continue  # a picture
+        found += [
+            f"{file.relative_to(ROOT)}:{number}: {line.strip()[:100]}"
+            for number, line in enumerate(lines, 1)
+            if pattern.search(line)
+        ]
+    return found
+
+
+def loaded_by(code: str) -> set[str]:
+    """Heavy packages in memory after a fresh interpreter has run the code."""
+    script = f"import sys\n{code}\nprint(*{{m.partition('.')[0] for m in sys.modules}})"
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    return HEAVY & set(result.stdout.splitlines()[-1].split())
+
+
+def imported_modules(file: Path) -> set[str]:
+    """Absolute names of everything a source file of the package imports."""
+    package = ["stepwell", *file.relative_to(SOURCE).parent.parts]
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            origin = ".".join([*base, *filter(None, [node.module])])
+            names |= {origin} | {f"{origin}.{alias.name}" for alias in node.names}
+    return names
+
+
+def test_importing_stepwell_costs_numpy_and_no_more():
+    assert loaded_by("import stepwell") == set()
+
+
+def test_asking_the_command_for_help_opens_no_numerical_library():
+    code = """
+sys.argv = ["stepwell", "--help"]
+from stepwell.cli import main
+try:
+    main()
+except SystemExit as end:
+    assert not end.code, end.code
+"""
+    assert loaded_by(code) - {"pydantic"} == set()
+
+
+def test_every_public_name_can_be_had_from_the_root():
+    missing = [name for name in stepwell.__all__ if not hasattr(stepwell, name)]
+    assert missing == []
+
+
+def test_no_other_room_reaches_behind_the_door_of_statics():
+    trespassers = [
+        f"{file.relative_to(ROOT)} imports {name}"
+        for file in SOURCE.rglob("*.py")
+        if file.relative_to(SOURCE).parts[0] != "statics"
+        for name in sorted(imported_modules(file))
+        if re.match(r"stepwell\.statics\._[a-z]", name)
+    ]
+    assert trespassers == []
+
+
+def test_every_module_says_what_a_reader_finds_there():
+    silent = [
+        str(file.relative_to(ROOT))
+        for file in SOURCE.rglob("*.py")
+        if not ast.get_docstring(ast.parse(file.read_text("utf-8")))
+    ]
+    assert silent == []
+
+
+def test_no_file_names_a_package_index():
+    assert mentions(INDEX_HOST, repository_files()) == []
+
+
+def test_no_file_names_a_path_of_somebodys_machine():
+    assert mentions(MACHINE_PATH, repository_files()) == []
+
+
+@pytest.mark.parametrize("lock", ["requirements.lock", "requirements-lowest.lock"])
+def test_a_lock_file_holds_pins_and_hashes_and_no_address(lock):
+    text = (ROOT / lock).read_text("utf-8")
+    assert not re.search(r"://|--(?:extra-)?index-url|--find-links|--trusted-host| @ ", text)
+    pins = re.split(r"\n(?=\w)", re.sub(r"^#.*\n", "", text, flags=re.M))
+    unpinned = [pin for pin in pins if not re.match(r"[\w.-]+==\S+ .*--hash=sha256:", pin, re.S)]
+    assert unpinned == []
+
+
+def test_the_lock_pins_what_builds_the_package():
+    text = (ROOT / "requirements.lock").read_text("utf-8")
+    assert {"hatchling", "editables"} <= set(re.findall(r"^([\w.-]+)==", text, re.M))
+
+
+def test_changelog_and_citation_speak_of_this_version():
+    changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    newest = re.search(r"^## (\S+)", changelog, re.M)
+    cited = re.search(r"^version: (\S+)$", citation, re.M)
+    assert newest is not None
+    assert cited is not None
+    assert newest[1] == cited[1] == stepwell.__version__
