@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 Vec2 = tuple[float, float]
 
@@ -47,7 +48,7 @@ def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[f
     numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
     if len(numbers) < least:
         raise ValueError(f"{name} has {len(numbers)} values: must have {least} or more [{unit}].")
-    for i, (low, high) in enumerate(zip(numbers, numbers[1:], strict=False)):
+    for i, (low, high) in enumerate(pairwise(numbers)):
         if high <= low:
             raise ValueError(
                 f"{name}[{i + 1}] = {high} {unit} after {low}: values must rise; sort the table "

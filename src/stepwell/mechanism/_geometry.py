@@ -4,17 +4,21 @@ Written for floats and arrays alike, so that NumPy evaluates it here and Numba c
 same lines for the engine: one formula, one place.
 """
 
+from typing import Any
+
 import numpy as np
 
 
-def band_length(sin, cos, dx, dy, lever):
+def band_length(sin: Any, cos: Any, dx: float, dy: float, lever: float) -> Any:
     """ℓ(θ) = |(r cos θ + d_x, r sin θ + d_y)| (Kamp et al. 2024, Eq. 2)."""
     x = lever * cos + dx
     y = lever * sin + dy
     return np.sqrt(x * x + y * y)
 
 
-def length_slopes(sin, cos, length, dx, dy, lever):
+def length_slopes(
+    sin: Any, cos: Any, length: Any, dx: float, dy: float, lever: float
+) -> tuple[Any, Any, Any]:
     """First three derivatives of ℓ by travel s = r (sin θ + sin θc).
 
     From ℓ² = r² + d² + 2 r (d_x cos θ + d_y sin θ) and ds = r cos θ dθ:

@@ -30,7 +30,7 @@ class Band:
         two_sided: True for a spring that also pushes.
 
     Raises:
-        ValueError: a value out of its range.
+        ValueError: a value out of its range, or a two-sided Table.
 
     Source: Kamp et al. 2024, Eqs. 1 and 2; tension-only is ours (theory page, "Slack").
     """
@@ -45,12 +45,15 @@ class Band:
     def __post_init__(self):
         object.__setattr__(self, "p", _check.vector("p", self.p))
         object.__setattr__(self, "q", _check.vector("q", self.q))
-        object.__setattr__(
-            self, "stiffness", _check.positive("stiffness", self.stiffness, "N/m")
-        )
+        object.__setattr__(self, "stiffness", _check.positive("stiffness", self.stiffness, "N/m"))
         object.__setattr__(
             self, "rest_length", _check.not_negative("rest_length", self.rest_length, "m")
         )
+        if self.two_sided and isinstance(self.law, Table):
+            raise ValueError(
+                "two_sided = True with a Table: a table says nothing of compression; use Linear "
+                "or Cubic, or leave the band tension-only."
+            )
 
     @classmethod
     def from_table(

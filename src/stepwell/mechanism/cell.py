@@ -49,7 +49,7 @@ class Cell:
     def __post_init__(self):
         if not isinstance(self.band, Band):
             bands = tuple(self.band)
-            if not bands or not all(isinstance(band, Band) for band in bands):
+            if not bands or any(type(band) is not Band for band in bands):
                 raise ValueError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
             object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
         object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
@@ -214,7 +214,7 @@ def as_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
     """The cells as a tuple; raises ValueError when there are none or one is not a Cell."""
     checked = tuple(cells)
     for i, cell in enumerate(checked):
-        if not isinstance(cell, Cell):
+        if type(cell) is not Cell:
             raise ValueError(f"cells[{i}] = {cell!r}: must be a Cell.")
     if not checked:
         raise ValueError("cells is empty: a chain has one cell or more, inner first.")

@@ -112,7 +112,9 @@ class Load:
         travel = _check.rising("travel", self.travel, "m", 1)
         force = tuple(_check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
         if len(force) != len(travel):
-            raise ValueError(f"force has {len(force)} values, travel {len(travel)}: as many, please.")
+            raise ValueError(
+                f"force has {len(force)} values, travel {len(travel)}: must be as many."
+            )
         object.__setattr__(self, "travel", travel)
         object.__setattr__(self, "force", force)
 
@@ -128,7 +130,7 @@ class Load:
 
 @lru_cache(maxsize=256)
 def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
 
     cubic = PchipInterpolator(np.array(x), np.array(y)).c[::-1].T
     end = cubic[-1] @ (np.array([0.0, 1.0, 2.0, 3.0]) * (x[-1] - x[-2]) ** np.array([0, 0, 1, 2]))

@@ -152,7 +152,11 @@ def _polish(
             step = max(step, abs(move) / laws.full[flat])
         shared += change
         for i in range(n):
-            if out[i] < 0.0 or out[i] > laws.full[i] or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]:
+            if (
+                out[i] < 0.0
+                or out[i] > laws.full[i]
+                or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]
+            ):
                 return False, shared
         if step < 1e-15:
             break

@@ -33,9 +33,8 @@ DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON = 0, 1, 2, 3, 4, 5
 TRIGGER, SENSE, WHY, MUST_SNAP, NOTE_A, NOTE_B = range(6)
 
 SEGMENT_COLUMNS = 11
-(KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1, RELEASED, RUBBED, CAUSE, TIE_A, TIE_B) = range(
-    SEGMENT_COLUMNS
-)
+KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
+RELEASED, RUBBED, CAUSE, TIE_A, TIE_B = range(6, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 5
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1 = range(MOVER_COLUMNS)
 
@@ -309,15 +308,17 @@ def _leave(
     movers = np.empty(n, np.int64)
     count = 0
     for i in range(n):
-        if state.mode[i] == FREE or i == trigger or (
-            state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
+        if (
+            state.mode[i] == FREE
+            or i == trigger
+            or (state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0)
         ):
             movers[count] = i
             count += 1
     slopes = np.empty(count)
     mine = 0
     for m in range(count):
-        i = movers[m]
+        i = int(movers[m])
         inverse = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
         slopes[m] = 1.0 / inverse
         if i == trigger:
@@ -328,7 +329,7 @@ def _leave(
         way = np.ones(1)
     turn = sense if way[mine] > 0.0 else -sense
     for m in range(count):
-        i = movers[m]
+        i = int(movers[m])
         moved = state.travel[i] + turn * share * laws.full[i] * way[m]
         state.travel[i] = min(max(moved, 0.0), laws.full[i])
 
@@ -372,7 +373,8 @@ def _take_snap(
     if len(moved) == 0:
         return STALLED
     released, friction_work = 0.0, 0.0
-    for i in moved:
+    for m in range(len(moved)):
+        i = int(moved[m])
         released += _energy(laws, pieces, i, before[i]) - _energy(laws, pieces, i, state.travel[i])
         friction_work += laws.friction[i] * rubbed[i]
     if alpha == 0.0:
@@ -418,11 +420,11 @@ def _drift(
         room = direction * (target - drive) / (alpha * len(moved))
     friction_work = 0.0
     for m in range(len(moved)):
-        i = moved[m]
+        i = int(moved[m])
         left = abs(ends[m] - before[i]) - room
         arrives = not reached and left <= 1e-15 * laws.full[i]
         state.travel[i] = ends[m] if arrives else before[i] + direction * room
-        friction_work += laws.friction[i] * room
+        friction_work += float(laws.friction[i]) * room
     if len(moved) > 1:
         # Nothing but friction decides how they share.
         note[NOTE_A], note[NOTE_B] = moved[0], moved[1]
@@ -431,7 +433,7 @@ def _drift(
         drive_of(state.travel, force, alpha, beta), force, 0.0, friction_work, note,
     )  # fmt: skip
     for m in range(len(moved)):
-        i = moved[m]
+        i = int(moved[m])
         if not reached and state.travel[i] == ends[m]:
             note[TRIGGER], note[SENSE], note[WHY] = i, direction, KINK
             _pass_end(laws, pieces, state, i, direction)
@@ -520,10 +522,10 @@ def _move(
         note[NOTE_A], note[NOTE_B] = moved[who], cell
     if releases:
         heading = toward
-        level = force + toward * release
+        level = float(force + toward * release)
     elif who >= 0:
-        cell = moved[who]
-        heading = toward * pieces.sign[on[who]]
+        cell = int(moved[who])
+        heading = toward * int(pieces.sign[on[who]])
         end = pieces.force_right[on[who]] if heading > 0 else pieces.force_left[on[who]]
         level = end + offset[who] if arrival > 0.0 else force
     elif beta == 0.0:
@@ -538,19 +540,18 @@ def _move(
         return DONE if status == GOES_ON else status
     folds = False
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
-        fold = first_fold(
-            laws, pieces, moved, on, offset, alpha, beta, force, level, 1e-15 * scale
-        )
+        fold = first_fold(laws, pieces, moved, on, offset, alpha, beta, force, level, 1e-15 * scale)
         if not np.isnan(fold) and abs(fold - level) > 1e-12 * scale:
             folds, level = True, fold
     places = np.empty(count)
-    rest = np.sum(before)
+    rest = float(np.sum(before))
     for m in range(count):
-        rest -= before[moved[m]]
-        places[m] = invert(laws, pieces, moved[m], on[m], level - offset[m])
+        i = int(moved[m])
+        rest -= float(before[i])
+        places[m] = invert(laws, pieces, i, on[m], level - offset[m])
     if not folds and not releases:
         places[who] = pieces.right[on[who]] if heading > 0 else pieces.left[on[who]]
-    following = alpha * (rest + np.sum(places)) + beta * level
+    following = alpha * (rest + float(np.sum(places))) + beta * level
     reached = direction * (following - target) > small_drive
     if reached and count == 1 and beta == 0.0:
         places[0] = target - rest
@@ -563,8 +564,9 @@ def _move(
         following = target
     friction_work = 0.0
     for m in range(count):
-        friction_work += laws.friction[moved[m]] * abs(places[m] - before[moved[m]])
-        state.travel[moved[m]] = places[m]
+        i = int(moved[m])
+        friction_work += float(laws.friction[i]) * abs(places[m] - before[i])
+        state.travel[i] = places[m]
     state.force[0] = level
     if level != force or following != drive:
         status = _write(

@@ -7,7 +7,6 @@ from stepwell.statics._compile import kernel
 from stepwell.statics._follow import (
     CELL,
     DIRECTION,
-    DRIFT,
     DRIVE_0,
     DRIVE_1,
     FORCE_0,
@@ -56,15 +55,12 @@ def sample(
     stability: Floats,
 ) -> int:
     """Fill the arrays; evenly in the drive along a branch, both ends of every jump."""
-    n = len(start)
     now = start.copy()
-    slopes = np.empty(n)
     at = 0
     part = 0
     drive[0] = alpha * np.sum(start) + beta * start_force
     travel[0], force[0], branch[0], snap_after[0] = now, start_force, 0, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    slopes[:] = 0.0
     residual[0], stability[0] = _certify(
         laws, pieces, now, start_force, alpha, beta, np.empty(0, np.int64), np.empty(0, np.int64),
         np.empty(0),

@@ -120,7 +120,7 @@ def _refuse_unstable(
     chain: Chain, laws: Laws, pieces: Pieces, state: State, alpha: float, beta: float
 ) -> None:
     total, falling = beta, 0
-    for i in np.flatnonzero(state.mode == FREE):
+    for i in np.flatnonzero(state.mode == FREE).tolist():
         falling += int(pieces.sign[state.piece[i]] < 0)
         total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
     if falling > 1 or (falling == 1 and total >= 0):

@@ -1,9 +1,9 @@
-"""How a chain moves while its actuator visits a list of turning points."""
+"""A chain's way through its equilibria: samples, events, certificates."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
@@ -14,18 +14,16 @@ import numpy as np
 from stepwell._write import write_atomic
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
+from stepwell.statics._events import read_events
 from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import StaticsError, advice_on_tie, refuse_failure
-from stepwell.statics._pack import pack
-from stepwell.statics._pieces import Pieces, cut
+from stepwell.statics._outcome import advice_on_tie
+from stepwell.statics._pieces import Pieces
 from stepwell.statics._sample import count_samples, sample
-from stepwell.statics._start import drive_weights, start_travels, starting_state
-from stepwell.statics.events import Cause, Event, EventKind, Tie
+from stepwell.statics._start import drive_weights
+from stepwell.statics.events import Event, Tie
 
 if TYPE_CHECKING:
     import xarray
-
-__all__ = ["Path", "StaticsError", "path"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +142,7 @@ class Path:
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        return tuple(_events(self._log, self._segments, self._laws, np.array(self.start)))
+        return tuple(read_events(self._log, self._laws, np.array(self.start)))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
@@ -259,7 +257,7 @@ class Path:
     def to_csv(self, file: str | File) -> None:
         """Write all samples as CSV, units in the column names (mm, N, mJ, N/m)."""
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
-        columns: dict[str, Floats] = {
+        columns: dict[str, Any] = {
             f"drive_{unit}": self.drive * factor,
             "stroke_mm": self.stroke * 1e3,
             **{
@@ -286,201 +284,3 @@ class Path:
             f"Path({len(self.chain)} cells, {turns}{more} {unit}: {snaps} snaps, "
             f"dissipates {self.dissipated * 1e3:.4g} mJ)"
         )
-
-
-def path(
-    chain: Chain,
-    turning_points: Sequence[float],
-    *,
-    start: str | Sequence[float] | None = None,
-    prefer: Sequence[int] | None = None,
-) -> Path:
-    """Follow the chain's local energy minimum exactly while the actuator turns at these points.
-
-    Args:
-        chain: the chain.
-        turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
-        start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
-        prefer: cells by falling priority where two of them tie; innermost first by default.
-
-    Returns:
-        The path.
-
-    Raises:
-        ValueError: turning points out of range, or a start that is no stable equilibrium.
-        StaticsError: the follower could not go on; its text says where and what to do.
-
-    Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them through
-    snaps is ours (theory page).
-    """
-    points = _checked_turns(chain, turning_points)
-    laws = pack(chain.cells)
-    pieces = cut(laws)
-    scale = _force_scale(laws, pieces)
-    travels = start_travels(chain, start)
-    state = starting_state(chain, laws, pieces, travels, points[0], scale)
-    return follow_from(chain, laws, pieces, points, travels, state, scale, prefer)
-
-
-def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
-    """Load from all cells at 0 until all are at 1, and unload.
-
-    Args:
-        chain: the chain.
-        prefer: cells by falling priority where two of them tie; innermost first by default.
-
-    Returns:
-        The path.
-
-    Raises:
-        StaticsError: the follower could not go on; its text says where and what to do.
-    """
-    laws = pack(chain.cells)
-    pieces = cut(laws)
-    alpha, beta = drive_weights(chain)
-    low, high = force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
-    turning = np.array([beta * low, alpha * float(np.sum(laws.full)) + beta * high, beta * low])
-    scale = _force_scale(laws, pieces)
-    travels = np.zeros(len(chain))
-    state = starting_state(chain, laws, pieces, travels, turning[0], scale)
-    return follow_from(chain, laws, pieces, turning, travels, state, scale, prefer)
-
-
-def follow_from(
-    chain: Chain,
-    laws: Laws,
-    pieces: Pieces,
-    turning: Floats,
-    travels: Floats,
-    state: f.State,
-    scale: float,
-    prefer: Sequence[int] | None,
-) -> Path:
-    """Run the follower, giving it a longer log until the path fits."""
-    alpha, beta = drive_weights(chain)
-    rank = _ranks(len(chain), prefer)
-    start_force = float(state.force[0])
-    room = 64 + 16 * len(chain) * len(turning)
-    while True:
-        log = f.Log(
-            np.zeros((room, f.SEGMENT_COLUMNS)),
-            np.zeros(room + 1, np.int64),
-            np.zeros((4 * room, f.MOVER_COLUMNS)),
-            np.zeros(2, np.int64),
-        )
-        trial = f.State(*(part.copy() for part in state))
-        status = f.follow(laws, pieces, alpha, beta, turning, trial, rank, scale, log)
-        if status != f.LOG_FULL:
-            break
-        room *= 4
-    if status != f.DONE:
-        refuse_failure(status, chain, trial.travel, float(trial.force[0]))
-    samples = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
-    return Path(
-        chain,
-        tuple(float(t) for t in turning),
-        tuple(float(s) for s in travels),
-        samples,
-        start_force,
-        laws,
-        pieces,
-        log,
-    )
-
-
-def _force_scale(laws: Laws, pieces: Pieces) -> float:
-    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
-    return float(max(largest, np.max(laws.friction), 1e-12))
-
-
-def force_range(laws: Laws, pieces: Pieces) -> tuple[float, float]:
-    """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
-    forces = np.concatenate([pieces.force_left, pieces.force_right])
-    rub = float(np.max(laws.friction))
-    margin = 0.01 * _force_scale(laws, pieces)
-    return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
-
-
-def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
-    order = list(range(cells)) if prefer is None else [int(i) for i in prefer]
-    if sorted(order) != list(range(cells)):
-        raise ValueError(
-            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
-            f"that goes first."
-        )
-    ranks = np.empty(cells, np.int64)
-    ranks[order] = np.arange(cells)
-    return ranks
-
-
-def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:
-    points = np.asarray(turning_points, float)
-    if points.ndim != 1 or len(points) < 1 or not np.all(np.isfinite(points)):
-        raise ValueError(
-            f"turning_points = {turning_points!r}: must be one or more finite numbers, where the "
-            f"actuator starts and where it turns."
-        )
-    if math.isinf(chain.actuator_stiffness):
-        most = chain.full_stroke
-        outside = (points < -1e-9 * most) | (points > (1 + 1e-9) * most)
-        if outside.any():
-            worst = float(points[outside][0])
-            raise ValueError(
-                f"turning_points: {worst * 1e3:.6g} mm is out of reach: must be between 0 and "
-                f"{most * 1e3:.6g} mm, the sum of all travels (strokes are in m)."
-            )
-        points = np.clip(points, 0.0, most)
-    return points
-
-
-def _events(log: f.Log, segments: Floats, laws: Laws, travels: Floats) -> list[Event]:
-    events: list[Event] = []
-    for k, row in enumerate(segments):
-        movers = log.movers[log.first[k] : log.first[k + 1]]
-        cells = movers[:, f.CELL].astype(int)
-        before, after = movers[:, f.TRAVEL_0], movers[:, f.TRAVEL_1]
-        full = laws.full[cells]
-        moved = before != after
-        arrives = moved & ((after == 0.0) | (after == full))
-        arrivals = [(int(c), int(a > 0)) for c, a in zip(cells[arrives], after[arrives], strict=True)]
-        tie = bool(row[f.TIE_A] >= 0)
-        common = {"direction": int(row[f.DIRECTION]), "tie": tie}
-        if row[f.KIND] == f.SNAP:
-            events.append(
-                Event(
-                    EventKind.SNAP,
-                    Cause.RELEASE if row[f.CAUSE] == f.RELEASE else Cause.FOLD,
-                    float(row[f.DRIVE_0]),
-                    float(np.sum(travels)),
-                    cells=tuple(int(c) for c in cells),
-                    before=tuple(float(s) for s in before),
-                    after=tuple(float(s) for s in after),
-                    force_before=float(row[f.FORCE_0]),
-                    force_after=float(row[f.FORCE_1]),
-                    released=float(row[f.RELEASED]),
-                    arrivals=tuple(arrivals),
-                    **common,
-                )
-            )
-            travels[cells] = after
-            continue
-        travels[cells] = after
-        for cell, state in arrivals:
-            j = int(np.flatnonzero(cells == cell)[0])
-            events.append(
-                Event(
-                    EventKind.SWITCH,
-                    Cause.STOP,
-                    float(row[f.DRIVE_1]),
-                    float(np.sum(travels)),
-                    cells=(cell,),
-                    before=(float(before[j]),),
-                    after=(float(after[j]),),
-                    force_before=float(row[f.FORCE_1]),
-                    force_after=float(row[f.FORCE_1]),
-                    released=0.0,
-                    arrivals=((cell, state),),
-                    **common,
-                )
-            )
-    return events

@@ -1,0 +1,171 @@
+"""Following a chain while its actuator visits a list of turning points."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepwell.mechanism import Chain
+from stepwell.statics import _follow as f
+from stepwell.statics._law import Floats, Ints, Laws
+from stepwell.statics._outcome import refuse_failure
+from stepwell.statics._pack import pack
+from stepwell.statics._pieces import Pieces, cut
+from stepwell.statics._start import drive_weights, start_travels, starting_state
+from stepwell.statics.path import Path
+
+
+def path(
+    chain: Chain,
+    turning_points: Sequence[float],
+    *,
+    start: str | Sequence[float] | None = None,
+    prefer: Sequence[int] | None = None,
+) -> Path:
+    """Follow the chain's local energy minimum exactly while the actuator turns at these points.
+
+    Args:
+        chain: the chain.
+        turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
+        start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
+        prefer: cells by falling priority where two of them tie; innermost first by default.
+
+    Returns:
+        The path.
+
+    Raises:
+        ValueError: turning points out of range, or a start that is no stable equilibrium.
+        StaticsError: the follower could not go on; its text says where and what to do.
+
+    Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them through
+    snaps is ours (theory page).
+    """
+    points = _checked_turns(chain, turning_points)
+    laws = pack(chain.cells)
+    pieces = cut(laws)
+    scale = _force_scale(laws, pieces)
+    travels = start_travels(chain, start)
+    state = starting_state(chain, laws, pieces, travels, points[0], scale)
+    return _follow_from(chain, laws, pieces, points, travels, state, scale, prefer)
+
+
+def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
+    """Load from all cells at 0 until all are at 1, and unload.
+
+    Args:
+        chain: the chain.
+        prefer: cells by falling priority where two of them tie; innermost first by default.
+
+    Returns:
+        The path.
+
+    Raises:
+        StaticsError: the follower could not go on; its text says where and what to do.
+    """
+    laws = pack(chain.cells)
+    pieces = cut(laws)
+    alpha, beta = drive_weights(chain)
+    low, high = _force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
+    turning = np.array([beta * low, alpha * float(np.sum(laws.full)) + beta * high, beta * low])
+    scale = _force_scale(laws, pieces)
+    travels = np.zeros(len(chain))
+    state = starting_state(chain, laws, pieces, travels, turning[0], scale)
+    return _follow_from(chain, laws, pieces, turning, travels, state, scale, prefer)
+
+
+def _follow_from(
+    chain: Chain,
+    laws: Laws,
+    pieces: Pieces,
+    turning: Floats,
+    travels: Floats,
+    state: f.State,
+    scale: float,
+    prefer: Sequence[int] | None,
+) -> Path:
+    """Run the follower, giving it a longer log until the path fits."""
+    alpha, beta = drive_weights(chain)
+    rank = _ranks(len(chain), prefer)
+    start_force = float(state.force[0])
+    room = 64 + 16 * len(chain) * len(turning)
+    while True:
+        log = f.Log(
+            np.zeros((room, f.SEGMENT_COLUMNS)),
+            np.zeros(room + 1, np.int64),
+            np.zeros((4 * room, f.MOVER_COLUMNS)),
+            np.zeros(2, np.int64),
+        )
+        trial = _copied(state)
+        status = f.follow(laws, pieces, alpha, beta, turning, trial, rank, scale, log)
+        if status != f.LOG_FULL:
+            break
+        room *= 4
+    if status != f.DONE:
+        refuse_failure(status, chain, trial.travel, float(trial.force[0]))
+    samples = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
+    return Path(
+        chain,
+        tuple(float(t) for t in turning),
+        tuple(float(s) for s in travels),
+        samples,
+        start_force,
+        laws,
+        pieces,
+        log,
+    )
+
+
+def _copied(state: f.State) -> f.State:
+    return f.State(
+        state.travel.copy(),
+        state.mode.copy(),
+        state.way.copy(),
+        state.piece.copy(),
+        state.at_rest.copy(),
+        state.force.copy(),
+    )
+
+
+def _force_scale(laws: Laws, pieces: Pieces) -> float:
+    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
+    return float(max(largest, np.max(laws.friction), 1e-12))
+
+
+def _force_range(laws: Laws, pieces: Pieces) -> tuple[float, float]:
+    """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
+    forces = np.concatenate([pieces.force_left, pieces.force_right])
+    rub = float(np.max(laws.friction))
+    margin = 0.01 * _force_scale(laws, pieces)
+    return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
+
+
+def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
+    order = list(range(cells)) if prefer is None else [int(i) for i in prefer]
+    if sorted(order) != list(range(cells)):
+        raise ValueError(
+            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
+            f"that goes first."
+        )
+    ranks = np.empty(cells, np.int64)
+    ranks[order] = np.arange(cells)
+    return ranks
+
+
+def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:
+    points = np.asarray(turning_points, float)
+    if points.ndim != 1 or len(points) < 1 or not np.all(np.isfinite(points)):
+        raise ValueError(
+            f"turning_points = {turning_points!r}: must be one or more finite numbers, where the "
+            f"actuator starts and where it turns."
+        )
+    if math.isinf(chain.actuator_stiffness):
+        most = chain.full_stroke
+        outside = (points < -1e-9 * most) | (points > (1 + 1e-9) * most)
+        if outside.any():
+            worst = float(points[outside][0])
+            raise ValueError(
+                f"turning_points: {worst * 1e3:.6g} mm is out of reach: must be between 0 and "
+                f"{most * 1e3:.6g} mm, the sum of all travels (strokes are in m)."
+            )
+        points = np.clip(points, 0.0, most)
+    return points
