@@ -395,6 +395,21 @@ def _take_snap(
 
 
 @kernel
+def _join_flat(
+    laws: Laws, pieces: Pieces, state: State, direction: int, tie_force: float
+) -> bool:
+    """Let go the held cells that offer the same constant force; whether there are any."""
+    any_joined = False
+    for i in range(len(state.mode)):
+        if _until_letting_go(laws, state, i, direction, state.force[0]) <= tie_force:
+            piece = find_piece(pieces, i, state.travel[i], direction)
+            if pieces.sign[piece] == 0:
+                state.mode[i], state.way[i], state.piece[i] = LETS_GO, direction, piece
+                any_joined = True
+    return any_joined
+
+
+@kernel
 def _drift(
     laws: Laws,
     pieces: Pieces,
@@ -610,6 +625,13 @@ def _leg(
     for i in range(n):
         if state.mode[i] == SLIDES or state.mode[i] == LETS_GO:
             _hold(laws, pieces, state, i)
+    # With all the stroke used up every cell is at its stop: ask for that and not for a number,
+    # which rounding could meet one cell early.
+    to_the_end = beta == 0.0 and (
+        target >= np.sum(laws.full) - small_drive if direction > 0 else target <= small_drive
+    )
+    if to_the_end:
+        target = direction * np.inf
     furthest, idle = np.nan, 0
     while True:
         drive = drive_of(state.travel, state.force[0], alpha, beta)
@@ -620,6 +642,8 @@ def _leg(
         if idle > 40 * n + 400:
             return STALLED
         choice, leader = _choose(laws, pieces, state, direction, alpha, beta, goes)
+        if choice == 0 and _join_flat(laws, pieces, state, direction, 1e-9 * scale):
+            choice, leader = _choose(laws, pieces, state, direction, alpha, beta, goes)
         if choice == 2 or note[MUST_SNAP]:
             if note[TRIGGER] < 0:
                 note[TRIGGER], note[SENSE] = leader, direction
@@ -648,7 +672,7 @@ def _leg(
                     beta, moved, on, offset, rank, scale, note, log,
                 )  # fmt: skip
         if status != GOES_ON:
-            return status
+            return DONE if to_the_end and status == RUNS_AWAY else status
 
 
 @kernel

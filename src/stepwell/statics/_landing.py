@@ -67,7 +67,11 @@ def slide(
         limit = min(limit, laws.full[forth] - from_forth)
     if back >= 0:
         limit = min(limit, from_back)
-    near = 1e-12 * (laws.full[forth] if forth >= 0 else laws.full[back])
+    size = laws.full[forth] if forth >= 0 else laws.full[back]
+    near = 1e-12 * size
+    # The start is itself an equilibrium, at a fold a double one, and next to a double root the
+    # sign of the pull is rounding noise: no landing is looked for this near to the start.
+    start = 1e-7 * size
     on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
     paired = forth >= 0 and back >= 0
@@ -109,6 +113,8 @@ def slide(
             falls = max(dga, dgb) - min(dha, dhb) <= 0.0
             rises = min(dga, dgb) - max(dha, dhb) >= 0.0
             if inside:
+                if b <= start:
+                    continue
                 if rises and (ga - ha > 0.0 or a <= near):
                     continue
                 if falls and gb - hb > 0.0:
@@ -116,8 +122,6 @@ def slide(
                 if min(ga, gb) - max(ha, hb) > 0.0:
                     continue
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
-                if a <= near and inside:
-                    continue
                 if gb - hb <= 0.0:
                     share = (ga - ha) - (gb - hb)
                     x = b if share <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / share

@@ -120,7 +120,8 @@ def sample(
                 )  # fmt: skip
             for j in range(m):
                 now[cells[j]] = places[j]
-            if p == 0 and at > 0 and drive[at - 1] == u and force[at - 1] == level:
+            on_before = drive[at - 1] == u and force[at - 1] == level
+            if p == 0 and on_before and direction[at - 1] == int(row[DIRECTION]):
                 # The branch goes on from the sample before.
                 continue
             drive[at], force[at] = u, level

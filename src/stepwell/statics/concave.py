@@ -11,6 +11,20 @@ from stepwell.mechanism import Cell, Linear
 from stepwell.statics._compile import kernel
 from stepwell.statics._law import band_length, length_slopes
 
+__all__ = [
+    "Pair",
+    "Simple",
+    "band_length",
+    "certify",
+    "end_forces",
+    "kernel",
+    "length_slopes",
+    "pair",
+    "push",
+    "simple",
+    "travel_at",
+]
+
 # A stretch this much shorter than the range is given up on: the cell is so close to a force
 # that does not fall that the general engine may as well decide.
 _SHORTEST = 1.0 / 4096.0
@@ -42,7 +56,7 @@ class Pair(NamedTuple):
 
 def simple(cell: Cell) -> Simple | None:
     """The cell as plain numbers, or None: several bands, a bent law, a load or friction."""
-    if len(cell.bands) > 1 or cell.load is not None or cell.friction > 0:
+    if len(cell.bands) != 1 or cell.load is not None or cell.friction > 0:
         return None
     band = cell.bands[0]
     if not isinstance(band.law, Linear):
@@ -158,15 +172,15 @@ def travel_at(cell: Simple, force: float) -> float:
         else:
             high = travel
         following = travel + (force - value) / slope
-        if not low < following < high:
+        if low < following < high:
+            # Newton squares the error: after a step this small only rounding is left, and
+            # waiting for a step of zero would be waiting for luck.
+            done = abs(following - travel) <= enough
+        else:
             following = 0.5 * (low + high)
-            if not low < following < high:
-                break
-        step = abs(following - travel)
+            done = not low < following < high
         travel = following
-        # Newton squares the error: after a step this small only rounding is left, and waiting
-        # for a step of zero would be waiting for luck.
-        if step <= enough:
+        if done:
             break
     return travel
 
