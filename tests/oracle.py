@@ -15,8 +15,9 @@ with F_i the cell's force, f_i its Coulomb friction and λ the actuator force:
     K          λ = K (U - Σ s_i) at all times, U the far end of the actuator spring
     'force'    λ is the drive itself
 
-What it resolves: a drive step. Choices that differ by less force than (stiffness * drive
-step), exact ties and rows of identical cells are decided by rounding, not by mechanics.
+What it resolves: a drive step (a 128th of one for the place of a snap, a 1000th for which
+cell leaves a vertex first under stroke control). Exact ties, identical cells and several
+slack cells at once are decided by rounding, not by mechanics.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -34,6 +36,7 @@ BINS = 128  # per travel, for the local stiffness that limits the time step
 SAMPLES_PER_BIN = 16
 RAMP_STEPS = 16  # time steps over which one drive increment is applied
 REFINE = 7  # a drive step that jumps is halved up to this many times
+GENTLE = 10  # and the step that leaves a vertex is begun with this many halvings
 MAX_TIME_STEPS = 5_000_000  # per drive step; beyond it the flow is declared not to settle
 MAX_SNAPS = 1000
 MAX_VERTICES = 10_000
@@ -159,10 +162,21 @@ def follow(
     rows, jumps, codes, failed = _follow(mode, stiffness, points, s, int(steps), threshold, *packed)
     if failed:
         raise RuntimeError("the flow did not settle within a drive step")
+    if len(jumps) == MAX_SNAPS or len(codes) == MAX_VERTICES:
+        raise RuntimeError("more snaps or vertices than the oracle keeps")
 
     n = len(spans)
     snaps = [
-        OracleSnap(int(j[0]), *map(float, j[1:6]), j[6 : 6 + n].copy(), j[6 + n :].copy())
+        OracleSnap(
+            row=int(j[0]),
+            drive=float(j[1]),
+            force_before=float(j[2]),
+            force_after=float(j[3]),
+            released=float(j[4]),
+            viscous=float(j[5]),
+            before=j[6 : 6 + n].copy(),
+            after=j[6 + n :].copy(),
+        )
         for j in jumps
     ]
     travel = rows[:, 4:].copy()
@@ -195,7 +209,7 @@ def _pack(cells: Sequence[OracleCell]):
         loads += [(float(a), float(b)) for a, b in cell.load]
         band_at[i + 1], load_at[i + 1] = len(bands), len(loads)
         knots = [s for s, _ in cell.load]
-        if any(b <= a for a, b in zip(knots, knots[1:], strict=False)):
+        if any(b <= a for a, b in pairwise(knots)):
             raise ValueError(f"load knots must increase in s, got {knots!r}")
         if cell.friction < 0:
             raise ValueError(f"friction must be >= 0, got {cell.friction!r}")
@@ -389,18 +403,22 @@ def _reach(s, v, dt, geometry):
 
 @njit(cache=True)
 def _note_vertex(s, codes, geometry):
-    """Append the state as bits to codes[1:], codes[0] counting, if all cells are at stops."""
+    """Whether all cells are at stops; if so the state is appended to codes, as bits.
+
+    codes[0] counts the vertices that follow it; repeats are not appended.
+    """
     code = 0
     for i in range(geometry.shape[0]):
         near = 1e-6 * geometry[i, 2]
         if s[i] >= geometry[i, 2] - near:
             code |= 1 << i
         elif s[i] > near:
-            return
+            return False
     count = codes[0]
     if (count == 0 or codes[count] != code) and count < MAX_VERTICES:
         codes[count + 1] = code
         codes[0] = count + 1
+    return True
 
 
 @njit(cache=True)
@@ -409,8 +427,9 @@ def _advance(
 ):
     """Move the drive from a to b as a slow ramp, then let the chain come to rest.
 
-    Changes s in place and appends the vertices it passes to codes. Returns λ, the work done by the drive [J], the heat of friction [J],
-    the heat of the flow [J] and whether it came to rest.
+    Changes s in place and appends the vertices it passes to codes. Returns λ, the work done
+    by the drive [J], the heat of friction [J], the heat of the flow [J] and whether it came
+    to rest.
     """
     n = geometry.shape[0]
     force = np.empty(n)
@@ -436,17 +455,28 @@ def _advance(
     drive = a
     rate = 0.0
     ramping = a != b
+    settling = False
     for step in range(MAX_TIME_STEPS):
         # Too little left to be told from rounding.
         if ramping and abs(b - drive) <= 1e-12 * abs(b - a) + 1e-15 * max(abs(a), abs(b)):
             drive, ramping = b, False
         _note_vertex(s, codes, geometry)
         total = 0.0
+        pushed = 0
+        holding = 0.0
         for i in range(n):
             force[i] = _cell_force(i, s[i], geometry, band_at, bands, load_at, loads)
             kappa[i] = table[i, min(int(s[i] / geometry[i, 2] * BINS), BINS - 1)]
             moving[i] = abs(v[i]) > idle
             total += s[i]
+            if moving[i]:
+                pushed += 1
+                holding += force[i] + math.copysign(geometry[i, 3], v[i])
+        if mode == STROKE and settling and pushed > 0:
+            # If nothing is to move now, a range of λ will do: the one that moved the cells
+            # last, without what the ramp's own speed added to it.
+            lam = holding / pushed
+        settling = ramping
 
         # Only cells that move limit the time step, and which move is known after it is
         # chosen: repeat until no other cell joins.
@@ -496,9 +526,9 @@ def _advance(
             drive, ramping = b, False
             v[:] = 0.0
             continue
-        if not ramping and fastest < tol:
-            if mode != COMPLIANT or abs(stiff * (b - total) - lam) < tol:
-                break
+        behind = mode == COMPLIANT and abs(stiff * (b - total) - lam) > tol
+        if not ramping and fastest < tol and not behind:
+            break
 
         # No cell leaves the bins its stiffness was taken from.
         short = False
@@ -630,6 +660,10 @@ def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, 
             whole = abs(end - x)
             part = whole
             while True:
+                # The stroke leaves a vertex gently: there the ramp's haste could set off a
+                # second cell whose force is nearly that of the first.
+                if mode == STROKE and _note_vertex(s, codes, geometry):
+                    part = min(part, whole * 0.5**GENTLE)
                 y = end
                 if part < abs(end - x) * (1.0 - 1e-9):
                     y = x + (part if end > x else -part)

@@ -31,7 +31,7 @@ def _forget_stale_machine_code() -> None:
 
 def _files(room: str) -> list[Path]:
     """The source files of a room that may hold kernels or their formulas."""
-    return list((_PACKAGE / room).glob("_*.py"))
+    return [*(_PACKAGE / room).glob("_*.py"), *(_PACKAGE / room).glob("concave.py")]
 
 
 _forget_stale_machine_code()

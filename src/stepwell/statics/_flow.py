@@ -6,7 +6,7 @@ from stepwell.statics._branch import smallest_eigenvalue
 from stepwell.statics._compile import kernel
 from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
 
-_STEPS = 400_000
+_STEPS = 1_000_000
 
 
 @kernel
@@ -116,7 +116,7 @@ def _polish(
             active[i] = True
             offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
     for _ in range(30):
-        falling, compliance, lag, flat, step = 0, beta, 0.0, -1, 0.0
+        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0, 0.0
         miss = np.zeros(n)
         slopes = np.zeros(n)
         for i in range(n):
@@ -127,9 +127,10 @@ def _polish(
             miss[i] = value + offset[i] - shared
             slopes[i] = slope
             if slope == 0.0:
-                if flat >= 0:
+                if flat >= 0 and abs(miss[i] - miss[flat]) > 1e-12 * abs(value):
                     return False, shared
                 flat = i
+                flats += 1
                 continue
             falling += slope < 0.0
             compliance += alpha / slope
@@ -139,7 +140,7 @@ def _polish(
         change = miss[flat] if flat >= 0 else (lag / compliance if compliance != 0.0 else 0.0)
         total = 0.0
         for i in range(n):
-            if active[i] and i != flat:
+            if active[i] and slopes[i] != 0.0:
                 move = (change - miss[i]) / slopes[i]
                 out[i] += move
                 total += move
@@ -147,9 +148,12 @@ def _polish(
         if flat >= 0:
             if alpha == 0.0:
                 return False, shared
-            move = -beta * change / alpha - total
-            out[flat] += move
-            step = max(step, abs(move) / laws.full[flat])
+            # Cells of constant force take what is left, equally.
+            move = (-beta * change / alpha - total) / flats
+            for i in range(n):
+                if active[i] and slopes[i] == 0.0:
+                    out[i] += move
+                    step = max(step, abs(move) / laws.full[i])
         shared += change
         for i in range(n):
             if (

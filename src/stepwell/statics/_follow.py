@@ -270,17 +270,17 @@ def _snap(
     tie = False
     if outcome == JOINED:
         if rubbed[trigger] == 0.0:
-            _leave(laws, pieces, state, trigger, sense, alpha, beta, 1e-6)
+            _leave(laws, pieces, state, trigger, sense, alpha, beta, 1e-4)
         again = state.travel.copy()
         worn = rubbed.copy()
         settled, level = flow(
-            laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-9, rubbed
+            laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-6, rubbed
         )
         if not settled:
             return NOT_SETTLED, False
         # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
         # between two landings hangs on less than any real mechanism can promise.
-        settled, _ = flow(laws, again, drive, alpha, beta, state.force[0], scale, 1e-6, worn)
+        settled, _ = flow(laws, again, drive, alpha, beta, state.force[0], scale, 1e-4, worn)
         state.force[0] = level
         for i in range(n):
             tie = tie or not settled or abs(again[i] - state.travel[i]) > 1e-4 * laws.full[i]
@@ -319,19 +319,25 @@ def _leave(
     mine = 0
     for m in range(count):
         i = int(movers[m])
-        inverse = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
-        slopes[m] = 1.0 / inverse
+        if pieces.sign[state.piece[i]] == 0:
+            slopes[m] = 0.0
+        else:
+            slopes[m] = 1.0 / inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
         if i == trigger:
             mine = m
     if count > 1:
         way = unstable_direction(slopes, alpha, beta)
     else:
         way = np.ones(1)
-    turn = sense if way[mine] > 0.0 else -sense
+    step = share * np.min(laws.full) * (sense if way[mine] > 0.0 else -sense)
+    # One length for all cells, short of every stop, or the stroke would not stay what it is.
     for m in range(count):
         i = int(movers[m])
-        moved = state.travel[i] + turn * share * laws.full[i] * way[m]
-        state.travel[i] = min(max(moved, 0.0), laws.full[i])
+        room = laws.full[i] - state.travel[i] if step * way[m] > 0.0 else state.travel[i]
+        if abs(step * way[m]) > 0.5 * room:
+            step *= 0.5 * room / abs(step * way[m])
+    for m in range(count):
+        state.travel[movers[m]] += step * way[m]
 
 
 @kernel

@@ -15,6 +15,10 @@ _NODES = 13
 _DEPTH = 40
 # A Chebyshev series speaks for its function once its last coefficients are this small.
 _RESOLVED = 1e-6
+# A force that changes by less than this share of itself is constant but for rounding.
+_FLAT = 1e-12
+# More pieces in one cell than this and the search for them has gone astray.
+MOST_PIECES = 1000
 
 
 class Pieces(NamedTuple):
@@ -100,8 +104,13 @@ def _look(laws: Laws, cell: int, picked: Ints, order: int, travel: float) -> flo
 
 
 @kernel
-def _verdict(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -> int:
-    """0: no root of the order-th derivative of F in [a, b]; 1: monotone there; 2: unknown."""
+def _verdict(
+    laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float, noise: float
+) -> int:
+    """0: no root of the order-th derivative of F in [a, b]; 1: monotone there; 2: unknown.
+
+    A derivative that is nowhere above `noise` is taken for zero, which has no sign to change.
+    """
     values = np.empty(_NODES)
     for i in range(_NODES):
         values[i] = _look(laws, cell, picked, order, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])
@@ -110,6 +119,8 @@ def _verdict(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float
     for k in range(1, _NODES):
         rest += abs(series[k])
         size = max(size, abs(series[k]))
+    if size <= noise:
+        return 0
     tail = abs(series[-1]) + abs(series[-2]) + abs(series[-3])
     if tail > _RESOLVED * size:
         return 2
@@ -127,6 +138,19 @@ def _verdict(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float
     if abs(slopes[0]) > rest + 10.0 * tail * _NODES * _NODES:
         return 1
     return 2
+
+
+@kernel
+def _largest(
+    laws: Laws, cell: int, picked: Ints, a: float, b: float
+) -> tuple[float, float]:
+    """Largest |F| and |κ| seen on [a, b]."""
+    force, slope = 0.0, 0.0
+    for i in range(_NODES):
+        travel = 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i]
+        value, stiff, _ = law(laws, cell, picked, travel)
+        force, slope = max(force, abs(value)), max(slope, abs(stiff))
+    return force, slope
 
 
 @kernel
@@ -153,7 +177,15 @@ def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -
 
 @kernel
 def _roots(
-    laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float, out: Floats, used: int
+    laws: Laws,
+    cell: int,
+    picked: Ints,
+    order: int,
+    a: float,
+    b: float,
+    noise: float,
+    out: Floats,
+    used: int,
 ) -> int:
     """Append to `out` every root in (a, b), and any place where a root cannot be ruled out."""
     left = np.empty(4 * _DEPTH)
@@ -164,7 +196,7 @@ def _roots(
     while waiting > 0 and used < len(out):
         waiting -= 1
         lo, hi, level = left[waiting], right[waiting], depth[waiting]
-        verdict = _verdict(laws, cell, picked, order, lo, hi)
+        verdict = _verdict(laws, cell, picked, order, lo, hi, noise)
         if verdict == 0:
             continue
         at_lo = _look(laws, cell, picked, order, lo)
@@ -174,7 +206,7 @@ def _roots(
         if verdict == 1:
             out[used] = _root(laws, cell, picked, order, lo, hi)
             used += 1
-        elif level >= _DEPTH or hi - lo < 1e-11 * (b - a):
+        elif level >= _DEPTH or hi - lo < 1e-10 * (b - a):
             # A needless cut costs nothing; a missed one would cost the proof.
             out[used] = 0.5 * (lo + hi)
             used += 1
@@ -199,7 +231,7 @@ def cut(laws: Laws) -> Pieces:
     force_left, force_right = np.empty(room), np.empty(room)
     sign = np.empty(room, np.int64)
     picked = np.full((room, slots), -1, np.int64)
-    found = np.empty(256)
+    found = np.empty(4 * MOST_PIECES)
     rows = np.full(slots, -1, np.int64)
     total = 0
     for i in range(cells):
@@ -221,8 +253,12 @@ def cut(laws: Laws) -> Pieces:
                 flat = flat and rows[slot] < 0
             used = 0
             if not flat:
-                used = _roots(laws, i, rows, 1, a, b, found, used)
-                used = _roots(laws, i, rows, 2, a, b, found, used)
+                force, slope = _largest(laws, i, rows, a, b)
+                flat = slope * (b - a) <= _FLAT * force
+                if not flat:
+                    used = _roots(laws, i, rows, 1, a, b, 0.0, found, used)
+                    steady = _FLAT * slope / (b - a)
+                    used = _roots(laws, i, rows, 2, a, b, steady, found, used)
             cuts = np.empty(used + 2)
             cuts[0], cuts[1] = a, b
             cuts[2:] = found[:used]

@@ -111,8 +111,9 @@ def sample(
                     level, u = row[FORCE_1], row[DRIVE_1]
             elif m == 1 and beta == 0.0:
                 places[0] = u / alpha - rest
-                places[0] = min(max(places[0], pieces.left[on[0]]), pieces.right[on[0]])
-                level = law(laws, cells[0], pieces.picked[on[0]], places[0])[0] + offset[0]
+                piece = find_piece(pieces, cells[0], places[0], 0) if on[0] < 0 else on[0]
+                places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
+                level = law(laws, cells[0], pieces.picked[piece], places[0])[0] + offset[0]
             else:
                 level = point_at(
                     laws, pieces, cells, on, offset, alpha, beta, rest, row[FORCE_0],
@@ -159,7 +160,8 @@ def _certify(
         for j in range(len(cells)):
             if cells[j] == i:
                 mine = j
-        piece = on[mine] if mine >= 0 else find_piece(pieces, i, travel[i], 0)
+        known = mine >= 0 and on[mine] >= 0
+        piece = on[mine] if known else find_piece(pieces, i, travel[i], 0)
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction

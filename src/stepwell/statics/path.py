@@ -17,7 +17,7 @@ from stepwell.statics import _follow as f
 from stepwell.statics._events import read_events
 from stepwell.statics._law import Floats, Ints, Laws
 from stepwell.statics._outcome import advice_on_tie
-from stepwell.statics._pieces import Pieces
+from stepwell.statics._pieces import cut
 from stepwell.statics._sample import count_samples, sample
 from stepwell.statics._start import drive_weights
 from stepwell.statics.events import Event, Tie
@@ -49,7 +49,6 @@ class Path:
     points: int
     _start_force: float = field(repr=False)
     _laws: Laws = field(repr=False)
-    _pieces: Pieces = field(repr=False)
     _log: f.Log = field(repr=False)
 
     @cached_property
@@ -68,7 +67,7 @@ class Path:
         }
         used = sample(
             self._laws,
-            self._pieces,
+            cut(self._laws),
             self._log,
             np.array(self.start),
             self._start_force,
@@ -223,7 +222,6 @@ class Path:
             points,
             self._start_force,
             self._laws,
-            self._pieces,
             self._log,
         )
 

@@ -8,11 +8,16 @@ import numpy as np
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import refuse_failure
+from stepwell.statics._outcome import StaticsError, refuse_failure
 from stepwell.statics._pack import pack
-from stepwell.statics._pieces import Pieces, cut
+from stepwell.statics._pieces import MOST_PIECES, Pieces, cut
+from stepwell.statics._sorted import WORTH_SORTING, sorted_cycle
 from stepwell.statics._start import drive_weights, start_travels, starting_state
 from stepwell.statics.path import Path
+
+
+# A path that needs more is not a path but a loop.
+_MOST_SEGMENTS = 4_000_000
 
 
 def path(
@@ -42,7 +47,7 @@ def path(
     """
     points = _checked_turns(chain, turning_points)
     laws = pack(chain.cells)
-    pieces = cut(laws)
+    pieces = _cut(chain, laws)
     scale = _force_scale(laws, pieces)
     travels = start_travels(chain, start)
     state = starting_state(chain, laws, pieces, travels, points[0], scale)
@@ -63,8 +68,14 @@ def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
         StaticsError: the follower could not go on; its text says where and what to do.
     """
     laws = pack(chain.cells)
-    pieces = cut(laws)
     alpha, beta = drive_weights(chain)
+    if len(chain) >= WORTH_SORTING and beta == 0 and prefer is None:
+        proved = sorted_cycle(chain.cells)
+        if proved is not None:
+            log, force = proved
+            reach = float(np.sum(laws.full))
+            return _as_path(chain, laws, np.array([0.0, reach, 0.0]), laws.full * 0, force, log)
+    pieces = _cut(chain, laws)
     low, high = _force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
     turning = np.array([beta * low, alpha * float(np.sum(laws.full)) + beta * high, beta * low])
     scale = _force_scale(laws, pieces)
@@ -97,22 +108,42 @@ def _follow_from(
         )
         trial = _copied(state)
         status = f.follow(laws, pieces, alpha, beta, turning, trial, rank, scale, log)
+        if status == f.LOG_FULL and room > _MOST_SEGMENTS:
+            status = f.STALLED
         if status != f.LOG_FULL:
             break
         room *= 4
     if status != f.DONE:
         refuse_failure(status, chain, trial.travel, float(trial.force[0]))
-    samples = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
+    return _as_path(chain, laws, turning, travels, start_force, log)
+
+
+def _as_path(
+    chain: Chain, laws: Laws, turning: Floats, travels: Floats, force: float, log: f.Log
+) -> Path:
+    # Long chains have many branches: fewer samples on each keep the arrays in memory.
+    points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
     return Path(
         chain,
         tuple(float(t) for t in turning),
         tuple(float(s) for s in travels),
-        samples,
-        start_force,
+        points,
+        force,
         laws,
-        pieces,
         log,
     )
+
+
+def _cut(chain: Chain, laws: Laws) -> Pieces:
+    pieces = cut(laws)
+    counts = np.diff(pieces.first)
+    worst = int(np.argmax(counts))
+    if counts[worst] > MOST_PIECES:
+        raise StaticsError(
+            f"the force of {chain.names[worst]} turns {counts[worst]} times over its travel, too "
+            f"often to follow: smooth its table, or look for a band whose ends nearly meet."
+        )
+    return pieces
 
 
 def _copied(state: f.State) -> f.State:

@@ -1,0 +1,58 @@
+"""A chain of two cells in which the band of one is moved about."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stepwell.mechanism import Cell, Chain
+from stepwell.statics.concave import Simple, certify, simple
+
+Floats = NDArray[np.float64]
+
+
+def moved(chain: Chain, cell: int, x: float, y: float) -> Chain:
+    """The chain with the bands of one cell anchored at q = (x, y) [m] on its outer block."""
+    cells = list(chain.cells)
+    cells[cell] = cells[cell].with_anchors(q=(x, y))
+    return replace(chain, cells=tuple(cells))
+
+
+def which(chain: Chain, cell: int | str) -> int:
+    """The number of a cell given by number or name; refuses chains that are no pair."""
+    if len(chain) != 2:
+        raise ValueError(
+            f"the chain has {len(chain)} cells: a transition map and its boundaries are drawn for "
+            f"two cells. Take two neighbours, Chain(chain.cells[i:i + 2]), or ask margin(chain), "
+            f"which works for any number."
+        )
+    allowed = f"must be 0 or {chain.names[0]!r} (inner), 1 or {chain.names[1]!r} (outer)"
+    if isinstance(cell, str):
+        if cell not in chain.names:
+            raise ValueError(f"cell = {cell!r}: {allowed}.")
+        return chain.names.index(cell)
+    if cell not in (0, 1):
+        raise ValueError(f"cell = {cell!r}: {allowed}.")
+    return int(cell)
+
+
+def axis(name: str, values: ArrayLike, least: int) -> Floats:
+    """`values` as rising floats [m]; raises ValueError otherwise."""
+    array = np.array(values, float)
+    if array.ndim != 1 or len(array) < least or not np.all(np.isfinite(array)):
+        raise ValueError(
+            f"{name} has shape {array.shape}: must be {least} or more finite numbers in a row "
+            f"[m], for example np.linspace(0, 0.020, 200)."
+        )
+    if np.any(np.diff(array) <= 0):
+        raise ValueError(f"{name} must rise from value to value [m]: sort it, drop repeats.")
+    return array
+
+
+def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:
+    """The cell as plain numbers where the closed forms are proved to hold, else None.
+
+    `reach` [m] asks for the proof at every anchor within that distance as well.
+    """
+    numbers = simple(cell)
+    return numbers if numbers is not None and certify(numbers, reach) else None
