@@ -401,9 +401,7 @@ def _take_snap(
 
 
 @kernel
-def _join_flat(
-    laws: Laws, pieces: Pieces, state: State, direction: int, tie_force: float
-) -> bool:
+def _join_flat(laws: Laws, pieces: Pieces, state: State, direction: int, tie_force: float) -> bool:
     """Let go the held cells that offer the same constant force; whether there are any."""
     any_joined = False
     for i in range(len(state.mode)):

@@ -141,9 +141,7 @@ def _verdict(
 
 
 @kernel
-def _largest(
-    laws: Laws, cell: int, picked: Ints, a: float, b: float
-) -> tuple[float, float]:
+def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[float, float]:
     """Largest |F| and |κ| seen on [a, b]."""
     force, slope = 0.0, 0.0
     for i in range(_NODES):

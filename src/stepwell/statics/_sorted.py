@@ -24,9 +24,7 @@ def _cell(table: Floats, i: int) -> Simple:
 @kernel
 def _energy(cell: Simple, travel: float) -> float:
     sin = travel / cell.lever - cell.sin_limit
-    stretch = (
-        band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever) - cell.rest
-    )
+    stretch = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever) - cell.rest
     return 0.5 * cell.stiffness * stretch * stretch
 
 
@@ -159,10 +157,7 @@ def load_sorted(
         snap = log.segments[log.used[0] - 1]
         snap[f.CAUSE] = f.RELEASE
         snap[f.RELEASED] = (
-            _energy(cell, at)
-            - _energy(cell, full)
-            + _energy(leader, full)
-            - _energy(leader, back)
+            _energy(cell, at) - _energy(cell, full) + _energy(leader, full) - _energy(leader, back)
         )
         _mover(log, top, back, full)
         _row(log, f.MOVE, drive + at, full * (done + 1), after, top_force)

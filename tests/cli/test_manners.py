@@ -1,0 +1,180 @@
+"""What every command promises: exit codes, clean interruption, plain text, a light start."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stepwell
+from stepwell.cli import app
+from stepwell.cli._outcomes import EXIT_CODES
+
+COMMAND = Path(sys.executable).with_name("stepwell")
+COMMANDS = [command.name for command in app.registered_commands]
+ENVIRONMENT = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR")}
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and terminals as POSIX has them")
+
+
+def installed(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
+    """The installed command, in a process of its own."""
+    options = {"env": ENVIRONMENT, "text": True, "capture_output": True} | options
+    return subprocess.run([COMMAND, *arguments], cwd=cwd, timeout=300, **options)
+
+
+def patched(patch: str, *arguments, cwd) -> subprocess.CompletedProcess[str]:
+    """The command with a line of Python run before it."""
+    script = (
+        f"import sys; sys.argv[1:] = {[*arguments]!r}\n{patch}\nimport stepwell.cli as c; c.main()"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", script], cwd=cwd, env=ENVIRONMENT, text=True, capture_output=True
+    )
+
+
+def in_terminal(*arguments, cwd, env) -> str:
+    """What the installed command shows in a terminal of 100 columns."""
+    import pty
+
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        [COMMAND, *arguments], cwd=cwd, env=env, stdout=theirs, stderr=theirs, stdin=theirs
+    )
+    os.close(theirs)
+    shown = b""
+    while True:
+        try:
+            piece = os.read(ours, 65536)
+        except OSError:  # Linux says so when the other side is gone
+            break
+        if not piece:
+            break
+        shown += piece
+    os.close(ours)
+    assert process.wait() == 0
+    return shown.decode()
+
+
+def test_the_installed_command_runs_a_design_to_a_folder(tmp_path):
+    assert installed("new", "leg.toml", cwd=tmp_path).returncode == 0
+    result = installed("run", "leg.toml", "--json", "--out", "out", cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert json.loads(result.stdout)["sequence"] == "00>10>11>01>00"
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_wrong_file_goes_to_standard_error_and_nothing_to_standard_output(tmp_path):
+    result = installed("run", "leg.toml", "--json", cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == "leg.toml: no such file.\n"
+
+
+def test_the_version_is_the_packages(stepwell_help, tmp_path):
+    assert stepwell_help("--version") == f"stepwell {stepwell.__version__}\n"
+
+
+@pytest.fixture
+def stepwell_help():
+    from typer.testing import CliRunner
+
+    return lambda *arguments: CliRunner().invoke(app, [*arguments], prog_name="stepwell").stdout
+
+
+@pytest.mark.parametrize("command", [None, *COMMANDS])
+def test_every_help_page_ends_with_the_exit_codes(stepwell_help, command):
+    text = stepwell_help(*([command] if command else []), "--help")
+    assert " ".join(text.split()).endswith(EXIT_CODES)
+    assert text == stepwell_help(*([command] if command else []), "-h")
+
+
+def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
+    # Not pydantic: some versions of Typer use it themselves.
+    heavy = {"numba", "scipy", "xarray", "matplotlib", "rich"}
+    for arguments in (["--help"], ["run", "--help"], ["--version"]):
+        script = (
+            f"import sys\nsys.argv[1:] = {arguments}\n"
+            "from stepwell.cli import main\ntry:\n    main()\nfinally:\n"
+            "    print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)"
+        )
+        result = subprocess.run([sys.executable, "-c", script], text=True, capture_output=True)
+        assert result.returncode == 0
+        assert not heavy & set(result.stderr.split())
+
+
+def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
+    patch = "import stepwell.design as d\ndef f(*a, **k): raise KeyError('bug')\nd.margin = f"
+    result = patched(patch, "run", "preset:paper-forward", cwd=tmp_path)
+    assert result.returncode == 1
+    assert "Traceback" in result.stderr
+
+
+@posix
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_an_interruption_leaves_the_folder_as_it_was(tmp_path, name, code):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "path.csv").write_text("old")
+    # The signal comes when the first figure has been written.
+    patch = (
+        "import os, signal, stepwell.figures as f\nsave = f.save\n"
+        f"f.save = lambda *a, **k: (save(*a, **k), os.kill(os.getpid(), signal.{name}))"
+    )
+    result = patched(patch, "run", "preset:paper-forward", "--out", "out", cwd=tmp_path)
+    assert result.returncode == code
+    assert "Traceback" not in result.stderr
+    assert os.listdir(tmp_path) == ["out"]
+    assert os.listdir(tmp_path / "out") == ["path.csv"]
+    assert (tmp_path / "out" / "path.csv").read_text() == "old"
+
+
+@posix
+def test_an_interrupted_animation_leaves_no_file(tmp_path):
+    patch = (
+        "import os, signal\nfrom PIL import Image\nquantize = Image.Image.quantize\n"
+        "Image.Image.quantize = lambda *a, **k: (quantize(*a, **k),"
+        " os.kill(os.getpid(), signal.SIGINT))[0]"
+    )
+    result = patched(patch, "animate", "preset:paper-forward", cwd=tmp_path)
+    assert result.returncode == 130
+    assert os.listdir(tmp_path) == []
+
+
+@posix
+def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
+    process = subprocess.Popen(
+        [COMMAND, "presets"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    process.wait()
+
+
+def test_letters_that_the_output_cannot_hold_are_escaped(tmp_path):
+    env = ENVIRONMENT | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    result = installed("run", "preset:paper-forward", cwd=tmp_path, env=env)
+    assert result.returncode == 0
+    assert r"20 \u2192 17.23" in result.stdout
+
+
+@posix
+def test_a_terminal_gets_boxes_and_no_color_keeps_it_plain(tmp_path):
+    env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
+    shown = in_terminal("presets", cwd=tmp_path, env=env)
+    assert "\x1b[" in shown
+    assert "───" in shown
+    plain = in_terminal("presets", cwd=tmp_path, env=env | {"NO_COLOR": "1"})
+    piped = installed("presets", cwd=tmp_path).stdout
+    assert plain.replace("\r\n", "\n") == piped
+
+
+@posix
+def test_a_terminal_sees_progress_and_a_pipe_does_not(tmp_path):
+    env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
+    arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "10")
+    assert "frames" in in_terminal(*arguments, cwd=tmp_path, env=env)
+    result = installed(*arguments, cwd=tmp_path)
+    assert (result.stdout, result.stderr) == ("Wrote cycle.gif\n", "")

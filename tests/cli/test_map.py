@@ -1,0 +1,129 @@
+"""`stepwell map`: regions, boundaries and their files."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+import typer
+import xarray as xr
+
+import stepwell as sw
+from stepwell.cli._grid import Grid, cell_of, grid, marks
+
+SMALL = ("--x", "0:20:41", "--y", "-15:15:41")
+
+
+def test_the_papers_map_has_the_papers_areas(stepwell):
+    # Physics of the two-cell map, q_out over x 0..20, y -15..15 mm.
+    record = json.loads(stepwell("map", "forward.toml", "--json").stdout)
+    expected = {"counterclockwise": 0.261, "via_01": 0.262, "via_10": 0.262, "clockwise": 0.215}
+    found = {name: record["area_fractions"][name] for name in expected}
+    assert found == pytest.approx(expected, abs=2e-3)
+    assert sum(record["area_fractions"].values()) == pytest.approx(1.0)
+
+
+def test_the_same_shares_are_printed(stepwell):
+    record = json.loads(stepwell("map", "forward.toml", *SMALL, "--json").stdout)
+    text = stepwell("map", "forward.toml", *SMALL).stdout
+    for name, share in record["area_fractions"].items():
+        assert (f"{100 * share:.1f} %" in text) == (share > 0)
+        assert (name.replace("_", " ") in text) == (share > 0)
+    assert "x 0 to 20 mm, 41 places; y -15 to 15 mm, 41 places" in text
+
+
+def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
+    result = stepwell("map", "forward.toml", *SMALL, "--out", "out", "--json")
+    record = json.loads(result.stdout)
+    out = tmp_path / "out"
+    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
+    assert {file.name for file in out.iterdir()} == names
+    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
+    assert record == json.loads((out / "map.json").read_text())
+    assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_netcdf_reads_back_as_the_map(stepwell, tmp_path):
+    stepwell("map", "forward.toml", *SMALL, "--out", "out")
+    again = xr.load_dataset(tmp_path / "out" / "map.nc")
+    xs, ys = np.linspace(0, 0.02, 41), np.linspace(-0.015, 0.015, 41)
+    expected = sw.transition_map(sw.preset("paper-forward"), 1, x=xs, y=ys)
+    assert again.equals(expected)
+    assert again["pathway"].attrs["flag_meanings"] == expected["pathway"].attrs["flag_meanings"]
+    assert again.attrs.keys() == expected.attrs.keys()
+
+
+def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell, tmp_path):
+    stepwell("map", "forward.toml", *SMALL, "--out", "out")
+    inner, outer = sw.preset("paper-forward").cells
+    with open(tmp_path / "out" / "boundaries.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["kind"].endswith("_order")]
+    assert {row["kind"] for row in rows} == {"loading_order", "unloading_order"}
+    assert len(rows) > 100
+    for row in rows[::10]:
+        moved = outer.with_anchors(q=(float(row["x_mm"]) / 1e3, float(row["y_mm"]) / 1e3))
+        force = "force_0" if row["kind"] == "loading_order" else "force_1"
+        assert getattr(moved, force) == pytest.approx(getattr(inner, force), abs=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["inner", "0"])
+def test_the_inner_cell_can_move_too(stepwell, cell):
+    record = json.loads(stepwell("map", "forward.toml", *SMALL, "--cell", cell, "--json").stdout)
+    assert record["moved_cell"] == "inner"
+    assert record["design_q_mm"] == [10, 0]
+
+
+def test_bands_with_anchors_of_their_own_have_no_single_place_on_the_map():
+    inner, outer = sw.preset("paper-forward").cells
+    other = outer.with_anchors(q=(0.02, 0.005)).bands
+    assert marks(sw.Chain((inner, outer)), 1) == {"this design": (0.02, 0.0)}
+    assert marks(sw.Chain((inner, sw.Cell(outer.bands + outer.bands))), 1).keys() == {"this design"}
+    assert marks(sw.Chain((inner, sw.Cell(outer.bands + other))), 1) == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--cell", "oter"), "'oter': must be one of inner (0), outer (1)."),
+        (("--cell", "2"), "'2': must be one of inner (0), outer (1)."),
+        (("--x", "0:20"), "'0:20': must be FROM:TO:COUNT in mm, as in 0:20:200."),
+        (("--x", "a:b:c"), "'a:b:c': must be FROM:TO:COUNT in mm"),
+        (("--y", "20:0:200"), "'20:0:200': must rise"),
+        (("--y", "nan:0:200"), "'nan:0:200': must rise"),
+        (("--y", "0:inf:200"), "'0:inf:200': must rise"),
+        (("--y", "0:20:1"), "'0:20:1': the count must be from 2 to 5000."),
+        (("--y", "0:20:99999"), "'0:20:99999': the count must be from 2 to 5000."),
+    ],
+)
+def test_wrong_options_end_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("map", "forward.toml", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+def test_a_chain_that_is_no_pair_ends_in_code_2_with_a_way_out(stepwell):
+    result = stepwell("map", "preset:three-wave")
+    assert result.exit_code == 2
+    assert "the chain has 3 cells: a transition map" in result.output
+
+
+def test_negative_numbers_are_no_options(stepwell):
+    assert grid("-15:-1.5:7") == Grid(-15.0, -1.5, 7)
+    assert stepwell("map", "forward.toml", "--x", "1:2:2", "--y", "-3:-1:2").exit_code == 0
+
+
+def test_a_grid_is_in_metres_and_holds_both_ends():
+    assert list(grid("0:20:3").metres) == [0.0, 0.01, 0.02]
+
+
+def test_a_cell_is_found_by_name_before_place_and_number():
+    cell = sw.preset("paper-cell-10-0").cells[0]
+    named = [sw.Cell(cell.band, name=name) for name in ("outer", "1", "leg")]
+    chain = sw.Chain(tuple(named))
+    assert [cell_of(chain, text) for text in ("outer", "1", "leg", "inner", "2", "0")] == [
+        *(0, 1, 2, 0, 2, 0)
+    ]
+    twice = sw.Chain((named[2], named[2]))
+    with pytest.raises(typer.BadParameter, match=r"leg \(0\), leg \(1\)"):
+        cell_of(twice, "leg")
+    assert cell_of(twice, "1") == 1

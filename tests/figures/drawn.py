@@ -1,0 +1,99 @@
+"""Reading a figure back: its lines, its words, and whether the words can be read."""
+
+from itertools import combinations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def lines(figure: Figure, gid: str) -> list[Line2D]:
+    """The lines with this mark, in all axes."""
+    return [line for ax in figure.axes for line in ax.get_lines() if line.get_gid() == gid]
+
+
+def points(line: Line2D) -> Array:
+    """(n, 2) where the line goes, gaps as NaN."""
+    return np.asarray(line.get_xydata(), float)
+
+
+def marks(figure: Figure, gid: str) -> int:
+    """How many points the lines with this mark have."""
+    return sum(len(points(line)) for line in lines(figure, gid))
+
+
+def line_of(ax: Axes, colour: str) -> Array:
+    """(n, 2) the longest line of this colour, without its gaps."""
+    found = [
+        points(line)
+        for line in ax.get_lines()
+        if line.get_color() == colour and line.get_gid() is None
+    ]
+    longest = max(found, key=len)
+    return longest[np.isfinite(longest).all(axis=1)]
+
+
+def words(figure: Figure) -> list[Text]:
+    """Every text that is shown, tick labels included."""
+    figure.draw_without_rendering()
+    found: list[Text] = list(figure.texts)
+    for ax in figure.axes:
+        found += ax.texts
+        for legend in legends(ax):
+            found += legend.get_texts()
+        if not ax.axison:
+            continue
+        found += [ax.title, ax.xaxis.label, ax.yaxis.label]
+        for axis in (ax.xaxis, ax.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            slip = 1e-9 * (high - low)
+            for tick in axis.get_major_ticks():
+                if low - slip <= tick.get_loc() <= high + slip:
+                    found += [tick.label1, tick.label2]
+    unique = {id(text): text for text in found}.values()
+    return [text for text in unique if text.get_visible() and text.get_text().strip()]
+
+
+def says(figure: Figure) -> list[str]:
+    """What all the texts say."""
+    return [text.get_text() for text in words(figure)]
+
+
+def legends(ax: Axes) -> list[Legend]:
+    """All legends of these axes, the first one included when a second was added."""
+    return [artist for artist in ax.get_children() if isinstance(artist, Legend)]
+
+
+def legend_of(figure: Figure) -> list[str]:
+    """The entries of all legends."""
+    return [
+        text.get_text()
+        for ax in figure.axes
+        for legend in legends(ax)
+        for text in legend.get_texts()
+    ]
+
+
+def collisions(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts that cover each other."""
+    boxes = [(text.get_text(), text.get_window_extent()) for text in words(figure)]
+    return [(a, b) for (a, p), (b, q) in combinations(boxes, 2) if p.overlaps(q)]
+
+
+def cut_off(figure: Figure) -> list[str]:
+    """Texts that reach past the edge of the page."""
+    page = figure.bbox
+    return [
+        text.get_text()
+        for text in words(figure)
+        if (box := text.get_window_extent()).x0 < page.x0
+        or box.y0 < page.y0
+        or box.x1 > page.x1
+        or box.y1 > page.y1
+    ]

@@ -1,0 +1,133 @@
+"""What every figure keeps to: readable words, one meaning a colour, no global state."""
+
+import subprocess
+import sys
+
+import matplotlib as mpl
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from figures.drawn import collisions, cut_off, says, words
+from stepwell import figures, files
+from stepwell.mechanism import Band, Cell, Chain
+
+PRESETS = sorted(files.presets())
+OF_A_PATH = (figures.force_stroke, figures.travel_stroke, figures.landscape)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_no_word_covers_another_or_leaves_the_page(name):
+    cycle = files.preset(name).cycle()
+    drawn = figures.standard(cycle)
+    drawn["overview"] = figures.overview(cycle)
+    for kind, figure in drawn.items():
+        assert collisions(figure) == [], kind
+        assert cut_off(figure) == [], kind
+
+
+def test_words_stay_apart_in_longer_chains_too():
+    cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.002 * i, 0.001 * (i % 3)))) for i in range(6)]
+    cycle = Chain(tuple(cells)).cycle()
+    for figure in figures.standard(cycle).values():
+        assert collisions(figure) == []
+        assert cut_off(figure) == []
+
+
+def test_every_axis_with_a_dimension_names_its_unit():
+    cycle = files.preset("paper-forward").cycle()
+    drawn = [
+        figures.force_stroke(cycle),
+        figures.travel_stroke(cycle),
+        figures.landscape(cycle),
+        figures.overview(cycle),
+    ]
+    units = ("[mm]", "[N]", "[mJ]")
+    for figure in drawn:
+        for ax in figure.axes:
+            if ax.axison:
+                names = [ax.get_xlabel(), ax.get_ylabel()]
+                assert all(name.endswith(units) for name in names if name)
+                assert any(names)
+
+
+def test_figures_fit_the_columns_of_a_journal_page():
+    cycle = files.preset("paper-forward").cycle()
+    drawn = figures.standard(cycle)
+    widths = {name: 25.4 * figure.get_size_inches()[0] for name, figure in drawn.items()}
+    assert widths == pytest.approx(
+        {"mechanism": 180.0, "landscape": 85.0, "force_stroke": 85.0, "travel_stroke": 85.0}
+    )
+
+
+def test_no_word_is_smaller_than_seven_points():
+    cycle = files.preset("paper-forward").cycle()
+    for figure in figures.standard(cycle).values():
+        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_alone(tmp_path):
+    cycle = files.preset("paper-forward").cycle()
+    before = dict(mpl.rcParams)
+    for figure in figures.standard(cycle).values():
+        figures.svg(figure)
+    figures.overview(cycle)
+    figures.unit_cell_force(cycle.chain.cells)
+    figures.unit_cell_energy(cycle.chain.cells)
+    figures.animation(cycle, tmp_path / "cycle.gif", seconds=0.5, fps=4)
+    assert dict(mpl.rcParams) == before
+
+
+def test_settings_of_the_user_do_not_change_the_figures():
+    cycle = files.preset("paper-forward").cycle()
+    plain = figures.svg(figures.force_stroke(cycle))
+    with mpl.rc_context({"font.size": 20, "lines.linewidth": 9, "axes.grid": True}):
+        assert figures.svg(figures.force_stroke(cycle)) == plain
+
+
+@pytest.mark.parametrize("draw", OF_A_PATH)
+def test_given_axes_are_drawn_into(draw):
+    cycle = files.preset("paper-forward").cycle()
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    assert draw(cycle, ax=right) is figure
+    assert right.has_data()
+    assert not left.has_data()
+    assert len(figure.axes) == 2
+
+
+def test_axes_of_a_subfigure_give_the_whole_figure():
+    figure = Figure()
+    ax = figure.add_subfigure(figure.add_gridspec(1, 2)[1]).subplots()
+    assert figures.force_stroke(files.preset("paper-forward").cycle(), ax=ax) is figure
+
+
+def test_axes_without_a_figure_are_refused_with_advice():
+    figure = Figure()
+    ax: Axes = figure.subplots()
+    ax.remove()
+    with pytest.raises(ValueError, match="make it with figure"):
+        figures.force_stroke(files.preset("paper-forward").cycle(), ax=ax)
+
+
+def test_no_figure_needs_pyplot():
+    script = (
+        "import sys; from stepwell import figures, files;"
+        "cycle = files.preset('paper-forward').cycle();"
+        "[figures.svg(f) for f in figures.standard(cycle).values()];"
+        "sys.exit('matplotlib.pyplot' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
+def test_a_chain_of_one_cell_has_every_figure_but_the_landscape():
+    cycle = files.preset("paper-cell-10-0").cycle()
+    assert list(figures.standard(cycle)) == ["mechanism", "force_stroke", "travel_stroke"]
+    assert "0" in says(figures.overview(cycle))
+
+
+def test_a_chain_too_long_to_draw_keeps_the_figures_that_can_be_read():
+    cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.0005 * i, 0.0))) for i in range(13)]
+    cycle = Chain(tuple(cells)).cycle()
+    assert list(figures.standard(cycle)) == ["force_stroke", "travel_stroke"]
+    assert cut_off(figures.overview(cycle)) == []

@@ -1,0 +1,156 @@
+"""Force, travel and landscape: what is drawn is what the engine found."""
+
+import numpy as np
+import pytest
+from matplotlib.text import Annotation
+
+from figures.drawn import legend_of, line_of, lines, marks, points, says
+from stepwell import figures, files
+from stepwell.figures._style import LOADING, UNLOADING
+from stepwell.mechanism import Band, Cell, Chain
+
+PRESETS = sorted(files.presets())
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_snap_of_the_cycle_is_marked(name):
+    cycle = files.preset(name).cycle()
+    assert marks(figures.force_stroke(cycle), "snap starts") == len(cycle.snaps)
+    if len(cycle.chain) == 2:
+        assert marks(figures.landscape(cycle), "snap starts") == len(cycle.snaps)
+
+
+@pytest.mark.parametrize("name", ["paper-forward", "three-wave", "four-shuffle"])
+def test_a_snap_is_marked_in_the_lane_of_every_cell_that_moves_in_it(name):
+    cycle = files.preset(name).cycle()
+    drawn = marks(figures.travel_stroke(cycle), "snap starts")
+    assert drawn == sum(len(event.cells) for event in cycle.snaps)
+
+
+def test_snaps_stand_where_the_events_say():
+    cycle = files.preset("paper-forward").cycle()
+    figure = figures.force_stroke(cycle)
+    starts = np.concatenate([points(line) for line in lines(figure, "snap starts")])
+    expected = [(event.stroke * 1e3, event.force_before) for event in cycle.snaps]
+    assert starts == pytest.approx(np.array(expected), abs=1e-9)
+
+
+def test_snaps_run_along_lines_of_equal_stroke_under_a_rigid_actuator():
+    cycle = files.preset("paper-forward").cycle()
+    for line in lines(figures.landscape(cycle), "snaps"):
+        # Start, end, gap for every snap.
+        stroke = points(line).sum(axis=1).reshape(-1, 3)
+        assert stroke[:, 0] == pytest.approx(stroke[:, 1], abs=1e-9)
+
+
+def test_force_curves_are_the_path():
+    path = files.preset("paper-forward").cycle().path
+    (ax,) = figures.force_stroke(path).axes
+    for direction, colour in ((1, LOADING), (-1, UNLOADING)):
+        drawn = line_of(ax, colour)
+        mine = path.direction == direction
+        expected = np.column_stack([path.stroke[mine] * 1e3, path.force[mine]])
+        # A turning point is drawn in both colours.
+        assert len(expected) <= len(drawn) <= len(expected) + 1
+        assert drawn[-len(expected) :] == pytest.approx(expected, abs=1e-12)
+
+
+def test_force_axes_say_newton_against_millimetre():
+    (ax,) = figures.force_stroke(files.preset("paper-forward").cycle()).axes
+    assert ax.get_xlabel() == "Stroke $u$ [mm]"
+    assert ax.get_ylabel() == "Actuator force [N]"
+
+
+def test_force_figure_names_every_state_of_the_sequence():
+    cycle = files.preset("four-shuffle").cycle()
+    assert set(cycle.sequence) <= set(says(figures.force_stroke(cycle)))
+
+
+@pytest.mark.parametrize("draw", [figures.force_stroke, figures.landscape, figures.travel_stroke])
+def test_the_legend_lists_what_there_is_and_nothing_else(draw):
+    snapping = files.preset("paper-forward").cycle()
+    assert legend_of(draw(snapping)) == ["loading", "unloading", "snap"]
+    smooth = files.preset("paper-via-10").cycle()
+    assert legend_of(draw(smooth)) == ["loading", "unloading"]
+    half = snapping.chain.path([0.0, 0.010])
+    assert legend_of(draw(half)) == ["loading"]
+
+
+@pytest.mark.parametrize("draw", [figures.force_stroke, figures.landscape, figures.travel_stroke])
+def test_partial_strokes_are_drawn_too(draw):
+    path = files.preset("paper-forward").path([0.0, 0.038, 0.010, 0.030, 0.0])
+    figure = draw(path)
+    assert marks(figure, "snap starts") >= int(path.snap_after.sum()) > 0
+
+
+def test_each_cell_has_a_lane_innermost_on_top():
+    cycle = files.preset("three-wave").cycle()
+    (ax,) = figures.travel_stroke(cycle).axes
+    names = list(cycle.chain.names)
+    placed = {
+        t.get_text(): t.xy[1]
+        for t in ax.texts
+        if isinstance(t, Annotation) and t.get_text() in names
+    }
+    assert sorted(placed, key=lambda name: -placed[name]) == names
+    assert ax.get_ylabel() == "Travel $s$ [mm]"
+
+
+def test_lanes_show_the_travel_of_their_cell():
+    path = files.preset("paper-forward").cycle().path
+    (ax,) = figures.travel_stroke(path).axes
+    loading = [line for line in ax.get_lines() if line.get_color() == LOADING]
+    loading = [line for line in loading if line.get_gid() is None]
+    assert len(loading) == 2
+    for i, line in enumerate(loading):
+        y = points(line)[:, 1]
+        rise = y[np.isfinite(y)] - np.nanmin(y)
+        mine = path.travel[path.direction > 0, i] * 1e3
+        assert rise[: len(mine)] == pytest.approx(mine, abs=1e-9)
+
+
+def test_more_lanes_than_can_be_told_apart_are_refused():
+    cells = (Cell(Band((-0.010, 0.0), (0.010, 0.0))),) * 61
+    path = Chain(cells).path([0.0])
+    with pytest.raises(ValueError, match="61 cells: at most 60 lanes"):
+        figures.travel_stroke(path)
+
+
+def test_landscape_is_the_energy_of_both_cells():
+    cycle = files.preset("paper-forward").cycle()
+    figure = figures.landscape(cycle)
+    ax, bar = figure.axes
+    assert ax.get_xlabel() == "Travel of inner [mm]"
+    assert ax.get_ylabel() == "Travel of outer [mm]"
+    assert bar.get_ylabel() == "Energy [mJ]"
+    highest = sum(cell.energy(cell.peak_angle) for cell in cycle.chain.cells) * 1e3
+    lowest = float(cycle.path.energy.min()) * 1e3
+    low, high = bar.get_ylim()
+    step = (high - low) / 10
+    assert low <= lowest < low + step
+    assert high - step < highest <= high
+
+
+def test_landscape_path_keeps_to_the_travels():
+    path = files.preset("paper-backward").cycle().path
+    ax = figures.landscape(path).axes[0]
+    drawn = line_of(ax, UNLOADING)
+    mine = path.travel[path.direction < 0] * 1e3
+    assert drawn[-len(mine) :] == pytest.approx(mine, abs=1e-12)
+    assert {"00", "01", "10", "11"} <= {text.get_text() for text in ax.texts}
+
+
+def test_landscape_refuses_a_chain_it_cannot_show():
+    with pytest.raises(ValueError, match="3 cells: an energy landscape shows exactly 2"):
+        figures.landscape(files.preset("three-wave").cycle())
+
+
+def test_loading_stays_visible_under_unloading_where_both_go_the_same_way():
+    for draw in (figures.force_stroke, figures.landscape):
+        ax = draw(files.preset("paper-via-10").cycle()).axes[0]
+        width = {
+            line.get_color(): line.get_linewidth()
+            for line in ax.get_lines()
+            if line.get_gid() is None
+        }
+        assert width[LOADING] > 1.5 * width[UNLOADING]

@@ -1,0 +1,114 @@
+"""Whatever the bytes: a chain, or a clean message. Never another exception, never a warning."""
+
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from conftest import examples
+from stepwell.files import DesignError, dumps, load, loads, preset_text, presets
+from stepwell.files._schema import TABLES
+from stepwell.mechanism import Chain
+
+KEYS = sorted({key for keys in TABLES.values() for key in keys.model_fields})
+WORDS = [*KEYS, "x", "q_mmm", '"é"']
+NUMBERS = ["0", "-0.0", "1", "-3", "10", "45", "90", "1e6", "1e-9", "28.5", "1e400", "nan", "-inf"]
+OTHERS = ["true", '"rigid"', '"t"', "''", "1979-05-27", "07:32:00", "[]", "{}", "0xff", "9" * 30]
+# What a file with good intentions holds: mostly the right kind of value behind each key.
+NUMBER = st.sampled_from(NUMBERS) | st.floats(-50, 50).map(repr)
+POINT = st.tuples(NUMBER, NUMBER).map(lambda xy: f"[{xy[0]}, {xy[1]}]")
+TABLE = st.lists(POINT, max_size=3).map(lambda rows: f"[{', '.join(['[0, 0]', *rows])}]")
+ANYTHING = st.sampled_from([*NUMBERS, *OTHERS]) | POINT | TABLE
+
+
+def pair(key: str) -> st.SearchStrategy[str]:
+    kinds = {"p_mm": POINT, "q_mm": POINT, "title": st.just("'t'"), "name": st.just('"θ"')}
+    table = key in ("table_mm_N", "shape_mm", "load_mm_N")
+    likely = TABLE if table else kinds.get(key, NUMBER)
+    likely = st.booleans().map(str).map(str.lower) if key == "two_sided" else likely
+    return (likely | likely | likely | ANYTHING).map(lambda value: f"{key} = {value}")
+
+
+def some(table: str, *, most: int) -> st.SearchStrategy[list[str]]:
+    nested = {"chain", "band", "bands", "cell"}
+    keys = sorted(set(TABLES[table].model_fields) - nested - {"p_mm", "q_mm"})
+    likely = st.sampled_from(keys).flatmap(pair)
+    odd = st.sampled_from(WORDS).flatmap(pair)
+    return st.lists(likely | likely | likely | odd, max_size=most)
+
+
+def inline(table: str) -> st.SearchStrategy[str]:
+    return some(table, most=3).map(lambda lines: f"{{ {', '.join(lines)} }}")
+
+
+@st.composite
+def documents(draw) -> str:
+    lines = [*draw(some("", most=1)), "[chain]", *draw(some("chain", most=2))]
+    lines += [f"band = {draw(inline('chain.band'))}"] * draw(st.booleans())
+    for _ in range(draw(st.integers(1, 2))):
+        lines += ["[[chain.cell]]", *draw(some("chain.cell", most=2))]
+        lines += [f"band = {draw(inline('chain.cell.band'))}"] * draw(st.booleans())
+        anchors = f"p_mm = [-10, 0], q_mm = {draw(POINT)}"
+        if draw(st.booleans()):
+            lines += anchors.replace("], ", "]\n").split("\n")
+        else:
+            lines += [f"bands = [{{ {anchors} }}, {{ {anchors} }}]"]
+    return "\n".join(lines)
+
+
+def check(text: str) -> None:
+    try:
+        chain = loads(text, "fuzz.toml")
+    except DesignError as error:
+        lines = str(error).split("\n")
+        assert all(line.startswith("fuzz.toml: ") and line.isprintable() for line in lines)
+        assert max(map(len, lines)) < 600
+    else:
+        assert isinstance(chain, Chain)
+        # What a file may say is physics: every force is a number, and it can be written again.
+        forces = [force for cell in chain.cells for force in (cell.force_0, cell.force_1)]
+        assert all(abs(force) < float("inf") for force in forces)
+        assert loads(dumps(chain)) == chain
+
+
+@given(st.binary(max_size=400))
+def test_any_bytes_in_a_file_end_in_a_clean_message(tmp_path_factory, content):
+    file = tmp_path_factory.getbasetemp() / "fuzz.toml"
+    file.write_bytes(content)
+    with pytest.raises(DesignError) as caught:
+        load(file)
+    assert all(line.startswith(f"{file}: ") for line in str(caught.value).split("\n"))
+
+
+@given(st.text(max_size=200))
+def test_any_text_ends_in_a_clean_message(text):
+    with pytest.raises(DesignError):
+        loads(text)
+
+
+@given(documents())
+def test_any_toml_with_our_keys_ends_in_a_chain_or_a_clean_message(text):
+    check(text)
+
+
+@st.composite
+def mutations(draw) -> str:
+    text = preset_text(draw(st.sampled_from(sorted(presets()))))
+    for _ in range(draw(st.integers(1, 4))):
+        start = draw(st.integers(0, len(text)))
+        stop = start + draw(st.integers(0, 12))
+        piece = draw(
+            st.sampled_from([*NUMBERS, *OTHERS, *KEYS, "\n", "=", "[", "]"]) | st.text(max_size=6)
+        )
+        text = text[:start] + piece + text[stop:]
+    return text
+
+
+@given(mutations())
+def test_any_small_change_to_a_preset_ends_in_a_chain_or_a_clean_message(text):
+    check(text)
+
+
+@pytest.mark.slow
+@settings(max_examples=examples(500))
+@given(documents() | mutations())
+def test_thousands_of_wrong_files_end_in_a_chain_or_a_clean_message(text):
+    check(text)
