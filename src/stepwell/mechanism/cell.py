@@ -39,8 +39,8 @@ class Cell:
     Source: Kamp et al. 2024, Fig. 1; the defaults are the paper's cell.
     """
 
-    band: Band | tuple[Band, ...]
-    lever: float = 0.010 * math.sqrt(2.0)
+    band: Band | Sequence[Band]
+    lever: float = 0.014142135623730951  # 10√2 mm
     limit: float = math.pi / 4
     load: Load | None = None
     friction: float = 0.0
@@ -66,7 +66,7 @@ class Cell:
     @property
     def bands(self) -> tuple[Band, ...]:
         """All bands of the cell."""
-        return (self.band,) if isinstance(self.band, Band) else self.band
+        return (self.band,) if isinstance(self.band, Band) else tuple(self.band)
 
     @property
     def full_travel(self) -> float:

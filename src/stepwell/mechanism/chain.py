@@ -30,7 +30,7 @@ class Chain:
     Source: Kamp et al. 2024, Fig. 2.
     """
 
-    cells: tuple[Cell, ...]
+    cells: Sequence[Cell]
     actuator_stiffness: float = math.inf
     title: str = ""
 

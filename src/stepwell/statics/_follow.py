@@ -16,7 +16,7 @@ from stepwell.statics._branch import (
 )
 from stepwell.statics._compile import kernel
 from stepwell.statics._flow import flow, unstable_direction
-from stepwell.statics._landing import JOINED, UNDECIDED, slide
+from stepwell.statics._landing import JOINED, STOPPED, UNDECIDED, slide
 from stepwell.statics._law import Floats, Ints, Laws, law, stored
 from stepwell.statics._pieces import Pieces, find_piece, invert
 
@@ -267,6 +267,14 @@ def _snap(
                 state.travel[back] = 0.0
             rubbed[back] = shift
         state.force[0] = level
+        if outcome == STOPPED and beta == 0.0:
+            # One of the two has stopped and no longer takes its part of the force: the other
+            # may now push a third one off its place, and the snap goes on.
+            _settle(laws, pieces, state, alpha, beta)
+            low, high = held_range(laws, state)
+            slip = 1e-12 * scale
+            if low > high + slip or not low - slip <= state.force[0] <= high + slip:
+                outcome = JOINED
     tie = False
     if outcome == JOINED:
         if rubbed[trigger] == 0.0:

@@ -1,5 +1,6 @@
 """A chain as the flat arrays that the kernels read."""
 
+from collections.abc import Sequence
 from itertools import accumulate, chain as flatten
 
 import numpy as np
@@ -8,7 +9,7 @@ from stepwell.mechanism import Cell
 from stepwell.statics._law import Laws
 
 
-def pack(cells: tuple[Cell, ...]) -> Laws:
+def pack(cells: Sequence[Cell]) -> Laws:
     """The laws of the cells, inner first."""
     bands = [cell.bands for cell in cells]
     flat = list(flatten.from_iterable(bands))

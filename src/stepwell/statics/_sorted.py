@@ -4,6 +4,8 @@ Used only where every step of the proof (theory page, "Sorting") has been checke
 at hand; anything else goes to the follower.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stepwell.mechanism import Cell
@@ -165,7 +167,7 @@ def load_sorted(
     return True
 
 
-def sorted_cycle(cells: tuple[Cell, ...]) -> tuple[f.Log, float] | None:
+def sorted_cycle(cells: Sequence[Cell]) -> tuple[f.Log, float] | None:
     """The log of a full cycle and its first force, or None where the proof does not hold."""
     simples = [simple(cell) for cell in cells]
     if any(s is None for s in simples):

@@ -1,0 +1,92 @@
+"""Speed of full cycles: long concave chains, and short chains of any cells."""
+
+import math
+import statistics
+import time
+
+import numpy as np
+
+import stepwell as sw
+
+
+def rows() -> list[tuple[str, str, str]]:
+    """What was timed, what came out, what is wanted."""
+    nested(1000).cycle()  # compiles, or reads what was compiled
+    found: list[tuple[str, str, str]] = []
+    short = timed(nested(1000), 9)
+    long = timed(nested(100_000), 2)
+    law = 100_000 * math.log(100_000) / (1000 * math.log(1000))
+    found.append(("cycle of 1,000 nested concave cells", ms(short), "at most 20 ms"))
+    found.append(
+        (
+            "100,000 of them, beside N log N of that",
+            f"{long:.2f} s, {long / short / law:.2f} times N log N",
+            "at most 1.5 times",
+        )
+    )
+    for cells in (4, 16, 64):
+        chains = [scattered(seed, cells) for seed in range(5 if cells < 64 else 2)]
+        found.append(
+            (
+                f"cycle of {cells} concave cells at random anchors (landings integrated)",
+                ms(statistics.median(timed(chain, 2) for chain in chains)),
+                "-",
+            )
+        )
+    for cells, wanted in ((2, "-"), (4, "under 5 ms"), (8, "-"), (16, "-"), (64, "-")):
+        chains = [mixed(seed, cells) for seed in range(11 if cells < 64 else 1)]
+        times = [timed(chain, 2) for chain in chains]
+        found.append(
+            (
+                f"cycle of {cells} general cells (slack, stiffening, loads)",
+                f"{ms(statistics.median(times))}, worst {ms(max(times))}",
+                wanted,
+            )
+        )
+    return found
+
+
+def ms(seconds: float) -> str:
+    return f"{seconds * 1e3:.2g} ms" if seconds < 1 else f"{seconds:.2g} s"
+
+
+def timed(chain: sw.Chain, times: int) -> float:
+    """Median time of a cycle [s]."""
+    taken: list[float] = []
+    for _ in range(times):
+        start = time.perf_counter()
+        chain.cycle()
+        taken.append(time.perf_counter() - start)
+    return statistics.median(taken)
+
+
+def nested(cells: int) -> sw.Chain:
+    """d_x evenly over 10..30 mm in random order: every cell snaps with the first."""
+    x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, cells))
+    return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (float(v), 0.0))) for v in x])
+
+
+def scattered(seed: int, cells: int) -> sw.Chain:
+    """Anchors at random in the paper's box."""
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(0.010, 0.030, cells), rng.uniform(-0.015, 0.015, cells)
+    return sw.Chain(
+        [sw.Cell(sw.Band((0, 0), (float(a), float(b)))) for a, b in zip(x, y, strict=True)]
+    )
+
+
+def mixed(seed: int, cells: int) -> sw.Chain:
+    """Cells that are not concave: short and folded-back bands, stiffening rubber, loads."""
+    rng = np.random.default_rng(seed)
+    made: list[sw.Cell] = []
+    for _ in range(cells):
+        band = sw.Band(
+            (0.0, 0.0),
+            (float(rng.uniform(-0.01, 0.03)), float(rng.uniform(-0.02, 0.02))),
+            stiffness=float(rng.uniform(15, 60)),
+            rest_length=float(rng.uniform(0.0, 0.02)),
+            law=sw.Cubic(-20.0, 800.0) if rng.random() < 0.4 else sw.Linear(),
+        )
+        load = sw.Load.constant(float(rng.uniform(-0.1, 0.1))) if rng.random() < 0.3 else None
+        made.append(sw.Cell(band, load=load))
+    return sw.Chain(made)

@@ -1,0 +1,19 @@
+"""All benchmarks in one run, as one table."""
+
+import chains
+import maps
+from rich.console import Console
+from rich.table import Table
+
+
+def main() -> None:
+    """Print what was timed, what came out and what is wanted."""
+    table = Table("what", "measured", "wanted", title="stepwell benchmarks")
+    for module in (maps, chains):
+        for row in module.rows():
+            table.add_row(*row)
+    Console(width=120).print(table)
+
+
+if __name__ == "__main__":
+    main()
