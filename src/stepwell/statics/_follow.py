@@ -383,9 +383,12 @@ def _take_snap(
     )
     if status != DONE:
         return status
-    moved = np.flatnonzero(state.travel != before)
-    if len(moved) == 0:
+    changed = state.travel != before
+    if not np.any(changed):
         return STALLED
+    # The cell that let go belongs to the snap even where the flow brings it back to its stop.
+    changed[note[TRIGGER]] = True
+    moved = np.flatnonzero(changed)
     released, friction_work = 0.0, 0.0
     for m in range(len(moved)):
         i = int(moved[m])

@@ -28,7 +28,8 @@ class Event:
         drive: actuator position [m], or its force [N] under force control.
         stroke: u = Σ s_i just before [m].
         direction: +1 while loading, -1 while unloading.
-        cells: the cells that moved; for a switch the one that arrived.
+        cells: the cells that moved, for a snap also the one that set it off and came back; for a
+            switch the one that arrived.
         before, after: their travels [m].
         force_before, force_after: actuator force λ [N].
         released: energy turned into heat by the jump [J], without what friction took.
