@@ -11,9 +11,9 @@ import typer
 import stepwell as sw
 from stepwell import files
 from stepwell.cli import app
-from stepwell.cli._paper_text import record as paper_record
 from stepwell.design import boundaries
 from stepwell.files._schema import TABLES
+from stepwell.paper import record as paper_record
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)

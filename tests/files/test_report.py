@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pytest
 
 from stepwell import figures, files
-from stepwell.design import margin
+from stepwell.design import Change, margin
 from stepwell.files.report import report
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load
 
@@ -112,6 +112,23 @@ def test_margins_come_nearest_first_with_the_sequence_past_them(forward):
     assert rows[0][0] == cycle.chain.names[nearest.cell]
     assert rows[0][4] == nearest.becomes
     assert len(rows) == len(limits.changes)
+
+
+@pytest.mark.parametrize("count", [12, 13])
+def test_long_chains_are_told_distances_without_a_cycle_for_each(count, monkeypatch):
+    cells = tuple(Cell(Band((-0.010, 0.0), (0.004 + 0.001 * i, 0.0))) for i in range(count))
+    cycle = Chain(cells).cycle()
+    limits = margin(cycle.chain)
+    asked = []
+    monkeypatch.setattr(Change, "becomes", property(lambda change: asked.append(change) or "1>0"))
+    table = Page(report(cycle, limits, {})).tables[2]
+    changes = files.run_record(cycle, limits)["margin"]["changes"]
+    spelled = count <= 12
+    assert ("Sequence past it" in table[0]) == spelled
+    assert {len(row) for row in table} == {len(table[0])}
+    assert {change["becomes"] for change in changes} == {"1>0" if spelled else None}
+    assert len(asked) == (4 * count if spelled else 0)
+    assert len(table) == 1 + 2 * count == 1 + len(changes)
 
 
 def test_nothing_is_fetched_or_run(forward):

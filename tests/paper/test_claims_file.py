@@ -1,0 +1,93 @@
+"""The committed claims say what the model computes today."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stepwell import paper
+from stepwell.paper import table
+
+ROOT = Path(__file__).resolve().parents[2]
+CLAIMS = ROOT / "docs" / "claims.json"
+PAGES = [
+    page
+    for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+    if table.BEGIN in page.read_text("utf-8")
+]
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
+# Texts round to three or four digits; another processor may round the last one otherwise.
+ONE_DIGIT = 2e-3
+
+
+@pytest.fixture(scope="module")
+def verdicts():
+    return paper.run()
+
+
+def same(a: str, b: str) -> bool:
+    """Whether two texts have the same words, and the same numbers but for the last digit."""
+    numbers = [[float(n) for n in NUMBER.findall(text)] for text in (a, b)]
+    return NUMBER.sub("#", a) == NUMBER.sub("#", b) and numbers[0] == pytest.approx(
+        numbers[1], rel=ONE_DIGIT
+    )
+
+
+def test_the_comparison_sees_a_changed_number_and_a_changed_word():
+    assert same("2.77 and -0.967 mm", "2.771 and -0.967 mm")
+    assert not same("2.77 mm", "2.79 mm")
+    assert not same("17 of 1315 snaps", "18 of 1315 snaps")
+    assert not same("00>10>11>01>00", "00>01>11>10>00")
+    assert not same("3 agree", "3 differ")
+
+
+def test_the_committed_claims_are_those_computed_now(verdicts):
+    committed = json.loads(CLAIMS.read_text("utf-8"))["claims"]
+    computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
+    assert [claim["id"] for claim in committed] == [claim["id"] for claim in computed]
+    for old, new in zip(committed, computed, strict=True):
+        assert set(old) == set(new)
+        for name, text in new.items():
+            assert same(old[name], text), (new["id"], name, old[name], text)
+
+
+def test_the_claims_page_shows_them():
+    assert ROOT / "docs" / "claims.md" in PAGES
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_with_the_table_shows_what_is_computed_now(page, verdicts):
+    text = page.read_text("utf-8")
+    assert same(text, table.replaced(text, paper.markdown(verdicts)))
+
+
+def test_writing_the_table_again_changes_nothing_and_keeps_the_rest():
+    page = f"before\n{table.BEGIN}\nold\n{table.END}\nafter\n"
+    once = table.replaced(page, "new")
+    assert table.replaced(once, "new") == once
+    assert once.startswith("before\n")
+    assert once.endswith("\nafter\n")
+    assert "old" not in once
+
+
+@pytest.mark.parametrize("page", ["", table.BEGIN, table.END])
+def test_a_page_without_its_markers_is_refused(page):
+    with pytest.raises(ValueError, match="no place for the claims: put in"):
+        table.replaced(page, "new")
+
+
+def test_a_bar_in_a_claim_does_not_break_the_table(verdicts):
+    rows = paper.markdown(verdicts).split("\n\n")[0].splitlines()
+    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {7}
+    assert len(rows) == 2 + len(verdicts)
+
+
+def test_the_module_says_how_to_be_called():
+    asked = subprocess.run(
+        [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False
+    )
+    assert asked.returncode == 1
+    assert asked.stderr.startswith("usage: python -m stepwell.paper claims.json")

@@ -1,0 +1,66 @@
+"""The paper's figures come from the model, whole or not at all, and can be read."""
+
+import pytest
+from PIL import Image
+
+from figures.drawn import collisions, cut_off, says
+from stepwell import paper
+from stepwell.paper import figures
+
+
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_no_word_covers_another_or_leaves_the_page(name):
+    figure = figures.FIGURES[name]()
+    assert collisions(figure) == []
+    assert cut_off(figure) == []
+
+
+def test_every_figure_of_the_paper_about_one_and_two_cells_is_there():
+    assert [name.partition("-")[0] for name in figures.FIGURES] == [
+        "fig1d",
+        "fig1e",
+        "fig2b",
+        "fig2c",
+        "fig2d",
+    ]
+
+
+def test_six_cells_are_told_apart_by_their_anchors():
+    for draw in (figures.force, figures.energy):
+        anchors = [text for text in says(draw()) if "mm" in text]
+        assert len(set(anchors)) == len(anchors) == 6
+
+
+def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
+    written = says(figures.map_())
+    assert {"clockwise", "counterclockwise", "via 01", "via 10"} <= set(written)
+    assert {"(20, 0)", "(0, 0)", "(10, \N{MINUS SIGN}15)", "(10, 15)"} <= set(written)
+
+
+def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch):
+    chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
+    monkeypatch.setattr(figures, "FIGURES", chosen)
+    told = []
+    paper.run(tmp_path / "out", progress=lambda done, total: told.append((done, total)))
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {
+        "claims.json",
+        *(f"{name}{suffix}" for name in chosen for suffix in (".png", ".svg")),
+    }
+    with Image.open(tmp_path / "out" / "fig2c-map.png") as picture:
+        assert picture.size[0] == pytest.approx(85 / 25.4 * 300, abs=1)
+    assert told[-1] == (len(told), len(told))
+    assert len(told) == len(paper.claims()) + len(chosen)
+
+
+def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatch):
+    def fails():
+        raise RuntimeError("no ink")
+
+    monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force, "broken": fails})
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "claims.json").write_text("old")
+    with pytest.raises(RuntimeError, match="no ink"):
+        paper.run(out)
+    assert (out / "claims.json").read_text() == "old"
+    assert [file.name for file in tmp_path.rglob("*.*")] == ["claims.json"]
