@@ -1,9 +1,10 @@
 """All benchmarks in one run, as one table."""
 
-import chains
 import maps
 from rich.console import Console
 from rich.table import Table
+
+import chains
 
 
 def main() -> None:

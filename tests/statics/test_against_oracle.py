@@ -4,20 +4,18 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import oracle
 import pytest
+
+import oracle
+import stepwell as sw
 from chains import any_chain, concave_chain
 from conftest import examples
-
-import stepwell as sw
 
 STEPS = 1500
 
 
 def as_oracle(cell: sw.Cell) -> oracle.OracleCell:
-    bands = [
-        (*b.d, b.stiffness, b.rest_length, *_bend(b.law), b.two_sided) for b in cell.bands
-    ]
+    bands = [(*b.d, b.stiffness, b.rest_length, *_bend(b.law), b.two_sided) for b in cell.bands]
     load = [] if cell.load is None else list(zip(cell.load.travel, cell.load.force, strict=True))
     return oracle.OracleCell(cell.lever, cell.limit, bands=bands, load=load, friction=cell.friction)
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from chains import any_chain, concave_chain
-from conftest import examples
 from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
+from chains import any_chain, concave_chain
+from conftest import examples
 from stepwell.statics import Cause
 
 seeds = st.integers(0, 2**32 - 1)
@@ -115,7 +115,9 @@ def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
     full = chain.full_stroke
     for way in (1, -1):
         ours = [(e.kind, e.stroke, e.released) for e in cycle.events if e.direction == way]
-        theirs = [(e.kind, full - e.stroke, e.released) for e in turned.events if e.direction != way]
+        theirs = [
+            (e.kind, full - e.stroke, e.released) for e in turned.events if e.direction != way
+        ]
         assert [o[0] for o in ours] == [t[0] for t in theirs]
         for (_, u, released), (_, v, twin) in zip(ours, theirs, strict=True):
             assert u == pytest.approx(v, abs=1e-7 * full)

@@ -15,7 +15,6 @@ from stepwell.statics._sorted import WORTH_SORTING, sorted_cycle
 from stepwell.statics._start import drive_weights, start_travels, starting_state
 from stepwell.statics.path import Path
 
-
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
 
