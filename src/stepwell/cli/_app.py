@@ -1,0 +1,64 @@
+"""The subcommands put together."""
+
+import os
+import signal
+import sys
+from io import TextIOWrapper
+from typing import Annotated
+
+import typer
+
+from stepwell._version import __version__
+from stepwell.cli import animate, map, new, paper, presets, run
+from stepwell.cli._outcomes import EXIT_CODES, Commands
+from stepwell.cli._show import styled
+
+app = typer.Typer(
+    cls=Commands,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich" if styled() else None,
+    epilog=EXIT_CODES,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (run.run, map.map_, new.new, presets.presets, animate.animate, paper.paper):
+    app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stepwell {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def stepwell(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Design, check and understand machines whose motion is programmed into their springs."""
+
+
+def main() -> None:
+    """Run the command line; what `stepwell` starts."""
+    for stream in (sys.stdout, sys.stderr):
+        # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        app(prog_name="stepwell")
+    finally:
+        _flush()
+
+
+def _flush() -> None:
+    """Say nothing where the reader has left, as `head` does after its lines."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

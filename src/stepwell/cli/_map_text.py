@@ -1,0 +1,45 @@
+"""The result of `stepwell map` as people read it."""
+
+from typing import Any
+
+from stepwell.cli._show import number, show_lines, show_table
+
+
+def show(record: dict[str, Any]) -> None:
+    """Print what `files.map_record` returns."""
+    x, y = record["x_mm"], record["y_mm"]
+    show_lines(
+        record["title"],
+        "",
+        f"Anchor q of {record['moved_cell']}: "
+        f"x {number(x['from'])} to {number(x['to'])} mm, {x['count']} places; "
+        f"y {number(y['from'])} to {number(y['to'])} mm, {y['count']} places",
+    )
+    show_table(
+        "Pathways",
+        ["pathway", "share of the map"],
+        [
+            [name.replace("_", " "), f"{100 * share:.1f} %"]
+            for name, share in record["area_fractions"].items()
+            if share
+        ],
+    )
+    show_lines(
+        "",
+        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
+        f"the map; {record['degenerate_designs']} designs sit on a boundary.",
+    )
+    show_table(
+        "Boundaries",
+        ["what changes", "points", "how", "within [mm]"],
+        [
+            [
+                boundary["changes"],
+                str(boundary["points"]),
+                boundary["method"],
+                "" if boundary["method"] == "exact" else number(boundary["error_mm"], 2),
+            ]
+            for boundary in record["boundaries"]
+        ],
+        left=(0, 2),
+    )

@@ -1,0 +1,30 @@
+"""Arguments that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Design = Annotated[
+    str,
+    typer.Argument(
+        metavar="DESIGN",
+        help="A design file (TOML), or preset:NAME for a design of `stepwell presets`.",
+        show_default=False,
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="DIR",
+        help="Write the results into this folder.",
+        show_default=False,
+        file_okay=False,
+    ),
+]
+Json = Annotated[
+    bool,
+    typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
+]

@@ -1,0 +1,44 @@
+"""What an error means to whoever called the command: a line of advice and an exit code."""
+
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+OK, FAILED, WRONG_INPUT = 0, 1, 2
+EXIT_CODES = (
+    "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
+    "or a wrong input file, 130 interrupted."
+)
+
+
+class Commands(TyperGroup):
+    """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (typer.Exit, typer.Abort):
+            raise
+        except (OSError, RuntimeError, ValueError) as error:
+            known = outcome(error)
+            if known is None:
+                raise
+            code, message = known
+            typer.echo(message, err=True)
+            raise typer.Exit(code) from None
+
+
+def outcome(error: OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
+    """Exit code and message of an error that the user can do something about, else None."""
+    from stepwell.files import DesignError
+    from stepwell.statics import StaticsError
+
+    if isinstance(error, DesignError):
+        return WRONG_INPUT, str(error)
+    if isinstance(error, StaticsError):
+        return FAILED, str(error)
+    if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
+        place = f"{error.filename}: " if error.filename else ""
+        return FAILED, f"{place}{error.strerror or error}"
+    return None

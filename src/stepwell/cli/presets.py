@@ -1,0 +1,23 @@
+"""`stepwell presets`: the designs that come with the package."""
+
+from typing import Annotated
+
+import typer
+
+_Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+
+
+def presets(as_json: _Json = False) -> None:
+    """List the designs that come with Stepwell.
+
+    The paper's come first, then some that go further.
+    """
+    from stepwell import files
+    from stepwell.cli._show import show_json, show_table
+
+    found = files.presets()
+    if as_json:
+        rows = [{"name": name, "title": title} for name, title in found.items()]
+        show_json({"schema": "stepwell.presets/1", "presets": rows})
+    else:
+        show_table("Designs", ["name", "what it is"], list(found.items()), left=(0, 1))

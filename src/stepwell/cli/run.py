@@ -1,0 +1,32 @@
+"""`stepwell run`: what a design does, and how far it is from doing otherwise."""
+
+from stepwell.cli._options import Design, Json, Out
+
+
+def run(design: Design, out: Out = None, as_json: Json = False) -> None:
+    """Say what a design does.
+
+    Its sequence, its forces, every switch and snap, and how far it is from doing otherwise.
+    With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
+    written into a folder, together with the design.
+    """
+    from stepwell import files
+    from stepwell.cli import _run_text
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.design import margin
+
+    text = files.read(design)
+    cycle = files.loads(text, design).cycle()
+    with progress("margin") as tell:
+        limits = margin(cycle.chain, progress=tell)
+    names = ()
+    if out is not None:
+        with progress("writing") as tell:
+            names = files.write_run(cycle, limits, out, design=text, source=design, progress=tell)
+    record = files.run_record(cycle, limits)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _run_text.show(record)
+        show_written(out, names)

@@ -1,0 +1,30 @@
+"""Every plot, one function each: results in, a matplotlib Figure out."""
+
+from stepwell.figures._animation import animation
+from stepwell.figures._force_stroke import force_stroke
+from stepwell.figures._landscape import landscape
+from stepwell.figures._mechanism import mechanism
+from stepwell.figures._overview import overview
+from stepwell.figures._side_by_side import landscapes, strokes
+from stepwell.figures._standard import standard
+from stepwell.figures._transition_map import transition_map
+from stepwell.figures._travel_stroke import travel_stroke
+from stepwell.figures._unit_cell import unit_cell_energy, unit_cell_force
+from stepwell.figures._write import save, svg
+
+__all__ = [
+    "animation",
+    "force_stroke",
+    "landscape",
+    "landscapes",
+    "mechanism",
+    "overview",
+    "save",
+    "standard",
+    "strokes",
+    "svg",
+    "transition_map",
+    "travel_stroke",
+    "unit_cell_energy",
+    "unit_cell_force",
+]

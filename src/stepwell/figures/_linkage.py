@@ -1,0 +1,126 @@
+"""Where the blocks, levers and bands of a chain are, drawn flat on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.mechanism import Chain
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """The parts of a chain at given travels, in metres on the page.
+
+    Args:
+        blocks: (N + 1, 4) left, bottom, right, top of each block, fixed one first.
+        levers: (2 N, 2, 2) ends of each lever.
+        bands: (B, 2, 2) ends of each band, p then q, cell by cell.
+        posts: (2 B, 2, 2) from a block's joint midpoint to an anchor on that block.
+        tension: (B,) of each band [N].
+        slack: (B,) whether the band is slack.
+    """
+
+    blocks: Array
+    levers: Array
+    bands: Array
+    posts: Array
+    tension: Array
+    slack: NDArray[np.bool_]
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """left, bottom, right, top [m]."""
+        xy = np.concatenate(
+            [self.blocks.reshape(-1, 2), self.bands.reshape(-1, 2), self.levers.reshape(-1, 2)]
+        )
+        (left, bottom), (right, top) = xy.min(axis=0), xy.max(axis=0)
+        return float(left), float(bottom), float(right), float(top)
+
+
+class Linkage:
+    """Places a chain on the page: stroke to the right, fixed block at the left.
+
+    A cell's own drawing has the travel upwards and the outer block beside the inner one. Here
+    the travel is turned to the right, and every second cell is mirrored across the stroke, which
+    changes no band length: the blocks then lie in two rows that the levers zig-zag between, and
+    a chain of any length stays as slender as one cell. The length of the middle blocks is free in
+    the model; here each is as long as it must be to clear its neighbours in every state.
+    """
+
+    def __init__(self, chain: Chain):
+        self.chain = chain
+        cells = chain.cells
+        lever = max(cell.lever for cell in cells)
+        # Half the distance between the two levers, and what a block has beyond its joint midpoint.
+        self.half_pair = 0.30 * lever
+        self.reach = 0.52 * lever
+        self.half_block = 0.26 * min(lever, *(c.lever * math.cos(c.limit) * 1.4 for c in cells))
+        room = 2 * self.reach + 0.25 * lever
+        halves = [cell.full_travel / 2 for cell in cells]
+        self.spans = [a + b + room for a, b in pairwise(halves)]
+        self.owner = np.array([i for i, cell in enumerate(cells) for _ in cell.bands])
+
+    def pose(self, travels: Sequence[float] | Array) -> Pose:
+        """Everything in its place at these travels (N,) [m]."""
+        reach, half = self.reach, self.half_block
+        inner = np.zeros(2)
+        left = -reach
+        blocks: list[list[float]] = []
+        levers: list[Array] = []
+        bands: list[Array] = []
+        posts: list[Array] = []
+        tension: list[float] = []
+        slack: list[bool] = []
+        for i, cell in enumerate(self.chain.cells):
+            side = 1.0 if i % 2 == 0 else -1.0
+            theta = float(cell.angle(travels[i]))
+            outer = inner + _xy(cell.lever * math.sin(theta), side * cell.lever * math.cos(theta))
+            blocks.append([left, inner[1] - half, inner[0] + reach, inner[1] + half])
+            for along in (-self.half_pair, self.half_pair):
+                levers.append(np.array([inner, outer]) + _xy(along, 0.0))
+            for band in cell.bands:
+                ends = np.array(
+                    [
+                        inner + _xy(band.p[1], side * band.p[0]),
+                        outer + _xy(band.q[1], side * band.q[0]),
+                    ]
+                )
+                length = float(band.length(theta, cell.lever))
+                bands.append(ends)
+                posts += [np.array([inner, ends[0]]), np.array([outer, ends[1]])]
+                tension.append(float(band.tension(length)))
+                slack.append(length <= band.rest_length and not band.two_sided)
+            left = outer[0] - reach
+            span = self.spans[i] if i < len(self.spans) else 0.0
+            inner = outer + _xy(span, 0.0)
+        blocks.append([left, inner[1] - half, inner[0] + reach, inner[1] + half])
+        return Pose(
+            np.array(blocks),
+            np.array(levers),
+            np.array(bands),
+            np.array(posts),
+            np.array(tension),
+            np.array(slack),
+        )
+
+    def greatest_tension(self) -> float:
+        """The largest tension or thrust [N] any band has between the stops."""
+        found = 0.0
+        for cell in self.chain.cells:
+            theta = np.linspace(-cell.limit, cell.limit, 65)
+            for band in cell.bands:
+                tension = band.tension(band.length(theta, cell.lever))
+                found = max(found, float(np.max(np.abs(tension))))
+        return found
+
+
+def _xy(x: float, y: float) -> Array:
+    return np.array([x, y])

@@ -1,0 +1,230 @@
+"""The keys of a design file: what each may hold, and in which unit."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Callable
+from decimal import Decimal
+from typing import Annotated, Any, NoReturn
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic_core import PydanticCustomError
+
+# Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
+# twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
+LENGTH = (Decimal("-1e6"), Decimal("1e6"))
+ROW_STEP_MM = Decimal("1e-6")
+
+
+def refuse(problem: str, key: str = "") -> NoReturn:
+    """Raise what pydantic collects; `key` is a key inside the table that is being checked."""
+    raise PydanticCustomError("design", "{problem}", {"problem": problem, "key": key})
+
+
+def number(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
+    """`value` as a decimal between `least` and `most`; `allowed` says so in words."""
+    if isinstance(value, bool) or not isinstance(value, int | Decimal):
+        refuse(f"must be a number {allowed}.")
+    if isinstance(value, int) and abs(value) > 10**15:
+        refuse(f"must be a number {allowed}.")
+    decimal = Decimal(value)
+    if not decimal.is_finite():
+        refuse(f"must be a finite number {allowed}.")
+    if not least <= decimal <= most:
+        refuse(f"must be {allowed}.")
+    return decimal
+
+
+def _numbers(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
+    return lambda value: number(value, Decimal(least), Decimal(most), allowed)
+
+
+def _point(value: Any) -> tuple[Decimal, Decimal]:
+    try:
+        x, y = (number(v, *LENGTH, "") for v in value)
+    except (TypeError, ValueError):
+        refuse("must be two numbers from -1e6 to 1e6, in mm, as in [10, 0].")
+    return x, y
+
+
+def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
+    if not isinstance(value, list) or len(value) < least:
+        refuse(f"must be {least} or more rows of two numbers, as in {example}.")
+    rows: list[tuple[Decimal, Decimal]] = []
+    for i, row in enumerate(value):
+        try:
+            x, y = (number(v, *LENGTH, "") for v in row)
+        except (TypeError, ValueError):
+            refuse(f"row {i + 1} must be two numbers from -1e6 to 1e6, as in {example}.")
+        if rows and x - rows[-1][0] < ROW_STEP_MM:
+            refuse(f"row {i + 1} must lie {ROW_STEP_MM} mm or more above the row before it.")
+        rows.append((x, y))
+    return tuple(rows)
+
+
+def _law_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+    rows = _rows(value, 2, "[[0, 0], [10, 0.3], [30, 0.8]]")
+    if rows[0] != (0, 0):
+        refuse("row 1 must be [0, 0]: a band carries nothing at its rest length.")
+    return rows
+
+
+def _tension_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+    rows = _law_rows(value)
+    if rows[-1][1] < Decimal("1e-9"):
+        refuse("the last row must be a tension of 1e-9 N or more.")
+    return rows
+
+
+def _load_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+    return _rows(value, 1, "[[0, 0.02], [20, 0.05]]")
+
+
+def _actuator(value: Any) -> Decimal:
+    if value == "rigid":
+        return Decimal("Infinity")
+    return number(value, Decimal(0), Decimal("1e12"), 'from 0 to 1e12, or "rigid"')
+
+
+def _line(value: Any) -> str:
+    if not isinstance(value, str):
+        refuse("must be text in quotes.")
+    if len(value) > 200 or any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value):
+        refuse("must be one line of at most 200 characters.")
+    return value
+
+
+def _switch(value: Any) -> bool:
+    if not isinstance(value, bool):
+        refuse("must be true or false, without quotes.")
+    return value
+
+
+Line = Annotated[str, PlainValidator(_line)]
+Switch = Annotated[bool, PlainValidator(_switch)]
+Point = Annotated[tuple[Decimal, Decimal], PlainValidator(_point)]
+Lever = Annotated[Decimal, PlainValidator(_numbers("1e-3", "1e6", "from 0.001 to 1e6"))]
+Limit = Annotated[Decimal, PlainValidator(_numbers("0.01", "89.9", "from 0.01 to 89.9"))]
+Stiffness = Annotated[Decimal, PlainValidator(_numbers("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
+RestLength = Annotated[Decimal, PlainValidator(_numbers("0", "1e6", ">= 0 (up to 1e6)"))]
+Coefficient = Annotated[Decimal, PlainValidator(_numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Force = Annotated[Decimal, PlainValidator(_numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Friction = Annotated[Decimal, PlainValidator(_numbers("0", "1e6", ">= 0 (up to 1e6)"))]
+Actuator = Annotated[Decimal, PlainValidator(_actuator)]
+TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
+LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
+LoadRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_load_rows)]
+
+
+class Keys(BaseModel):
+    """A table of the file: strict, and no key that we do not know."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    def given(self) -> dict[str, Any]:
+        """Only the keys that stand in the file."""
+        return {key: getattr(self, key) for key in self.model_fields_set}
+
+
+class BandKeys(Keys):
+    """What a band is made of, without its anchors."""
+
+    stiffness_N_per_m: Stiffness | None = None
+    rest_length_mm: RestLength | None = None
+    two_sided: Switch | None = None
+    quadratic_per_mm: Coefficient | None = None
+    cubic_per_mm2: Coefficient | None = None
+    table_mm_N: TensionRows | None = None
+    shape_mm: LawRows | None = None
+
+    @model_validator(mode="after")
+    def _one_law(self) -> BandKeys:
+        given = self.model_fields_set
+        laws = [kind for kind, keys in LAWS.items() if keys & given]
+        if len(laws) > 1:
+            refuse(f"gives {' and '.join(laws)}: a band has one law, keep one of them.")
+        if {"table_mm_N", "stiffness_N_per_m"} <= given:
+            refuse(TABLE_OWNS_STIFFNESS, "stiffness_N_per_m")
+        return self
+
+
+LAWS = {
+    "quadratic_per_mm or cubic_per_mm2": {"quadratic_per_mm", "cubic_per_mm2"},
+    "table_mm_N": {"table_mm_N"},
+    "shape_mm": {"shape_mm"},
+}
+TABLE_OWNS_STIFFNESS = (
+    "cannot stand with table_mm_N, which sets the stiffness itself; leave it out, or give the "
+    "law as shape_mm."
+)
+
+
+class PlacedBandKeys(BandKeys):
+    """One of several bands on a cell, with its anchors."""
+
+    p_mm: Point
+    q_mm: Point
+
+
+class CellKeys(Keys):
+    """A unit cell; what it leaves out it takes from the chain."""
+
+    name: Line = ""
+    p_mm: Point | None = None
+    q_mm: Point | None = None
+    lever_mm: Lever | None = None
+    limit_deg: Limit | None = None
+    band: BandKeys = BandKeys()
+    bands: Annotated[tuple[PlacedBandKeys, ...], Field(strict=False)] | None = None
+    load_N: Force | None = None
+    load_mm_N: LoadRows | None = None
+    friction_N: Friction = Decimal(0)
+
+    @model_validator(mode="after")
+    def _anchored_once(self) -> CellKeys:
+        anchors = [key for key in ("p_mm", "q_mm") if key in self.model_fields_set]
+        if self.bands is None:
+            for key in ("p_mm", "q_mm"):
+                if key not in anchors:
+                    refuse("is missing: two numbers in mm, as in [10, 0].", key)
+        elif anchors:
+            refuse("cannot stand with bands, where every band has its own anchors.", anchors[0])
+        elif not self.bands:
+            refuse("must hold one band or more.", "bands")
+        if self.load_N is not None and self.load_mm_N is not None:
+            refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")
+        return self
+
+
+class ChainKeys(Keys):
+    """The chain and what its cells share."""
+
+    lever_mm: Lever | None = None
+    limit_deg: Limit | None = None
+    actuator_stiffness_N_per_m: Actuator = Decimal("Infinity")
+    band: BandKeys = BandKeys()
+    cell: Annotated[tuple[CellKeys, ...], Field(strict=False)]
+
+    @model_validator(mode="after")
+    def _some_cell(self) -> ChainKeys:
+        if not self.cell:
+            refuse("must hold one cell or more, inner first.", "cell")
+        return self
+
+
+class FileKeys(Keys):
+    """A whole design file."""
+
+    title: Line = ""
+    chain: ChainKeys
+
+
+# Where a reader may come from when a path holds one of these keys.
+TABLES: dict[str, type[Keys]] = {
+    "": FileKeys,
+    "chain": ChainKeys,
+    "chain.band": BandKeys,
+    "chain.cell": CellKeys,
+    "chain.cell.band": BandKeys,
+    "chain.cell.bands": PlacedBandKeys,
+}

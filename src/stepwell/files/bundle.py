@@ -1,0 +1,150 @@
+"""Everything about one result in one folder: figures, data, report, the design itself."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stepwell.files.atomic import staged_folder, write_atomic
+from stepwell.files.record import boundary_rows, map_record, run_record
+from stepwell.files.report import report
+from stepwell.files.write import dumps
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from stepwell.design import Boundary, Margin
+    from stepwell.sequences import Cycle
+
+# Beyond this a drawing is too small to see, and the figures room refuses it.
+_DRAWABLE_CELLS, _DRAWABLE_STATES = 12, 30
+
+Progress = Callable[[int, int], None]
+
+
+def write_run(
+    cycle: Cycle,
+    margin: Margin,
+    folder: str | os.PathLike[str],
+    *,
+    design: str | None = None,
+    source: str | None = None,
+    progress: Progress | None = None,
+) -> tuple[str, ...]:
+    """Write what a design does into a folder, all of it or nothing.
+
+    Args:
+        cycle: the design's cycle.
+        margin: how far the design is from doing something else.
+        folder: made if missing; files of the same names are replaced, others stay.
+        design: text of the design file, to keep beside the results; written anew by default.
+        source: the design file's name, for the report.
+        progress: called with (done, total) files.
+
+    Returns:
+        The names of the files: design.toml, path.csv, result.json, report.html, and for each
+        figure a .png and a .svg.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    with staged_folder(folder) as draft:
+        drawn = _figures(cycle)
+        steps = _Steps(progress, 4 + 2 * len(drawn))
+        write_atomic(draft / "design.toml", design or dumps(cycle.chain))
+        steps.next()
+        cycle.path.to_csv(draft / "path.csv")
+        steps.next()
+        _write_json(draft / "result.json", run_record(cycle, margin))
+        steps.next()
+        captions = dict(drawn.values())
+        write_atomic(draft / "report.html", report(cycle, margin, captions, source))
+        steps.next()
+        _save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
+        return _names(draft)
+
+
+def write_map(
+    dataset: xarray.Dataset,
+    boundaries: tuple[Boundary, ...],
+    folder: str | os.PathLike[str],
+    *,
+    designs: Mapping[str, tuple[float, float]] | None = None,
+    progress: Progress | None = None,
+) -> tuple[str, ...]:
+    """Write a transition map into a folder, all of it or nothing.
+
+    Args:
+        dataset: what `design.transition_map` returns.
+        boundaries: what `design.boundaries` returns for the same chain and cell.
+        folder: made if missing; files of the same names are replaced, others stay.
+        designs: anchor q [m] of each design to be marked, by name.
+        progress: called with (done, total) files.
+
+    Returns:
+        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    with staged_folder(folder) as draft:
+        steps = _Steps(progress, 5)
+        dataset.to_netcdf(draft / "map.nc", engine="scipy")
+        steps.next()
+        q = next(iter(designs.values()), None) if designs else None
+        _write_json(draft / "map.json", map_record(dataset, boundaries, q))
+        steps.next()
+        write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
+        steps.next()
+        _save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
+        return _names(draft)
+
+
+def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
+    """File name without suffix: caption and figure."""
+    from stepwell import figures
+
+    chain, drawn = cycle.chain, {}
+    if len(chain) <= _DRAWABLE_CELLS and len(cycle.sequence) <= _DRAWABLE_STATES:
+        caption = "The mechanism in the states of its cycle"
+        drawn["mechanism"] = caption, figures.mechanism(chain, cycle.sequence)
+    if len(chain) == 2:
+        drawn["landscape"] = "The energy landscape and the way through it", figures.landscape(cycle)
+    drawn["force-stroke"] = "Actuator force against stroke", figures.force_stroke(cycle)
+    drawn["travel-stroke"] = "Travel of each cell against stroke", figures.travel_stroke(cycle)
+    return drawn
+
+
+def _save_figures(drawn: Mapping[str, Figure], folder: Path, steps: _Steps) -> None:
+    from stepwell import figures
+
+    for name, figure in drawn.items():
+        for suffix in (".png", ".svg"):
+            figures.save(figure, folder / f"{name}{suffix}")
+            steps.next()
+
+
+class _Steps:
+    """Counts what is done and says so."""
+
+    def __init__(self, progress: Progress | None, total: int):
+        self.progress, self.total, self.done = progress, total, 0
+
+    def next(self) -> None:
+        self.done += 1
+        if self.progress is not None:
+            self.progress(self.done, self.total)
+
+
+def _write_json(file: Path, record: dict[str, Any]) -> None:
+    write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
+
+
+def _names(folder: Path) -> tuple[str, ...]:
+    return tuple(sorted(file.name for file in folder.iterdir()))

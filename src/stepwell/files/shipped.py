@@ -1,0 +1,59 @@
+"""The designs that come with the package: the paper's, then some that go further."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+
+from stepwell.files._errors import DesignError, did_you_mean
+from stepwell.files.design import loads
+from stepwell.mechanism import Chain
+
+
+def presets() -> dict[str, str]:
+    """The name of every design that comes with the package, and its title."""
+    return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
+
+
+def preset(name: str) -> Chain:
+    """The design of that name.
+
+    Args:
+        name: as `presets` lists it, for example "paper-forward".
+
+    Returns:
+        The chain, in SI.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    return loads(preset_text(name), f"preset {name}")
+
+
+def preset_text(name: str) -> str:
+    """The design file of that name, with its comments.
+
+    Args:
+        name: as `presets` lists it.
+
+    Returns:
+        TOML, to be saved and edited.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    texts = _texts()
+    if name not in texts:
+        raise DesignError(f"preset {name}", [f"no such design. {did_you_mean(name, texts)}"])
+    return texts[name]
+
+
+@cache
+def _texts() -> dict[str, str]:
+    folder = files("stepwell.files") / "presets"
+    found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
+    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
+    # The paper's first, as a reader of the paper looks for them.
+    order = sorted(texts, key=lambda name: (not name.startswith("paper-"), name))
+    return {name: texts[name] for name in order}

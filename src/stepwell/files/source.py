@@ -1,0 +1,83 @@
+"""A design by the name its user gives it: a file's path, or a design of the package."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import stat
+from pathlib import Path
+
+from stepwell.files._errors import DesignError
+from stepwell.files.design import loads
+from stepwell.files.shipped import preset_text
+from stepwell.mechanism import Chain
+
+PRESET = "preset:"
+MOST_BYTES = 32 * 1024 * 1024
+
+
+def load(design: str | os.PathLike[str]) -> Chain:
+    """The chain that a design file describes.
+
+    Args:
+        design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
+            `presets` lists, for example "preset:paper-forward".
+
+    Returns:
+        The chain, in SI.
+
+    Raises:
+        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
+            be; its text has one line for every problem.
+    """
+    return loads(read(design), os.fspath(design))
+
+
+def read(design: str | os.PathLike[str]) -> str:
+    """The text of a design file, whatever it says.
+
+    Args:
+        design: a file's path, or "preset:" and a name that `presets` lists.
+
+    Returns:
+        The text.
+
+    Raises:
+        DesignError: there is none, or it is not UTF-8 text.
+    """
+    name = os.fspath(design)
+    if name.startswith(PRESET):
+        return preset_text(name.removeprefix(PRESET))
+    try:
+        return _content(Path(design)).decode("utf-8-sig")
+    except FileNotFoundError:
+        problem = f"no such file.{_neighbour(Path(design))}"
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        byte = error.object[error.start]
+        problem = f"line {line}: byte 0x{byte:02x} is not UTF-8: save the file as UTF-8 text."
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}."
+    except ValueError as error:  # a name with a zero byte in it
+        problem = f"is no file name: {error}."
+    raise DesignError(name, [problem])
+
+
+def _content(path: Path) -> bytes:
+    kind = path.stat()
+    if stat.S_ISDIR(kind.st_mode):
+        raise OSError("it is a folder")
+    if not stat.S_ISREG(kind.st_mode):
+        raise OSError("it is no ordinary file")
+    if kind.st_size > MOST_BYTES:
+        raise OSError(f"it is over {MOST_BYTES >> 20} MiB, and no design is that long")
+    return path.read_bytes()
+
+
+def _neighbour(path: Path) -> str:
+    try:
+        names = [other.name for other in path.parent.glob("*.toml")]
+    except OSError:
+        return ""
+    near = difflib.get_close_matches(path.name, names, n=1)
+    return f" Did you mean {path.with_name(near[0])}?" if near else ""
