@@ -47,7 +47,7 @@ def rows() -> list[tuple[str, str, str]]:
 
 
 def ms(seconds: float) -> str:
-    return f"{seconds * 1e3:.2g} ms" if seconds < 1 else f"{seconds:.2g} s"
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
 
 
 def timed(chain: sw.Chain, times: int) -> float:

@@ -9,6 +9,7 @@ import pytest
 import stepwell as sw
 from chains import concave_chain
 from stepwell.statics import Cause, EventKind, run
+from stepwell.statics._pack import pack
 from stepwell.statics._sorted import sorted_cycle
 
 INNER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
@@ -165,7 +166,7 @@ def test_results_cannot_be_changed_by_accident():
 def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
     x = np.random.default_rng(cells).permutation(np.linspace(0.010, 0.030, cells))
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])
-    assert sorted_cycle(chain.cells) is not None
+    assert sorted_cycle(pack(chain.cells)) is not None
     fast = chain.cycle()
     monkeypatch.setattr(run, "WORTH_SORTING", 10**9)
     slow = chain.cycle()
@@ -180,7 +181,7 @@ def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
 
 def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():
     chain = concave_chain(np.random.default_rng(1), 24)
-    assert sorted_cycle(chain.cells) is None
+    assert sorted_cycle(pack(chain.cells)) is None
     cycle = chain.cycle()
     assert list(cycle.loading_order) == list(np.argsort([c.force_0 for c in chain.cells]))
 

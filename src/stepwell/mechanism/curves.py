@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
 # x measured from x0, then the integral from the curve's origin to x0.
 COLUMNS = 6
+_HOOKE = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+_HOOKE.setflags(write=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +25,7 @@ class Linear:
 
     def pieces(self) -> Array:
         """The shape φ(e) = e as one cubic piece, (1, 6) float."""
-        return np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+        return _HOOKE
 
 
 @dataclass(frozen=True, slots=True)

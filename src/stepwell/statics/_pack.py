@@ -25,7 +25,7 @@ def pack(cells: Sequence[Cell]) -> Laws:
         full=2.0 * lever * sin_limit,
         friction=np.array([cell.friction for cell in cells]),
         band_first=np.array(list(accumulate((len(b) for b in bands), initial=0))),
-        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]).reshape(-1, 4),
+        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]),
         two_sided=np.array([int(b.two_sided) for b in flat]),
         band_rows=np.array(first),
         load_rows=np.array([load_first[:-1], load_first[1:]]).T.copy(),

@@ -4,15 +4,13 @@ Used only where every step of the proof (theory page, "Sorting") has been checke
 at hand; anything else goes to the follower.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from stepwell.mechanism import Cell
+from stepwell.mechanism import Linear
 from stepwell.statics import _follow as f
 from stepwell.statics._compile import kernel
-from stepwell.statics._law import Floats, Ints, band_length
-from stepwell.statics.concave import Simple, certify, end_forces, push, simple, travel_at
+from stepwell.statics._law import Floats, Ints, Laws, band_length
+from stepwell.statics.concave import Simple, certify, end_forces, push, travel_at
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.
 WORTH_SORTING = 16
@@ -167,20 +165,30 @@ def load_sorted(
     return True
 
 
-def sorted_cycle(cells: Sequence[Cell]) -> tuple[f.Log, float] | None:
+def simple_table(laws: Laws) -> Floats | None:
+    """(N, 6) one Simple a row where every cell is one of equal travel, else None."""
+    n = len(laws.lever)
+    one_band = len(laws.band) == n and bool(np.all(np.diff(laws.band_first) == 1))
+    hooke = Linear().pieces()
+    one_row = one_band and laws.band_rows[-1] == n and bool(np.all(laws.rows[:n] == hooke))
+    if not one_row or len(laws.rows) > n or np.any(laws.friction > 0):
+        return None
+    if np.ptp(laws.full) > 1e-12 * laws.full[0]:
+        return None
+    return np.column_stack([laws.band, laws.lever, laws.sin_limit])
+
+
+def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     """The log of a full cycle and its first force, or None where the proof does not hold."""
-    simples = [simple(cell) for cell in cells]
-    if any(s is None for s in simples):
+    table = simple_table(laws)
+    if table is None:
         return None
-    table = np.array(simples, float)
-    full = 2.0 * table[:, 4] * table[:, 5]
-    if np.ptp(full) > 1e-12 * full[0]:
-        return None
+    full = laws.full
     mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
     forces = np.empty((len(table), 2))
     if not _certified(table, forces):
         return None
-    n = len(cells)
+    n = len(table)
     scale = float(np.max(np.abs(forces)))
     log = f.Log(
         np.zeros((8 * n, f.SEGMENT_COLUMNS)),

@@ -69,7 +69,7 @@ def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
     laws = pack(chain.cells)
     alpha, beta = drive_weights(chain)
     if len(chain) >= WORTH_SORTING and beta == 0 and prefer is None:
-        proved = sorted_cycle(chain.cells)
+        proved = sorted_cycle(laws)
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))

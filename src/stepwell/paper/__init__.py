@@ -1,0 +1,8 @@
+"""The claims of the paper as data, each with a function that computes ours."""
+
+from stepwell.paper.claim import Claim, Finding, Judgement, Verdict
+from stepwell.paper.registry import claims
+from stepwell.paper.run import record, run
+from stepwell.paper.table import markdown
+
+__all__ = ["Claim", "Finding", "Judgement", "Verdict", "claims", "markdown", "record", "run"]

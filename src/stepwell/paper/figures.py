@@ -1,0 +1,72 @@
+"""The paper's figures about unit cells and two-cell mechanisms, drawn from the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import MappingProxyType
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stepwell import figures
+from stepwell.design import boundaries, transition_map
+from stepwell.paper._designs import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
+from stepwell.sequences import Cycle, Pathway
+
+
+def force() -> Figure:
+    """F against θ of the six unit cells (Fig. 1D)."""
+    return figures.unit_cell_force(list(six_cells().values()))
+
+
+def energy() -> Figure:
+    """E against θ of the six unit cells (Fig. 1E)."""
+    return figures.unit_cell_energy(list(six_cells().values()))
+
+
+def landscapes() -> Figure:
+    """Energy of two cells with the path on it, a pair for each pathway (Fig. 2B).
+
+    One more has an outer cell that is monostable by itself.
+    """
+    lone = monostable_pair()
+    name = f"Outer monostable: q = ({_mm(lone.chain.cells[1].bands[0].q)}) mm"
+    return figures.landscapes(_pairs() | {name: lone})
+
+
+def map_() -> Figure:
+    """Pathways over the anchor of the outer cell, with the four pairs marked (Fig. 2C)."""
+    x, y = np.linspace(0.0, 0.020, 400), np.linspace(-0.015, 0.015, 400)
+    chain = pair_cycle(Pathway.CLOCKWISE).chain
+    marked = {f"({_mm(outer_anchor(p))})": outer_anchor(p) for p in PAIRS}
+    found = transition_map(chain, 1, x=x, y=y)
+    return figures.transition_map(found, boundaries(chain, 1, x=x, y=y), marked)
+
+
+def strokes() -> Figure:
+    """Force and travels against stroke, a pair of cells for each pathway (Figs. 2D to 2G)."""
+    return figures.strokes(_pairs())
+
+
+FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
+    {
+        "fig1d-force": force,
+        "fig1e-energy": energy,
+        "fig2b-landscapes": landscapes,
+        "fig2c-map": map_,
+        "fig2d-2g-pathways": strokes,
+    }
+)
+
+
+def _pairs() -> dict[str, Cycle]:
+    return {_name(pair_cycle(pathway)): pair_cycle(pathway) for pathway in PAIRS}
+
+
+def _name(cycle: Cycle) -> str:
+    words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
+    return f"{words.capitalize()}: outer q = ({_mm(cycle.chain.cells[1].bands[0].q)}) mm"
+
+
+def _mm(q: tuple[float, float]) -> str:
+    return ", ".join(f"{part * 1e3:g}" for part in q).replace("-", "\N{MINUS SIGN}")

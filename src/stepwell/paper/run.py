@@ -1,0 +1,89 @@
+"""All claims judged, and the paper's figures drawn from the model."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from stepwell._version import __version__
+from stepwell.paper.claim import Verdict
+from stepwell.paper.registry import claims
+
+SCHEMA = "stepwell.paper/1"
+
+
+def run(
+    out: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Verdict, ...]:
+    """Compute every claim anew.
+
+    Args:
+        out: folder for the figures (a .png and a .svg each) and claims.json; all of them appear
+            in it or none.
+        progress: called with (done, total) claims and figures.
+
+    Returns:
+        A verdict for each claim, in the order of `claims()`.
+
+    Raises:
+        OSError: the folder cannot be written.
+
+    Source: Kamp et al. 2024.
+    """
+    asked = claims()
+    total = len(asked)
+    if out is not None:
+        from stepwell.paper.figures import FIGURES
+
+        total += len(FIGURES)
+    found: list[Verdict] = []
+    for claim in asked:
+        found.append(claim.judge())
+        if progress is not None:
+            progress(len(found), total)
+    if out is not None:
+        _write(out, found, progress, total)
+    return tuple(found)
+
+
+def record(verdicts: Iterable[Verdict]) -> dict[str, Any]:
+    """The verdicts as JSON can hold them; docs/commands.md describes the names."""
+    return {
+        "schema": SCHEMA,
+        "stepwell": __version__,
+        "claims": [
+            {
+                "id": verdict.claim.id,
+                "claim": verdict.claim.claim,
+                "where": verdict.claim.where,
+                "paper": verdict.claim.paper_value,
+                "tolerance": verdict.claim.tolerance,
+                "ours": verdict.ours,
+                "verdict": verdict.verdict,
+                "reason": verdict.reason,
+            }
+            for verdict in verdicts
+        ],
+    }
+
+
+def _write(
+    out: str | os.PathLike[str],
+    verdicts: list[Verdict],
+    progress: Callable[[int, int], None] | None,
+    total: int,
+) -> None:
+    from stepwell import figures, files
+    from stepwell.paper.figures import FIGURES
+
+    with files.staged_folder(out) as draft:
+        files.write_atomic(draft / "claims.json", json.dumps(record(verdicts), indent=2) + "\n")
+        for done, (name, draw) in enumerate(FIGURES.items(), len(verdicts) + 1):
+            figure = draw()
+            for suffix in (".png", ".svg"):
+                figures.save(figure, draft / f"{name}{suffix}")
+            if progress is not None:
+                progress(done, total)
