@@ -1,7 +1,7 @@
 """Running a page: its examples in order, and the numbers in its sentences beside them.
 
 Blocks marked python run one after the other in one namespace; lines `#> ` in a block are what it
-prints, and a line `#> ...` stands for any lines. A block marked toml with a title becomes that file.
+prints, and `#> ...` stands for any lines. A block with a title becomes the file of that name.
 A number in a sentence is checked where a comment follows it: `37.2 mm<!-- = snap.stroke * 1e3 -->`.
 """
 
@@ -20,7 +20,7 @@ _STEP = re.compile(
     re.M | re.S,
 )
 _CODE = re.compile(r"^```.*?^```$|^ {4}.*?$|`[^`\n]*`|\]\([^)]*\)|<https?:[^>]*>", re.M | re.S)
-_DECIMAL = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.]*\d)")
+_DECIMAL = re.compile(r"<!--.*?-->|(?<![\w.])\d+\.\d+(?![\w.]*\d)", re.S)
 
 
 class Step(NamedTuple):
@@ -72,11 +72,14 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     parts = "\n".join([*shown, ""]).split("...\n")
     pattern = "(?:.*\n)*".join(re.escape(part) for part in parts)
     # A figure saved or a value set prints nothing, and then nothing need be shown.
-    return re.fullmatch(pattern if shown else "", "".join(f"{line}\n" for line in printed)) is not None
+    return (
+        re.fullmatch(pattern if shown else "", "".join(f"{line}\n" for line in printed)) is not None
+    )
 
 
 def unchecked(text: str) -> list[str]:
     """Decimal numbers in the sentences of a page that no comment checks."""
     prose = _CODE.sub("", text)
     checked = {found.end("number") for found in _STEP.finditer(prose) if found["number"]}
-    return [found[0] for found in _DECIMAL.finditer(prose) if found.end() not in checked]
+    found = (match for match in _DECIMAL.finditer(prose) if not match[0].startswith("<!--"))
+    return [match[0] for match in found if match.end() not in checked]

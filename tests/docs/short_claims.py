@@ -30,9 +30,9 @@ def short(record: dict[str, Any]) -> str:
         for verdict in ("agrees", "differs", "needs data")
     }
     lines = [
-        f"Of {len(claims)} claims of the paper about unit cells and pairs that `make demo` computes "
-        f"anew, {count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need "
-        f"data that Stepwell does not read yet. Some of the first and all of the second:",
+        f"`make demo` computes {len(claims)} claims of the paper about unit cells and pairs anew: "
+        f"{count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need data "
+        f"that Stepwell does not read yet. Some of the first and all of the second:",
         "",
         "| Claim | Paper | Stepwell | Verdict |",
         "|---|---|---|---|",

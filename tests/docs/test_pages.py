@@ -1,0 +1,108 @@
+"""The README and the pages say what is so: examples run, numbers hold, names and links exist."""
+
+import importlib
+import json
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from docs.pages import ROOT, run, unchecked
+from docs.short_claims import replaced, short
+
+PAGES = ["README.md", "docs/index.md", "docs/tutorial.md", "docs/theory.md"]
+HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
+ROOMS = ["mechanism", "statics", "sequences", "design", "files", "figures", "paper"]
+
+
+def read(page: str) -> str:
+    return (ROOT / page).read_text("utf-8")
+
+
+@pytest.mark.parametrize("page", [*PAGES, *HOW_TO])
+def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = run(page, read(page))
+    assert done > 0 or page == "docs/index.md"
+
+
+@pytest.mark.parametrize("page", ["docs/tutorial.md", "docs/theory.md", *HOW_TO])
+def test_every_decimal_number_in_a_sentence_is_checked(page):
+    assert unchecked(read(page)) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("```python\nprint(1)\n#> 2\n```\n", "line 1"),
+        ("```python\nprint(1)\n```\n", "line 1"),
+        ("\nIt is 2.1 mm<!-- = 2.06 --> long and 2.2 mm<!-- = 2.1 -->.\n", "line 2"),
+    ],
+)
+def test_a_page_that_shows_something_else_is_found_out(text, complaint):
+    with pytest.raises(AssertionError, match=complaint):
+        run("page", text)
+
+
+def test_a_number_that_nothing_checks_is_found_out():
+    text = "A 1.5 mm<!-- = 1.5 --> and a 2.5 mm, `3.5`, [x](y-4.5.md).\n\n    u = 5.5\n"
+    assert unchecked(text) == ["2.5"]
+
+
+def test_every_section_of_the_theory_that_the_code_names_exists():
+    named = {
+        section
+        for file in (ROOT / "src").rglob("*.py")
+        for section in re.findall(r"theory page,\s+[\"']([^\"']+)[\"']", file.read_text("utf-8"))
+    }
+    sections = set(re.findall(r"^## (.+)$", read("docs/theory.md"), re.M))
+    assert {"Landing", "Slack", "Sorting", "Stability", "Two cells"} <= named
+    assert named <= sections
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_every_public_name_has_a_place_in_the_reference(room):
+    text = read("docs/api.md")
+    module = importlib.import_module(f"stepwell.{room}")
+    for name in module.__all__:
+        found = re.search(rf"^::: stepwell\.{room}\.(\w+\.)?{name}$|`{name}`", text, re.M)
+        assert found, name
+
+
+@pytest.mark.parametrize("page", ["README.md", *PAGES[1:], *HOW_TO])
+def test_every_link_to_a_file_leads_somewhere(page):
+    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", read(page)):
+        if not target.startswith("https://"):
+            assert ((ROOT / page).parent / target).exists(), target
+
+
+def test_the_readmes_claims_are_those_of_the_claims_file():
+    claims = json.loads(read("docs/claims.json"))
+    text = read("README.md")
+    assert replaced(text, short(claims)) == text
+    # Nothing that differs is left out.
+    for claim in claims["claims"]:
+        if claim["verdict"] == "differs":
+            assert claim["claim"] in text
+
+
+def test_the_pictures_are_those_of_the_model(tmp_path):
+    draw = runpy.run_path(str(ROOT / "examples" / "00_figures_of_the_pages.py"))["draw"]
+    draw(tmp_path)
+    drawn = sorted(file.name for file in tmp_path.iterdir())
+    assert drawn == sorted(file.name for file in (ROOT / "docs" / "img").iterdir())
+    for name in drawn:
+        apart = difference(tmp_path / name, ROOT / "docs" / "img" / name)
+        assert apart < 2.0, f"{name}: run `python examples/00_figures_of_the_pages.py`"
+
+
+def difference(one: Path, other: Path) -> float:
+    """Mean difference of two pictures, 0 to 255, seen through glass that blurs single pixels."""
+    seen = []
+    for file in (one, other):
+        with Image.open(file) as picture:
+            seen.append(np.asarray(picture.convert("L").resize((240, 160)), float))
+    return float(np.mean(np.abs(seen[0] - seen[1])))

@@ -1,0 +1,47 @@
+"""Every example runs and comes to its number."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+# What a name in the example is in the end, and how near; the sources are theirs or the model's.
+NUMBERS = {
+    # F_outer falls to F1 of the inner cell here: the root of Eqs. 1 and 2 by bisection.
+    "01_sequence_of_a_leg": ("snap_mm", 37.230942, 1e-6),
+    # The area between the two curves of the map, 0.215, on a grid of 200 by 200.
+    "02_transition_map": ("clockwise_share", 0.215, 1e-3),
+    "03_turning_back_early": ("end_state", "01", None),
+    # (F0 - F1) S of both cells, with the paper's F/(k r) of 0.967 and 1.607.
+    "04_between_stroke_and_force": ("relays_mJ", 2 * (0.967 + 1.607) * 28.5 * 0.2828427, 0.01),
+    # 2 f times the full stroke of 40 mm.
+    "05_friction_and_weight": ("friction_mJ", 2 * 0.2 * 40.0, 1e-9),
+    "06_ten_cells": ("heat_mJ", 28.0519, 1e-3),
+    # Also what the brute-force follower finds: tests/test_oracle.py.
+    "07_when_order_does_not_say_it_all": ("second_mm", 57.6407, 1e-3),
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_the_example_comes_to_its_number(name, capsys):
+    found = runpy.run_path(str(EXAMPLES / f"{name}.py"))
+    key, number, near = NUMBERS[name]
+    assert found[key] == (number if near is None else pytest.approx(number, abs=near))
+    assert capsys.readouterr().out
+
+
+def test_relays_lose_what_the_chain_under_force_control_loses(capsys):
+    found = runpy.run_path(str(EXAMPLES / "04_between_stroke_and_force.py"))
+    capsys.readouterr()
+    assert found["heat_mJ"][0.0] == pytest.approx(found["relays_mJ"], rel=1e-12)
+
+
+def test_every_example_has_its_number_and_opens_with_its_idea():
+    names = sorted(file.stem for file in EXAMPLES.glob("*.py"))
+    assert names == ["00_figures_of_the_pages", *NUMBERS]
+    for name in names:
+        first = (EXAMPLES / f"{name}.py").read_text("utf-8").splitlines()[0]
+        assert first.startswith('"""')
+        assert first.endswith('."""') or name.startswith("00")
