@@ -255,7 +255,7 @@ def _snap(
             1e-12 * scale,
         )
         if outcome == UNDECIDED:
-            return NOT_SETTLED, False
+            outcome, shift, level = JOINED, 0.0, force
         if forth >= 0:
             state.travel[forth] += shift
             if laws.full[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
@@ -616,6 +616,8 @@ def _move(
     else:
         note[TRIGGER], note[SENSE], note[WHY] = cell, heading, KINK
         _pass_end(laws, pieces, state, cell, heading)
+        if state.mode[cell] == HELD:
+            note[TRIGGER], note[WHY] = -1, FOLD
     return GOES_ON
 
 

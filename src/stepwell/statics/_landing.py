@@ -102,6 +102,7 @@ def slide(
                 laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
                 force, softness, b,
             )  # fmt: skip
+            one = 0.0
             if paired:
                 low = 0.5 * (min(ga, gb) + min(ha, hb))
                 high = 0.5 * (max(ga, gb) + max(ha, hb))
@@ -119,6 +120,9 @@ def slide(
                     continue
                 if falls and gb - hb > 0.0:
                     continue
+                if max(ga, gb) - min(ha, hb) <= tolerance and a > start:
+                    # Two constant forces in balance: the cells come to rest here.
+                    return LANDED, a, (0.5 * (ga + ha) if paired else one)
                 if min(ga, gb) - max(ha, hb) > 0.0:
                     continue
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
