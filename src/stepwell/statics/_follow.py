@@ -315,14 +315,17 @@ def _leave(
     n = len(state.mode)
     movers = np.empty(n, np.int64)
     count = 0
-    for i in range(n):
-        if (
-            state.mode[i] == FREE
-            or i == trigger
-            or (state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0)
-        ):
-            movers[count] = i
-            count += 1
+    for needed in (True, False):
+        # At a fixed stroke no cell moves alone: then those that slide against friction join in.
+        if count > 1 or (count == 1 and beta > 0.0):
+            break
+        count = 0
+        for i in range(n):
+            falls = state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
+            slides = state.mode[i] != HELD and not needed
+            if state.mode[i] == FREE or i == trigger or falls or slides:
+                movers[count] = i
+                count += 1
     slopes = np.empty(count)
     mine = 0
     for m in range(count):
@@ -337,6 +340,13 @@ def _leave(
         way = unstable_direction(slopes, alpha, beta)
     else:
         way = np.ones(1)
+    if beta == 0.0 and count > 1:
+        if abs(np.sum(way)) > 1e-6:
+            # Two slopes alike to the last digit have no direction of their own.
+            way[:] = -1.0 / (count - 1)
+            way[mine] = 1.0
+        # The stroke stays what it is, to rounding.
+        way[mine] -= np.sum(way)
     step = share * np.min(laws.full) * (sense if way[mine] > 0.0 else -sense)
     # One length for all cells, short of every stop, or the stroke would not stay what it is.
     for m in range(count):
