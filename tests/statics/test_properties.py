@@ -265,7 +265,7 @@ def test_a_prescribed_force_and_a_very_soft_actuator_make_a_preisach_set(seed, c
         # A plain Preisach simulation: each hysteron for itself, no mechanics.
         rising = n == 0 or field > fields[n - 1]
         state = state | (field >= f0) if rising else state & (field > f1)
-    path = chain.path(fields if stiffness == 0 else fields / stiffness)
+    path = chain.path((fields if stiffness == 0 else fields / stiffness).tolist())
     full = np.array([c.full_travel for c in chain.cells])
     assert np.array_equal(path.end, state * full)
 
