@@ -319,9 +319,9 @@ def flow(
                 return True, level
         for i in range(n):
             sense[i] = np.sign(f0[i])
-        h = min(h, _longest_step(sense, slope, d, alpha, beta, h))
         started[:] = sense
         while True:
+            h = min(h, _longest_step(started, slope, d, alpha, beta, h))
             sense[:] = started
             _first_stage(laws, travel, drive, alpha, beta, rows, slope, h * d, sense, f0, k1)
             _smooth_rates(laws, travel + 0.5 * h * k1, sense, drive, alpha, beta, rows, f1)
@@ -334,6 +334,9 @@ def flow(
             for i in range(n):
                 error = h / 6.0 * (k1[i] - 2.0 * k2[i] + k3[i])
                 worst = max(worst, abs(error) / (accuracy * laws.full[i]))
+                if not np.isfinite(error):
+                    worst = 1e9
+                    break
             if worst <= 1.0 or h <= 1e-9 / stiffest:
                 break
             h *= max(0.2, 0.8 * worst ** (-1.0 / 3.0))
