@@ -1,16 +1,17 @@
 """All benchmarks in one run, as one table."""
 
-import maps
 from rich.console import Console
 from rich.table import Table
 
-import chains
+import commands
+import cycles
+import maps
 
 
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    for module in (maps, chains):
+    for module in (maps, cycles, commands):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

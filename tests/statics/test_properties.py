@@ -106,6 +106,28 @@ def test_work_is_booked_on_open_paths_too(seed, cells):
     assert work == pytest.approx(path.work, abs=2e-4 * scale_of(chain) * chain.full_stroke)
 
 
+@given(seeds, st.integers(1, 3))
+def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
+    rng = np.random.default_rng(seed)
+    made = []
+    for cell in any_chain(rng, cells).cells:
+        # Any curve through a handful of points, falling stretches included.
+        extension = np.concatenate([[0.0], np.sort(rng.uniform(0.002, 0.04, 5))])
+        assume(np.min(np.diff(extension)) > 1e-4)
+        shape = np.concatenate([[0.0], rng.uniform(0.0, 0.03, 5)])
+        table = sw.Table(tuple(extension), tuple(shape))
+        bands = tuple(replace(b, law=table, two_sided=False) for b in cell.bands)
+        made.append(replace(cell, band=bands))
+    chain = sw.Chain(made)
+    cycle = chain.cycle()
+    path = cycle.path.resampled(600)
+    unit = scale_of(chain)
+    assert np.max(path.residual) <= 1e-9 * unit
+    assert all(snap.released >= -1e-12 * unit * chain.full_stroke for snap in cycle.snaps)
+    work = float(np.trapezoid(path.force, path.drive))
+    assert work == pytest.approx(cycle.dissipated, abs=2e-4 * unit * chain.full_stroke)
+
+
 @given(seeds, sizes)
 def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
     chain = chain_of(seed, cells)
