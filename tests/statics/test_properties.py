@@ -1,5 +1,6 @@
 """What must hold for every chain, whatever its cells."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -135,6 +136,9 @@ def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
     turned = replace(chain, cells=tuple(mirrored(c) for c in chain.cells)).cycle()
     assume(not cycle.degenerate and not turned.degenerate)
     full = chain.full_stroke
+    # What friction takes in a snap of three cells or more is integrated, not exact.
+    exact = all(cell.friction == 0 for cell in chain.cells)
+    blur = (1e-6 if exact else 1e-4) * scale_of(chain) * full
     for way in (1, -1):
         ours = [(e.kind, e.stroke, e.released) for e in cycle.events if e.direction == way]
         theirs = [
@@ -143,7 +147,7 @@ def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
         assert [o[0] for o in ours] == [t[0] for t in theirs]
         for (_, u, released), (_, v, twin) in zip(ours, theirs, strict=True):
             assert u == pytest.approx(v, abs=1e-7 * full)
-            assert released == pytest.approx(twin, abs=1e-6 * scale_of(chain) * full)
+            assert released == pytest.approx(twin, abs=blur)
 
 
 @given(seeds, sizes, st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
@@ -220,14 +224,11 @@ def test_every_snap_meets_its_stated_condition(seed, cells, stiffness):
             if 1e-6 < s / chain.cells[c].full_travel < 1 - 1e-6
         ]
         if snap.cause is Cause.FOLD:
-            slopes = np.array([_slopes(cell, s) for cell, s in inside])
-            # Smooth: Σ 1/κ + 1/K = 0. At a kink the sum jumps across zero instead.
-            sums = [
-                softness + np.sum(1.0 / np.where(slopes[:, a] == 0, 1e-300, slopes[:, a]))
-                for a in (0, 1)
-            ]
-            size = np.sum(1.0 / np.maximum(np.abs(slopes), 1e-300))
-            assert min(sums) <= 1e-3 * size and max(sums) >= -1e-3 * size
+            slopes = [_slopes(cell, s) for cell, s in inside]
+            if not smooth_fold(slopes, softness):
+                # At a kink the slope jumps: stable with one side's slopes, not with another's.
+                verdicts = {is_stable(sides, softness) for sides in itertools.product(*slopes)}
+                assert verdicts == {True, False}
         else:
             at_stop = [
                 (chain.cells[c], s)
@@ -238,6 +239,19 @@ def test_every_snap_meets_its_stated_condition(seed, cells, stiffness):
                 float(c.force(c.angle(s))) == pytest.approx(snap.force_before, abs=1e-8)
                 for c, s in at_stop
             )
+
+
+def smooth_fold(slopes: list[tuple[float, float]], softness: float) -> bool:
+    """Whether Σ 1/κ + 1/K vanishes next to its own terms."""
+    inverse = [1.0 / sides[0] if sides[0] else 1e300 for sides in slopes]
+    return abs(softness + sum(inverse)) <= 1e-3 * sum(map(abs, inverse))
+
+
+def is_stable(slopes: tuple[float, ...], softness: float) -> bool:
+    """The rule of the theory page, from finite differences."""
+    falling = sum(slope < 0 for slope in slopes)
+    compliance = softness + sum(1.0 / slope if slope else 1e300 for slope in slopes)
+    return falling == 0 or (falling == 1 and compliance < 0)
 
 
 def _slopes(cell: sw.Cell, s: float) -> tuple[float, float]:
