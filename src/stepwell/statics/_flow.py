@@ -309,7 +309,10 @@ def flow(
     for step in range(_STEPS):
         shared = _rates(laws, travel, drive, alpha, beta, shared, force, f0)
         fastest = np.max(np.abs(f0))
-        if fastest <= 1e-14 * scale:
+        # The longest step moves no cell by more than rounding: this is rest, whether or not
+        # Newton can say so (two cells of constant force have no single place to be).
+        resting = h == 1e6 / stiffest and fastest <= 1e-11 * scale
+        if fastest <= 1e-14 * scale or resting:
             return True, shared
         if fastest < 1e-2 * scale and step % 4 == 0:
             settled, level = _polish(laws, travel, f0, shared, alpha, beta, rows, polished)
@@ -356,7 +359,7 @@ def flow(
                     travel[i] = laws.full[i] if move > 0.0 else 0.0
                 _look(laws, i, travel[i], rows, force, slope)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
-        h = max(h, 1e-9 / stiffest)
+        h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
     return False, shared
 
 
