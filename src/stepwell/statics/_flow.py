@@ -6,7 +6,7 @@ from stepwell.statics._branch import smallest_eigenvalue
 from stepwell.statics._compile import kernel
 from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
 
-_STEPS = 100_000
+_STEPS = 30_000
 
 
 @kernel

@@ -277,13 +277,22 @@ def _snap(
                 outcome = JOINED
     tie = False
     if outcome == JOINED:
-        if rubbed[trigger] == 0.0:
-            _leave(laws, pieces, state, trigger, sense, alpha, beta, 1e-4)
-        again = state.travel.copy()
-        worn = rubbed.copy()
-        settled, level = flow(
-            laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-6, rubbed
-        )
+        start, worn = state.travel.copy(), rubbed.copy()
+        settled, level, again = False, force, start
+        # The place next to a fold can be too narrow for the flow to get out of; then the way
+        # out is begun further on, where the one unstable direction still holds.
+        for share in (1e-4, 1e-3, 1e-2):
+            state.travel[:] = start
+            rubbed[:] = worn
+            if worn[trigger] == 0.0:
+                _leave(laws, pieces, state, trigger, sense, alpha, beta, share)
+                rubbed += np.abs(state.travel - start)
+            again = state.travel.copy()
+            settled, level = flow(
+                laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-6, rubbed
+            )
+            if settled or worn[trigger] != 0.0:
+                break
         if not settled:
             return NOT_SETTLED, False
         # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
@@ -410,6 +419,8 @@ def _take_snap(
         # The actuator's spring gives back what it held.
         state.force[0] = (drive - alpha * np.sum(state.travel)) / beta
         released += 0.5 * beta * (force * force - state.force[0] * state.force[0])
+    # Friction takes no more than there is, though the first step off a fold may say so.
+    friction_work = min(friction_work, max(released, 0.0))
     if close and note[NOTE_A] < 0:
         note[NOTE_A] = note[NOTE_B] = note[TRIGGER]
     nowhere = np.full(len(moved), -1, np.int64)
