@@ -1,0 +1,49 @@
+"""How far a number can go before an answer changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+HALVINGS = 8
+
+
+def first_change(
+    answer: Callable[[float], str], values: Sequence[float]
+) -> tuple[float, str] | None:
+    """The first value along `values` at which the answer is no longer that of the first one.
+
+    Args:
+        answer: what to ask at a value.
+        values: where to look, in order; the first one is where to start from.
+
+    Returns:
+        The value and the answer just past it; None where it never changes.
+    """
+    return next(changes(answer, values), None)
+
+
+def changes(answer: Callable[[float], str], values: Sequence[float]) -> Iterator[tuple[float, str]]:
+    """Every value along `values` at which the answer changes, with the answer just past it.
+
+    Looks at each value in turn and then halves the stretch in which the answer changes; a change
+    that is undone between two neighbouring values goes unseen.
+
+    Args:
+        answer: what to ask at a value.
+        values: where to look, in order; the first one is where to start from.
+    """
+    known, before = answer(values[0]), values[0]
+    for value in values[1:]:
+        found = answer(value)
+        while found != known:
+            low, high, past = before, value, found
+            for _ in range(HALVINGS):
+                middle = (low + high) / 2
+                between = answer(middle)
+                if between == known:
+                    low = middle
+                else:
+                    high, past = middle, between
+            yield high, past
+            known, before = past, high
+        before = value

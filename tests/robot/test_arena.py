@@ -1,0 +1,73 @@
+"""Arenas: how far a point is from the nearest obstacle, and what an arena refuses."""
+
+import math
+
+import pytest
+from hypothesis import given, strategies as st
+
+from stepwell.robot import Arena, Cylinder, Goal, Wall
+
+places = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
+ARENA = Arena(
+    walls=[Wall((1.0, -1.0), (1.0, 1.0)), Wall((-1.0, 0.5), (0.3, 1.5), thickness=0.1)],
+    cylinders=[Cylinder((0.5, -0.5))],
+)
+
+
+@pytest.mark.parametrize(
+    ("point", "gap"),
+    [
+        ((0.0, 0.0), math.hypot(0.5, 0.5) - 0.025),
+        ((0.9, 0.3), 0.09),  # the wall is 20 mm thick
+        ((1.0, 1.2), 0.19),  # beyond its end, round the end
+        ((1.0, 0.0), -0.01),
+        ((0.5, -0.5), -0.025),
+    ],
+)
+def test_clearance_is_the_distance_to_the_nearest_surface(point, gap):
+    assert ARENA.clearance(*point) == pytest.approx(gap)
+
+
+@given(places, places)
+def test_clearance_changes_no_faster_than_the_point_moves(a, b):
+    assert abs(ARENA.clearance(*a) - ARENA.clearance(*b)) <= math.dist(a, b) + 1e-9
+
+
+def test_an_empty_arena_is_clear_everywhere():
+    assert Arena().clearance(3.0, -7.0) == math.inf
+
+
+def test_a_start_inside_an_obstacle_is_refused_with_how_deep_it_lies():
+    with pytest.raises(ValueError, match=r"start = \(500, -500\) mm lies 25 mm inside"):
+        ARENA.from_start((0.5, -0.5), 0.0)
+
+
+def test_the_same_arena_is_entered_elsewhere():
+    moved = ARENA.from_start((0.1, 0.2), 0.3)
+    assert (moved.start, moved.heading, moved.walls) == ((0.1, 0.2), 0.3, ARENA.walls)
+
+
+@given(places)
+def test_a_goal_is_reached_inside_its_disc(place):
+    goal = Goal((0.2, 0.1), radius=0.5)
+    assert goal.reached(*place) == (math.dist(place, (0.2, 0.1)) <= 0.5)
+
+
+def test_a_wall_has_length_and_direction():
+    wall = Wall((0.0, 0.0), (0.3, 0.4))
+    assert wall.length == pytest.approx(0.5)
+    assert wall.angle == pytest.approx(math.atan2(4, 3))
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Wall((0.1, 0.1), (0.1, 0.1)), "two different ends"),
+        (lambda: Wall((0.0, 0.0), (0.1, 0.1), thickness=0.0), "thickness"),
+        (lambda: Cylinder((0.0, 0.0), radius=-1.0), "radius"),
+        (lambda: Goal((0.0, 0.0), radius=0.0), "radius"),
+    ],
+)
+def test_an_obstacle_of_no_size_is_refused(make, says):
+    with pytest.raises(ValueError, match=says):
+        make()

@@ -1,0 +1,234 @@
+"""Predicted gaits: the paper's robots, and what margin, drag limit and flip mean."""
+
+import math
+from dataclasses import FrozenInstanceError, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stepwell as sw
+from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, leg, robot
+from stepwell.robot import Body, Drive, Floor, Foot, Leg, Limit, Motion, Robot
+from stepwell.robot._search import changes
+
+designs = st.floats(0.002, 0.025)
+floors = st.builds(Floor, drag=st.floats(0.05, 0.8))
+feet = st.builds(Foot, below=st.floats(0.0, 0.0012))
+
+
+def with_force(one: Robot, force: float) -> Robot:
+    """A constant force against the outer cell of every leg."""
+
+    def loaded(leg: Leg) -> Leg:
+        inner, outer = leg.chain.cells
+        outer = replace(outer, load=sw.Load.constant(force))
+        return replace(leg, chain=replace(leg.chain, cells=(inner, outer)))
+
+    return replace(one, legs=tuple(loaded(leg) for leg in one.legs))
+
+
+# Kamp et al. 2024, Fig. 3: outer anchors q_x left and right, what the robot does with them.
+@pytest.mark.parametrize(
+    ("left", "right", "motion", "gaits"),
+    [
+        (0.020, 0.020, Motion.FORWARD, (FORWARD, FORWARD)),
+        (0.005, 0.005, Motion.BACKWARD, (BACKWARD, BACKWARD)),
+        (0.020, 0.005, Motion.RIGHT, (FORWARD, BACKWARD)),
+        (0.005, 0.020, Motion.LEFT, (BACKWARD, FORWARD)),
+        (0.015, 0.015, Motion.NONE, (VIA_01, VIA_01)),
+    ],
+)
+def test_the_papers_robots_do_what_the_paper_says(left, right, motion, gaits):
+    found = robot(left, right).predict()
+    assert found.motion is motion
+    assert tuple(found.gaits.values()) == gaits
+
+
+def test_the_paper_robots_advance_and_turn_about_as_far_as_measured():
+    # Kamp et al. 2024: 0.71 forward, 0.96 backward, a turn of 15 deg. A snap that takes no time
+    # leaves a backward leg short, and a foot that takes none to grip carries a forward one far.
+    assert robot(0.020).predict().advance == pytest.approx(0.71, abs=0.12)
+    assert robot(0.005).predict().advance == pytest.approx(-0.96, abs=0.25)
+    turn = robot(0.005, 0.020).predict()
+    assert math.degrees(turn.turn) == pytest.approx(15.0, abs=2.5)
+    assert abs(turn.advance) < 0.15
+
+
+def test_q_out_15_is_clockwise_in_the_air_and_walks_nowhere_on_the_floor():
+    # Kamp et al. 2024, Fig. 3: weight, and not the drag, changes its gait.
+    hung = robot(0.015, floor=Floor(gravity=0.0)).predict()
+    assert set(hung.gaits.values()) == {FORWARD}
+    dragless = robot(0.015, floor=Floor(drag=0.0)).predict()
+    assert set(dragless.gaits.values()) == {VIA_01}
+
+
+@given(designs)
+@settings(max_examples=8)
+def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
+    found = robot(q, floor=Floor(gravity=0.0)).predict()
+    assert found.gaits["left"] == str(leg("left", q).chain.cycle().sequence)
+    assert (found.advance, found.sideways, found.turn) == (0.0, 0.0, 0.0)
+    assert found.legs[0].pushes == ()
+
+
+@given(designs, floors, feet)
+@settings(max_examples=6)
+def test_like_legs_go_straight(q, floor, foot):
+    found = robot(q, floor=floor, foot=foot).predict()
+    assert found.gaits["left"] == found.gaits["right"]
+    assert found.turn == pytest.approx(0.0, abs=2e-3)
+    assert found.sideways == pytest.approx(0.0, abs=5e-3)
+    assert abs(found.advance) <= 1.0 + foot.contact_travel / 0.020
+
+
+@given(designs, designs, floors, feet)
+@settings(max_examples=4)
+def test_a_mirrored_robot_turns_the_other_way(left, right, floor, foot):
+    one = robot(left, right, floor=floor, foot=foot).predict()
+    other = robot(right, left, floor=floor, foot=foot).predict()
+    assert one.gaits["left"] == other.gaits["right"]
+    assert one.advance == pytest.approx(other.advance, abs=0.01)
+    assert one.turn == pytest.approx(-other.turn, abs=0.01)
+
+
+def test_a_robot_gets_further_where_the_floor_drags_less():
+    gains = [robot(floor=Floor(drag=drag)).predict().advance for drag in (0.1, 0.7, 1.6)]
+    assert gains == sorted(gains, reverse=True)
+    assert gains[-1] < 0.1
+
+
+@pytest.mark.parametrize("q", [0.004, 0.0155, 0.023])
+def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
+    one = robot(q)
+    said = one.predict().leg("left")
+    inside = {with_force(one, s * 0.98 * said.margin).predict().gaits["left"] for s in (1, -1)}
+    outside = {with_force(one, s * 1.02 * said.margin).predict().gaits["left"] for s in (1, -1)}
+    assert inside == {said.gait}
+    assert outside == {said.gait, said.nearest}
+
+
+def test_a_robot_close_to_another_gait_says_so():
+    # At q_x = 10 mm both cells are alike; the weight alone decides.
+    for q in np.linspace(0.010, 0.025, 31):
+        said = robot(q).predict()
+        following = robot(q + 0.0001).predict()
+        if said.gaits != following.gaits:
+            assert said.near_boundary
+            assert not said.confident
+            assert "near a boundary" in repr(said)
+            break
+    else:
+        pytest.fail("the gait never changed")
+
+
+def test_slow_drives_leave_less_unknown():
+    fast, slow = (robot(drive=Drive(period=t)).predict().legs[0] for t in (2.0, 20.0))
+    assert slow.uncertainty == pytest.approx(fast.uncertainty / 10)
+
+
+def test_a_push_slips_beyond_its_largest_drag_and_not_well_before():
+    push = robot().predict().legs[0].pushes[0]
+    assert push.limit is Limit.SLIP
+    assert push.loading
+    assert push.step > 0
+
+    def gain(drag):
+        return robot(floor=Floor(drag=drag)).predict().legs[0].advance
+
+    assert gain(2.0 * push.largest_drag) < 0.1
+    assert gain(0.3 * push.largest_drag) > 0.7
+
+
+def test_the_largest_drag_is_friction_at_balance_by_hand():
+    # Feet that carry N each hold 2 µ N against the drag share of the rest of the weight.
+    one = robot(0.005)
+    push = one.predict().legs[0].pushes[-1]
+    assert not push.loading
+    grip = 2 * one.floor.foot_friction * push.load
+    assert push.limit is Limit.SLIP
+    assert push.largest_drag == pytest.approx(
+        grip * one.weight / (one.weight - 2 * push.load), rel=0.05
+    )
+    assert push.safety == push.largest_drag / one.floor.drag
+
+
+def test_an_antenna_flips_the_opposite_leg_where_it_says():
+    one = explorer()
+    said = one.predict()
+    assert said.motion is Motion.FORWARD
+    flips = said.leg("right").flips
+    assert [flip.antenna for flip in flips] == ["left"] * len(flips)
+    assert flips[-1].gait == BACKWARD
+    assert flips[0].before == FORWARD
+    for flip in flips:
+        assert flip.earliest <= flip.displacement <= flip.latest
+        assert flip.swing == pytest.approx(flip.displacement / one.antennas[0].gear)
+    before = one.pressed({"left": 0.9 * flips[0].swing}).predict()
+    after = one.pressed({"left": 1.1 * flips[-1].swing}).predict()
+    assert before.gaits == said.gaits
+    assert after.gaits == {"left": FORWARD, "right": BACKWARD}
+    # The obstacle is on the left, and the robot turns away from it.
+    assert after.motion is Motion.RIGHT
+
+
+def test_an_antenna_whose_lever_is_off_flips_nothing():
+    assert explorer(connected=False).predict().flips == ()
+
+
+def test_a_leg_of_three_cells_is_predicted_too():
+    def long(name, side):
+        cells = [cell("first", 0.008), cell("second", 0.010), cell("lift", 0.022)]
+        return Leg(name, sw.Chain(cells), (0.008, side * 0.0575))
+
+    found = Robot(
+        [long("left", 1), long("right", -1)],
+        drive=Drive(amplitude=0.060),
+        body=Body(supports=((-0.055, 0.0), (0.038, 0.045), (0.038, -0.045))),
+    ).predict()
+    said = found.leg("left").gait
+    assert said.split(">")[0] == said.split(">")[-1] == "000"
+    assert "111" in said
+    assert found.turn == pytest.approx(0.0, abs=2e-3)
+
+
+def test_a_drive_that_turns_back_early_never_opens_both_cells():
+    said = robot(drive=Drive(amplitude=0.020)).predict()
+    assert "11" not in said.gaits["left"]
+
+
+def test_a_prediction_is_frozen_and_says_what_it_rests_on():
+    said = robot().predict()
+    with pytest.raises(FrozenInstanceError):
+        said.advance = 1.0  # pyright: ignore[reportAttributeAccessIssue]
+    assert repr(said).startswith("Prediction(walks forward: left 00>10>11>01>00, right")
+    assert any("inertia" in line for line in said.assumptions)
+    assert "forward while loading" in repr(said.legs[0].pushes[0])
+    with pytest.raises(ValueError, match="leg = 'middle'"):
+        said.leg("middle")
+
+
+@given(st.lists(st.floats(0.05, 0.95), min_size=0, max_size=4, unique=True))
+def test_every_change_along_a_range_is_found_where_it_is(edges):
+    edges = sorted(edges)
+    if any(b - a < 0.03 for a, b in pairwise(edges)):
+        return
+
+    def answer(value):
+        return str(sum(value >= edge for edge in edges))
+
+    found = list(changes(answer, np.linspace(0.0, 1.0, 51).tolist()))
+    assert [past for _, past in found] == [str(k + 1) for k in range(len(edges))]
+    assert [value for value, _ in found] == pytest.approx(edges, abs=1e-4)
+
+
+def test_unlike_legs_on_the_floor_lift_together_or_not_at_all():
+    # Alone the left leg would step; but the right one lifts, and the body leans onto the left.
+    one = Robot(
+        [leg("left", 0.01888), leg("right", 0.01455)],
+        foot=Foot(below=0.00119, mass=0.0031),
+        floor=Floor(drag=0.222),
+        body=Body(mass=0.273, centre=(0.0264, -0.0021, 0.012)),
+    )
+    assert one.predict().gaits == {"left": VIA_01, "right": VIA_01}
