@@ -1,0 +1,97 @@
+"""An antenna in the simulation: a hinged rod that slides an anchor."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stepwell.physics import _parts as parts
+from stepwell.physics._leg import TOP, in_body, places
+from stepwell.physics.settings import Settings
+from stepwell.robot import Antenna, Robot
+
+ROD = 0.0015  # radius [m]
+ANCHOR = 0.002  # mass of the part that slides [kg]
+SLIDING = 0.2  # its damping [N s/m]
+LOOSE = 2e-3  # spring that holds a disconnected rod at rest [N m/rad]
+
+
+def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> Any:
+    """The sliding part that carries the anchor which an antenna moves; returns its body."""
+    leg = robot.leg(antenna.leg)
+    cell = leg.cell_index(antenna.cell)
+    if cell != 0:
+        raise ValueError(
+            f"antenna {antenna.name!r} moves an anchor of cell {cell}: the simulation moves those "
+            f"of cell 0 only, whose anchor p is on the body; lead the antenna there."
+        )
+    where = places(robot, leg)
+    p = in_body(leg, leg.chain.cells[0].bands[0].p)
+    travel = math.hypot(*antenna.moves)
+    x, y, _ = in_body(leg, antenna.moves)
+    axis = (x / travel, y / travel, 0.0)
+    part = body.add_body(
+        name=f"{antenna.name}.anchor", pos=(where.joints[0] + p[0], leg.at[1] + p[1], TOP)
+    )
+    most = travel if antenna.connected else 1e-6
+    parts.slide(
+        part,
+        f"{antenna.name}.anchor",
+        axis,
+        range=(0.0, most),
+        limited=True,
+        damping=SLIDING,
+        solref_limit=(settings.contact_time, 1.0),
+    )
+    parts.ball(part, ROD, mass=ANCHOR, rgba=parts.ANTENNA, **parts.SEEN)
+    return part
+
+
+def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> None:
+    """The rod and its hinge, and the lever that couples it to the anchor."""
+    name, side = antenna.name, antenna.side
+    holder = body.add_body(name=f"{name}.antenna", pos=(*antenna.pivot, 0.0))
+    parts.hinge(
+        holder,
+        f"{name}.antenna",
+        (0.0, 0.0, side),
+        range=(0.0, antenna.swing),
+        limited=True,
+        damping=antenna.damping,
+        stiffness=(0.0 if antenna.connected else LOOSE, 0.0, 0.0),
+        solref_limit=(2 * settings.contact_time, 1.0),
+    )
+    touch = dict(
+        rgba=parts.ANTENNA,
+        priority=3,
+        condim=3,
+        friction=(antenna.friction, 0.0, 0.0),
+        solref=(2 * settings.contact_time, 1.0),
+        **parts.OUTLINE,
+    )
+    angle = abs(antenna.angle)
+    tip = (antenna.length * math.cos(angle), side * antenna.length * math.sin(angle), 0.0)
+    whole = antenna.length + antenna.hook
+    parts.rod(holder, (0, 0, 0), tip, ROD, mass=antenna.mass * antenna.length / whole, **touch)
+    if antenna.hook > 0:
+        bent = angle + antenna.hook_angle
+        end = (
+            tip[0] + antenna.hook * math.cos(bent),
+            tip[1] + side * antenna.hook * math.sin(bent),
+            0.0,
+        )
+        parts.rod(holder, tip, end, ROD, mass=antenna.mass * antenna.hook / whole, **touch)
+    reach = whole + 0.005
+    holder.add_site(
+        name=f"{name}.feeler",
+        size=(reach, reach, 0.02),
+        rgba=parts.HIDDEN,
+        type=parts.mujoco.mjtGeom.mjGEOM_BOX,
+    )
+    # An arm of the body carries the hinge.
+    start = (robot.body.length / 2, 0.5 * antenna.pivot[1], 0.012)
+    parts.rod(body, start, (*antenna.pivot, 0.004), 0.002, mass=0.0, rgba=parts.BODY, **parts.SEEN)
+    if antenna.connected:
+        joints = {f"{name}.anchor": 1.0, f"{name}.antenna": -antenna.gear}
+        parts.combined(spec, f"{name}.lever", joints)
+        parts.fixed_length(spec, f"{name}.lever", settings)

@@ -1,0 +1,49 @@
+"""The simulator, or one line that says how to get it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from threading import Lock
+from typing import Any, TypeAlias
+
+# What type checkers can see of MuJoCo's compiled modules is not enough to check against.
+Model: TypeAlias = Any  # mujoco.MjModel
+Spec: TypeAlias = Any  # mujoco.MjSpec
+
+try:
+    mujoco: Any = import_module("mujoco")
+    rollout: Any = import_module("mujoco.rollout")
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "The robot's simulation needs MuJoCo, which is not installed here. "
+        "Install it with: pip install 'stepwell[robot]'",
+        name=error.name,
+    ) from None
+
+__all__ = ["Model", "Spec", "mujoco", "quietly", "rollout"]
+
+
+_lock = Lock()
+_quiet: list[Any] = []  # what stood before, once for every run in progress
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Keep MuJoCo's warnings out of a log file in the user's folder: a run tells them itself."""
+    # There is one place for all threads, so the last run to end puts back what was there.
+    with _lock:
+        _quiet.append(_quiet[0] if _quiet else mujoco.get_mju_user_warning())
+        mujoco.set_mju_user_warning(_silent)
+    try:
+        yield
+    finally:
+        with _lock:
+            before = _quiet.pop()
+            if not _quiet:
+                mujoco.set_mju_user_warning(before)
+
+
+def _silent(_: str) -> None:
+    pass
