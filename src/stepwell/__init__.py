@@ -9,17 +9,20 @@ from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
 if TYPE_CHECKING:
     from stepwell.design import Margin, margin, transition_map
     from stepwell.files import load, preset, presets, save
+    from stepwell.robot import Arena, Robot
     from stepwell.sequences import Cycle, Pathway, Sequence
     from stepwell.statics import Event, EventKind, Path
 
 # Rooms open when a name is first asked for, so that `import stepwell` costs NumPy and no more.
 _DOORS = {
+    "Arena": "robot",
     "Cycle": "sequences",
     "Event": "statics",
     "EventKind": "statics",
     "Margin": "design",
     "Path": "statics",
     "Pathway": "sequences",
+    "Robot": "robot",
     "Sequence": "sequences",
     "load": "files",
     "margin": "design",
@@ -30,6 +33,7 @@ _DOORS = {
 }
 
 __all__ = [
+    "Arena",
     "Band",
     "Cell",
     "Chain",
@@ -42,6 +46,7 @@ __all__ = [
     "Margin",
     "Path",
     "Pathway",
+    "Robot",
     "Sequence",
     "Table",
     "__version__",

@@ -1,14 +1,32 @@
-"""Whatever the bytes: a chain, or a clean message. Never another exception, never a warning."""
+"""Whatever the bytes: a design, or a clean message. Never another exception, never a warning."""
 
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from conftest import examples
-from stepwell.files import DesignError, dumps, load, loads, preset_text, presets
+from stepwell.files import (
+    DesignError,
+    arena_text,
+    arenas,
+    dumps,
+    load,
+    loads,
+    loads_arena,
+    parameters,
+    preset_text,
+    presets,
+)
+from stepwell.files._arena_schema import TABLES as ARENA_TABLES
+from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
 from stepwell.files._schema import TABLES
 from stepwell.mechanism import Chain
+from stepwell.robot import Arena, Robot
 
 KEYS = sorted({key for keys in TABLES.values() for key in keys.model_fields})
+ROBOT_KEYS = sorted({key for keys in ROBOT_TABLES.values() for key in keys.names()})
+ARENA_KEYS = sorted({key for keys in ARENA_TABLES.values() for key in keys.names()})
+ROBOTS = [name for name in presets() if name.startswith("robot-")]
+CHAINS = [name for name in presets() if name not in ROBOTS]
 WORDS = [*KEYS, "x", "q_mmm", '"é"']
 NUMBERS = ["0", "-0.0", "1", "-3", "10", "45", "90", "1e6", "1e-9", "28.5", "1e400", "nan", "-inf"]
 OTHERS = ["true", '"rigid"', '"t"', "''", "1979-05-27", "07:32:00", "[]", "{}", "0xff", "9" * 30]
@@ -16,6 +34,7 @@ OTHERS = ["true", '"rigid"', '"t"', "''", "1979-05-27", "07:32:00", "[]", "{}", 
 NUMBER = st.sampled_from(NUMBERS) | st.floats(-50, 50).map(repr)
 POINT = st.tuples(NUMBER, NUMBER).map(lambda xy: f"[{xy[0]}, {xy[1]}]")
 TABLE = st.lists(POINT, max_size=3).map(lambda rows: f"[{', '.join(['[0, 0]', *rows])}]")
+LISTS = st.sampled_from(["[1, 2, 3]", '["chain"]', '["leg.*.at_mm", "foot.x"]'])
 ANYTHING = st.sampled_from([*NUMBERS, *OTHERS]) | POINT | TABLE
 
 
@@ -61,6 +80,10 @@ def check(text: str) -> None:
         lines = str(error).split("\n")
         assert all(line.startswith("fuzz.toml: ") and line.isprintable() for line in lines)
         assert max(map(len, lines)) < 600
+        return
+    if isinstance(chain, Robot):
+        assert loads(dumps(chain)) == chain
+        assert parameters(chain)
     else:
         assert isinstance(chain, Chain)
         # What a file may say is physics: every force is a number, and it can be written again.
@@ -90,25 +113,81 @@ def test_any_toml_with_our_keys_ends_in_a_chain_or_a_clean_message(text):
 
 
 @st.composite
-def mutations(draw) -> str:
-    text = preset_text(draw(st.sampled_from(sorted(presets()))))
+def mutations(draw, texts: list[str], keys: list[str]) -> str:
+    text = draw(st.sampled_from(texts))
     for _ in range(draw(st.integers(1, 4))):
         start = draw(st.integers(0, len(text)))
         stop = start + draw(st.integers(0, 12))
         piece = draw(
-            st.sampled_from([*NUMBERS, *OTHERS, *KEYS, "\n", "=", "[", "]"]) | st.text(max_size=6)
+            st.sampled_from([*NUMBERS, *OTHERS, *keys, "\n", "=", "[", "]"]) | st.text(max_size=6)
         )
         text = text[:start] + piece + text[stop:]
     return text
 
 
-@given(mutations())
+@st.composite
+def changed_values(draw, texts: list[str]) -> str:
+    """A file with other numbers and words in it: still TOML most of the time."""
+    lines = draw(st.sampled_from(texts)).splitlines()
+    for _ in range(draw(st.integers(1, 4))):
+        i = draw(st.integers(0, len(lines) - 1))
+        if " = " in lines[i]:
+            key = lines[i].split(" = ")[0]
+            lines[i] = f"{key} = {draw(ANYTHING | LISTS)}"
+        elif draw(st.booleans()):
+            del lines[i]
+    return "\n".join([*lines, ""])
+
+
+CHAIN_TEXTS = [preset_text(name) for name in CHAINS]
+ROBOT_TEXTS = [preset_text(name) for name in ROBOTS]
+ARENA_TEXTS = [arena_text(name) for name in arenas()]
+wrong_chains = mutations(CHAIN_TEXTS, KEYS)
+wrong_robots = mutations(ROBOT_TEXTS, ROBOT_KEYS) | changed_values(ROBOT_TEXTS)
+wrong_arenas = mutations(ARENA_TEXTS, ARENA_KEYS) | changed_values(ARENA_TEXTS)
+
+
+@given(wrong_chains)
 def test_any_small_change_to_a_preset_ends_in_a_chain_or_a_clean_message(text):
+    check(text)
+
+
+@given(wrong_robots)
+def test_any_small_change_to_a_robot_ends_in_a_design_or_a_clean_message(text):
+    check(text)
+
+
+@given(wrong_arenas)
+def test_any_small_change_to_an_arena_ends_in_an_arena_or_a_clean_message(text):
+    check_arena(text)
+
+
+@given(st.text("#oSG><^v. \nxc1", max_size=60).map(lambda rows: f"cell 80 mm\n{rows}"))
+def test_any_map_ends_in_an_arena_or_a_clean_message(text):
+    check_arena(text)
+
+
+def check_arena(text: str) -> None:
+    try:
+        arena = loads_arena(text, "fuzz")
+    except DesignError as error:
+        lines = str(error).split("\n")
+        assert all(line.startswith("fuzz: ") and line.isprintable() for line in lines)
+        assert max(map(len, lines)) < 600
+    else:
+        assert isinstance(arena, Arena)
+        assert loads_arena(dumps(arena)) == arena
+
+
+@pytest.mark.slow
+@settings(max_examples=examples(300))
+@given(wrong_robots)
+def test_thousands_of_wrong_robots_end_in_a_design_or_a_clean_message(text):
     check(text)
 
 
 @pytest.mark.slow
 @settings(max_examples=examples(500))
-@given(documents() | mutations())
+@given(documents() | wrong_chains)
 def test_thousands_of_wrong_files_end_in_a_chain_or_a_clean_message(text):
     check(text)

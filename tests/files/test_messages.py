@@ -300,3 +300,9 @@ def test_a_preset_is_a_design_too_and_a_wrong_name_is_answered_with_the_nearest(
     with pytest.raises(DesignError) as caught:
         load("preset:paper-foward")
     assert str(caught.value) == ("preset paper-foward: no such design. Did you mean paper-forward?")
+
+
+def test_a_preset_asked_for_like_a_file_is_answered_with_its_name():
+    with pytest.raises(DesignError) as caught:
+        load("robot-forward")
+    assert str(caught.value) == ("robot-forward: no such file. Did you mean preset:robot-forward?")

@@ -9,6 +9,7 @@ from stepwell.mechanism import Cell
 from stepwell.sequences import Pathway
 
 NAMES = tuple(presets())
+ROBOTS = tuple(name for name in NAMES if name.startswith("robot-"))
 # What each name promises.
 PATHWAYS = {
     "paper-forward": Pathway.CLOCKWISE,
@@ -39,7 +40,8 @@ def unit_cell(qx: float, qy: float) -> Cell:
 
 def test_every_preset_is_promised_something_here():
     cells = {name for name in NAMES if name.startswith("paper-cell-")}
-    assert set(NAMES) == cells | {"paper-identical"} | PATHWAYS.keys() | SEQUENCES.keys()
+    chains = cells | {"paper-identical"} | PATHWAYS.keys() | SEQUENCES.keys()
+    assert set(NAMES) == chains | set(ROBOTS)
 
 
 @pytest.mark.parametrize("name", PATHWAYS)
@@ -161,8 +163,11 @@ def test_presets_are_files_a_newcomer_can_copy(name):
     assert loads(dumps(preset(name))) == preset(name)
 
 
-def test_the_papers_designs_come_first():
-    assert tuple(sorted(NAMES, key=lambda n: (not n.startswith("paper-"), n))) == NAMES
+def test_the_papers_designs_come_first_and_the_robots_last():
+    def turn(name: str) -> int:
+        return 2 if name in ROBOTS else not name.startswith("paper-")
+
+    assert tuple(sorted(NAMES, key=lambda name: (turn(name), name))) == NAMES
 
 
 def test_a_wrong_name_is_answered_with_the_nearest():

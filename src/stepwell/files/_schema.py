@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from decimal import Decimal
 from typing import Annotated, Any, NoReturn
 
@@ -35,11 +35,11 @@ def number(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
     return decimal
 
 
-def _numbers(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
+def numbers(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
     return lambda value: number(value, Decimal(least), Decimal(most), allowed)
 
 
-def _point(value: Any) -> tuple[Decimal, Decimal]:
+def point(value: Any) -> tuple[Decimal, Decimal]:
     try:
         x, y = (number(v, *LENGTH, "") for v in value)
     except (TypeError, ValueError):
@@ -102,14 +102,14 @@ def _switch(value: Any) -> bool:
 
 Line = Annotated[str, PlainValidator(_line)]
 Switch = Annotated[bool, PlainValidator(_switch)]
-Point = Annotated[tuple[Decimal, Decimal], PlainValidator(_point)]
-Lever = Annotated[Decimal, PlainValidator(_numbers("1e-3", "1e6", "from 0.001 to 1e6"))]
-Limit = Annotated[Decimal, PlainValidator(_numbers("0.01", "89.9", "from 0.01 to 89.9"))]
-Stiffness = Annotated[Decimal, PlainValidator(_numbers("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
-RestLength = Annotated[Decimal, PlainValidator(_numbers("0", "1e6", ">= 0 (up to 1e6)"))]
-Coefficient = Annotated[Decimal, PlainValidator(_numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
-Force = Annotated[Decimal, PlainValidator(_numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
-Friction = Annotated[Decimal, PlainValidator(_numbers("0", "1e6", ">= 0 (up to 1e6)"))]
+Point = Annotated[tuple[Decimal, Decimal], PlainValidator(point)]
+Lever = Annotated[Decimal, PlainValidator(numbers("1e-3", "1e6", "from 0.001 to 1e6"))]
+Limit = Annotated[Decimal, PlainValidator(numbers("0.01", "89.9", "from 0.01 to 89.9"))]
+Stiffness = Annotated[Decimal, PlainValidator(numbers("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
+RestLength = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
+Coefficient = Annotated[Decimal, PlainValidator(numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Force = Annotated[Decimal, PlainValidator(numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Friction = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
@@ -124,6 +124,11 @@ class Keys(BaseModel):
     def given(self) -> dict[str, Any]:
         """Only the keys that stand in the file."""
         return {key: getattr(self, key) for key in self.model_fields_set}
+
+    @classmethod
+    def names(cls) -> list[str]:
+        """Every key that the table may hold, as the file spells it."""
+        return [field.alias or key for key, field in cls.model_fields.items()]
 
 
 class BandKeys(Keys):
@@ -196,13 +201,18 @@ class CellKeys(Keys):
         return self
 
 
-class ChainKeys(Keys):
-    """The chain and what its cells share."""
+class SharedKeys(Keys):
+    """What the cells of a chain share."""
 
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
-    actuator_stiffness_N_per_m: Actuator = Decimal("Infinity")
     band: BandKeys = BandKeys()
+
+
+class ChainKeys(SharedKeys):
+    """The chain and what its cells share."""
+
+    actuator_stiffness_N_per_m: Actuator = Decimal("Infinity")
     cell: Annotated[tuple[CellKeys, ...], Field(strict=False)]
 
     @model_validator(mode="after")
@@ -219,12 +229,12 @@ class FileKeys(Keys):
     chain: ChainKeys
 
 
+Tables = Mapping[str, type[Keys]]
 # Where a reader may come from when a path holds one of these keys.
-TABLES: dict[str, type[Keys]] = {
-    "": FileKeys,
-    "chain": ChainKeys,
+CHAIN_TABLES: Tables = {
     "chain.band": BandKeys,
     "chain.cell": CellKeys,
     "chain.cell.band": BandKeys,
     "chain.cell.bands": PlacedBandKeys,
 }
+TABLES: Tables = {"": FileKeys, "chain": ChainKeys, **CHAIN_TABLES}

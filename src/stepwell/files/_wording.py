@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -11,27 +9,27 @@ from stepwell.files import _schema as schema
 from stepwell.files._errors import did_you_mean, key_path, nearest, value_text
 
 
-def worded(error: ValidationError) -> list[str]:
+def worded(error: ValidationError, tables: schema.Tables = schema.TABLES) -> list[str]:
     """One line for every problem, in the order of the file's tables."""
     problems = error.errors(include_url=False)
     unknown = [list(p["loc"]) for p in problems if p["type"] == "extra_forbidden"]
     # A misspelt key is also a missing one: that is said once.
-    meant = [[*keys[:-1], nearest(str(keys[-1]), _known(keys))] for keys in unknown]
+    meant = [[*keys[:-1], nearest(str(keys[-1]), _known(keys, tables))] for keys in unknown]
     return [
-        _line(problem)
+        _line(problem, tables)
         for problem in problems
         if not (problem["type"] == "missing" and list(problem["loc"]) in meant)
     ]
 
 
-def _line(problem: ErrorDetails) -> str:
+def _line(problem: ErrorDetails, tables: schema.Tables) -> str:
     keys: list[str | int] = list(problem["loc"])
     kind: str = problem["type"]
     value = value_text(problem["input"])
     if kind == "extra_forbidden":
-        return f"{key_path(keys)}: unknown key. {_advice(keys)}"
+        return f"{key_path(keys)}: unknown key. {_advice(keys, tables)}"
     if kind == "missing":
-        return f"{key_path(keys)}: is missing. {_MISSING.get(str(keys[-1]), '')}".rstrip()
+        return f"{key_path(keys)}: is missing. {_missing(keys)}".rstrip()
     if kind == "design":
         context = problem.get("ctx", {})
         key, text = context["key"], context["problem"]
@@ -53,24 +51,43 @@ def _plain(keys: list[str | int]) -> str:
     return ".".join(key for key in keys if isinstance(key, str))
 
 
-def _known(keys: list[str | int]) -> Iterable[str]:
+def _known(keys: list[str | int], tables: schema.Tables) -> list[str]:
     """The keys that the table around a key may hold."""
-    return schema.TABLES[_plain(keys[:-1])].model_fields
+    return tables[_plain(keys[:-1])].names()
 
 
-def _advice(keys: list[str | int]) -> str:
+def _advice(keys: list[str | int], tables: schema.Tables) -> str:
     key = str(keys[-1])
-    homes = [home for home, table in schema.TABLES.items() if key in table.model_fields]
-    if nearest(key, _known(keys)) or not homes:
-        return did_you_mean(key, _known(keys))
+    homes = [home for home, table in tables.items() if key in table.names()]
+    if key in _ELSEWHERE and "drive" in tables:
+        return _ELSEWHERE[key]
+    if nearest(key, _known(keys, tables)) or not homes:
+        return did_you_mean(key, _known(keys, tables))
     if key in schema.BandKeys.model_fields:
         return f"It belongs in a band, as in band = {{ {key} = ... }}."
     return f"It belongs {' or '.join(f'in [{home}]' if home else 'at the top' for home in homes)}."
 
 
+def _missing(keys: list[str | int]) -> str:
+    return _MISSING.get(_plain(keys), _MISSING.get(str(keys[-1]), ""))
+
+
+_ELSEWHERE = {
+    "actuator_stiffness_N_per_m": "A robot's legs share one actuator: stiffness_N_per_m in [drive]."
+}
 _MISSING = {
     "chain": "A design file has a [chain] table.",
     "cell": "A chain has one [[chain.cell]] or more, inner first.",
     "p_mm": "Two numbers in mm, as in [-10, 0].",
     "q_mm": "Two numbers in mm, as in [10, 0].",
+    "leg": "A robot has two [[leg]] or more.",
+    "name": 'One line of text, as in "left".',
+    "at_mm": "Two numbers in mm, as in [8, 57.5].",
+    "antenna.pivot_mm": "Two numbers in mm, as in [110, -25].",
+    "antenna.length_mm": "A length in mm, as in 130.",
+    "antenna.angle_deg": "From straight ahead, to the left, as in 63.",
+    "antenna.leg": 'The name of the leg whose anchor it moves, as in "right".',
+    "antenna.moves_mm": "Two numbers in mm, as in [-10, 0].",
+    "from_mm": "Two numbers in mm, as in [0, -600].",
+    "to_mm": "Two numbers in mm, as in [0, 600].",
 }

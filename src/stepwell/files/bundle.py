@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
+from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
 from stepwell.files.atomic import staged_folder, write_atomic
 from stepwell.files.record import boundary_rows, map_record, run_record
 from stepwell.files.report import report
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
 # Beyond this a drawing is too small to see, and the figures room refuses it.
 _DRAWABLE_CELLS, _DRAWABLE_STATES = 12, 30
-
-Progress = Callable[[int, int], None]
 
 
 def write_run(
@@ -54,18 +51,18 @@ def write_run(
     """
     with staged_folder(folder) as draft:
         drawn = _figures(cycle)
-        steps = _Steps(progress, 4 + 2 * len(drawn))
+        steps = Steps(progress, 4 + 2 * len(drawn))
         write_atomic(draft / "design.toml", design or dumps(cycle.chain))
         steps.next()
         cycle.path.to_csv(draft / "path.csv")
         steps.next()
-        _write_json(draft / "result.json", run_record(cycle, margin))
+        write_json(draft / "result.json", run_record(cycle, margin))
         steps.next()
         captions = dict(drawn.values())
         write_atomic(draft / "report.html", report(cycle, margin, captions, source))
         steps.next()
-        _save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
-        return _names(draft)
+        save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
+        return names(draft)
 
 
 def write_map(
@@ -94,16 +91,16 @@ def write_map(
     from stepwell import figures
 
     with staged_folder(folder) as draft:
-        steps = _Steps(progress, 5)
+        steps = Steps(progress, 5)
         dataset.to_netcdf(draft / "map.nc", engine="scipy")
         steps.next()
         q = next(iter(designs.values()), None) if designs else None
-        _write_json(draft / "map.json", map_record(dataset, boundaries, q))
+        write_json(draft / "map.json", map_record(dataset, boundaries, q))
         steps.next()
         write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
         steps.next()
-        _save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
-        return _names(draft)
+        save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
+        return names(draft)
 
 
 def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
@@ -119,32 +116,3 @@ def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
     drawn["force-stroke"] = "Actuator force against stroke", figures.force_stroke(cycle)
     drawn["travel-stroke"] = "Travel of each cell against stroke", figures.travel_stroke(cycle)
     return drawn
-
-
-def _save_figures(drawn: Mapping[str, Figure], folder: Path, steps: _Steps) -> None:
-    from stepwell import figures
-
-    for name, figure in drawn.items():
-        for suffix in (".png", ".svg"):
-            figures.save(figure, folder / f"{name}{suffix}")
-            steps.next()
-
-
-class _Steps:
-    """Counts what is done and says so."""
-
-    def __init__(self, progress: Progress | None, total: int):
-        self.progress, self.total, self.done = progress, total, 0
-
-    def next(self) -> None:
-        self.done += 1
-        if self.progress is not None:
-            self.progress(self.done, self.total)
-
-
-def _write_json(file: Path, record: dict[str, Any]) -> None:
-    write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
-
-
-def _names(folder: Path) -> tuple[str, ...]:
-    return tuple(sorted(file.name for file in folder.iterdir()))

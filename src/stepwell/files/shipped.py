@@ -1,14 +1,14 @@
-"""The designs that come with the package: the paper's, then some that go further."""
+"""The designs that come with the package: the paper's, some that go further, robots."""
 
 from __future__ import annotations
 
 import tomllib
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from stepwell.files._errors import DesignError, did_you_mean
 from stepwell.files.design import loads
-from stepwell.mechanism import Chain
 
 
 def presets() -> dict[str, str]:
@@ -16,14 +16,15 @@ def presets() -> dict[str, str]:
     return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
 
 
-def preset(name: str) -> Chain:
+def preset(name: str) -> Any:
     """The design of that name.
 
     Args:
-        name: as `presets` lists it, for example "paper-forward".
+        name: as `presets` lists it, for example "paper-forward"; those that start with
+            "robot-" are robots.
 
     Returns:
-        The chain, in SI.
+        A Chain or a Robot, in SI.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -54,6 +55,10 @@ def _texts() -> dict[str, str]:
     folder = files("stepwell.files") / "presets"
     found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
     texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
-    # The paper's first, as a reader of the paper looks for them.
-    order = sorted(texts, key=lambda name: (not name.startswith("paper-"), name))
+    # The paper's first, as a reader of the paper looks for them; robots last.
+    order = sorted(texts, key=lambda name: (_turn(name), name))
     return {name: texts[name] for name in order}
+
+
+def _turn(name: str) -> int:
+    return 0 if name.startswith("paper-") else 2 if name.startswith("robot-") else 1

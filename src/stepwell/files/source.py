@@ -6,31 +6,64 @@ import difflib
 import os
 import stat
 from pathlib import Path
+from typing import Any
 
 from stepwell.files._errors import DesignError
-from stepwell.files.design import loads
-from stepwell.files.shipped import preset_text
+from stepwell.files.design import loads, loads_chain, loads_robot
+from stepwell.files.shipped import preset_text, presets
 from stepwell.mechanism import Chain
+from stepwell.robot import Robot
 
 PRESET = "preset:"
 MOST_BYTES = 32 * 1024 * 1024
 
 
-def load(design: str | os.PathLike[str]) -> Chain:
-    """The chain that a design file describes.
+# A union would make every caller narrow by hand what the name of its file already says.
+def load(design: str | os.PathLike[str]) -> Any:
+    """The chain or the robot that a design file describes.
 
     Args:
         design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
             `presets` lists, for example "preset:paper-forward".
 
     Returns:
-        The chain, in SI.
+        A Chain, or a Robot where the file has [[leg]]; in SI.
 
     Raises:
         DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
             be; its text has one line for every problem.
     """
     return loads(read(design), os.fspath(design))
+
+
+def load_chain(design: str | os.PathLike[str]) -> Chain:
+    """The chain that a design file describes.
+
+    Args:
+        design: as for `load`.
+
+    Returns:
+        The chain, in SI.
+
+    Raises:
+        DesignError: as for `load`, or the file describes a robot.
+    """
+    return loads_chain(read(design), os.fspath(design))
+
+
+def load_robot(design: str | os.PathLike[str]) -> Robot:
+    """The robot that a design file describes.
+
+    Args:
+        design: as for `load`.
+
+    Returns:
+        The robot, in SI.
+
+    Raises:
+        DesignError: as for `load`, or the file describes a chain.
+    """
+    return loads_robot(read(design), os.fspath(design))
 
 
 def read(design: str | os.PathLike[str]) -> str:
@@ -75,8 +108,11 @@ def _content(path: Path) -> bytes:
 
 
 def _neighbour(path: Path) -> str:
+    if str(path) in presets():
+        return f" Did you mean {PRESET}{path}?"
     try:
-        names = [other.name for other in path.parent.glob("*.toml")]
+        suffixes = (".toml", path.suffix)
+        names = [other.name for other in path.parent.iterdir() if other.suffix in suffixes]
     except OSError:
         return ""
     near = difflib.get_close_matches(path.name, names, n=1)

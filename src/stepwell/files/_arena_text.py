@@ -1,0 +1,20 @@
+"""An arena as the text of its file."""
+
+from __future__ import annotations
+
+from stepwell.files import _arena_schema as schema
+from stepwell.files._keys import table_lines
+from stepwell.robot import Arena
+
+
+def arena_text_of(arena: Arena) -> str:
+    """The file of an arena: start and goal first, then what stands in the way."""
+    left_out = ["goal", "wall", "cylinder", *([] if arena.title else ["title"])]
+    text = [*table_lines(schema.ArenaKeys, arena, left_out), ""]
+    if arena.goal is not None:
+        text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]
+    for wall in arena.walls:
+        text += ["[[wall]]", *table_lines(schema.WallKeys, wall), ""]
+    for cylinder in arena.cylinders:
+        text += ["[[cylinder]]", *table_lines(schema.CylinderKeys, cylinder), ""]
+    return "\n".join(text).rstrip("\n") + "\n"

@@ -1,0 +1,36 @@
+"""TOML in: tables whose numbers are still the decimals of the file."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from decimal import Decimal, InvalidOperation
+from typing import Any
+
+from stepwell.files._errors import DesignError
+
+
+def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
+    """The tables of a file; DesignError where it is no TOML, or `empty` where it is empty."""
+    if not text.strip():
+        raise DesignError(name, [empty])
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"), parse_float=_decimal)
+    except RecursionError:
+        raise DesignError(name, ["is nested too deeply to be a design file."]) from None
+    except ValueError as error:
+        place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", str(error))
+        if not isinstance(error, tomllib.TOMLDecodeError):
+            raise DesignError(name, ["holds an integer of thousands of digits."]) from None
+        if place is None:
+            raise DesignError(name, [f"{error}."]) from None
+        last = text.count("\n") + 1
+        where = f"line {place[1]}, column {place[2]}" if place[1] else f"line {last}, at the end"
+        raise DesignError(name, [f"{where}: {str(error)[: place.start()]}."]) from None
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:  # an exponent past a billion billion
+        return Decimal(float(text))

@@ -1,0 +1,117 @@
+"""Arenas by name or from a file: tables in millimetres, or a map drawn with letters."""
+
+from __future__ import annotations
+
+import os
+import re
+from functools import cache
+from importlib.resources import files
+
+from pydantic import ValidationError
+
+from stepwell.files import _arena_schema as schema
+from stepwell.files._arena_map import drawn
+from stepwell.files._errors import DesignError, did_you_mean
+from stepwell.files._keys import fields
+from stepwell.files._toml import parsed
+from stepwell.files._wording import worded
+from stepwell.files.source import read
+from stepwell.robot import Arena, Cylinder, Goal, Wall
+
+_EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
+_SUFFIXES = (".toml", ".txt")
+
+
+def arenas() -> dict[str, str]:
+    """The name of every arena that comes with the package, and its title."""
+    return {name: loads_arena(text, f"arena {name}").title for name, text in _texts().items()}
+
+
+def load_arena(arena: str | os.PathLike[str]) -> Arena:
+    """The arena of a name, or the one that a file describes.
+
+    Args:
+        arena: a name that `arenas` lists, for example "three-walls"; or a file that ends in
+            .toml or .txt, as docs/design-files.md describes them.
+
+    Returns:
+        The arena, in SI.
+
+    Raises:
+        DesignError: there is none, or its file is wrong; the text has one line for every
+            problem.
+    """
+    name = os.fspath(arena)
+    if name in _texts():
+        return loads_arena(_texts()[name], f"arena {name}")
+    if not name.endswith(_SUFFIXES):
+        advice = did_you_mean(name, _texts())
+        problem = f"no such arena, and no file that ends in .toml or .txt. {advice}"
+        raise DesignError(f"arena {name}", [problem])
+    return loads_arena(read(arena), name)
+
+
+def arena_text(name: str) -> str:
+    """The file of an arena that comes with the package, with its comments.
+
+    Args:
+        name: as `arenas` lists it.
+
+    Returns:
+        TOML or a map, to be saved and edited.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    if name not in _texts():
+        raise DesignError(f"arena {name}", [f"no such arena. {did_you_mean(name, _texts())}"])
+    return _texts()[name]
+
+
+def loads_arena(text: str, name: str = "arena") -> Arena:
+    """The arena that a text describes.
+
+    Args:
+        text: TOML; or a map, where it starts with the word cell or `name` ends in .txt.
+        name: what messages call it.
+
+    Returns:
+        The arena, in SI.
+
+    Raises:
+        DesignError: the text is neither, or asks for what no arena can be; its own text has one
+            line for every problem.
+    """
+    if name.endswith(".txt") or re.match(r"\s*cell\b(?!\s*=)", text):
+        return drawn(text, name)
+    try:
+        keys = schema.ArenaKeys.model_validate(parsed(text, name, _EMPTY))
+    except ValidationError as error:
+        raise DesignError(name, worded(error, schema.TABLES)) from None
+    return _arena(keys, name)
+
+
+def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
+    where = ""
+    try:
+        walls = []
+        for i, wall in enumerate(keys.wall):
+            where = f"wall[{i}]: "
+            walls.append(Wall(**fields(wall)))
+        cylinders = [Cylinder(**fields(one)) for one in keys.cylinder]
+        goal = None if keys.goal is None else Goal(**fields(keys.goal))
+        where = ""
+        rest = fields(keys, left_out=["wall", "cylinder", "goal"])
+        return Arena(walls, cylinders, goal=goal, **rest)
+    except ValueError as error:
+        raise DesignError(name, [f"{where}{line}" for line in str(error).split("\n")]) from None
+
+
+@cache
+def _texts() -> dict[str, str]:
+    folder = files("stepwell.files") / "arenas"
+    found = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
+    texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in found}
+    # From the empty floor to what is hardest.
+    order = ("open", "wall", "cylinder", "pen", "three-walls", "corridor")
+    return {name: texts[name] for name in order} | texts

@@ -1,0 +1,179 @@
+"""Every number of a robot by name: where it comes from, and the same robot with another value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any
+
+from pydantic import ValidationError
+
+from stepwell.files import _robot_schema as schema
+from stepwell.files._errors import DesignError, value_text
+from stepwell.files._keys import unit_of
+from stepwell.files._paths import Item, Steps, find, spelled
+from stepwell.files._robot import robot as robot_of
+from stepwell.files._sources import sources
+from stepwell.files._tree import is_number, leaves, put, tree_of
+from stepwell.files._wording import worded
+from stepwell.files.design import loads_robot
+from stepwell.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One number of a robot.
+
+    Args:
+        path: its key path, such as "foot.link_mm" or "leg.left.chain.cell.inner.q_mm[0]".
+        value: in the unit that its key names.
+        unit: that unit, such as "mm", "deg" or "N s/m"; "" where it has none.
+        source: "paper", "authors' notes", "measured" or "assumed".
+    """
+
+    path: str
+    value: float
+    unit: str
+    source: str
+
+    def __str__(self):
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.path} = {self.value:.10g}{unit} ({self.source})"
+
+
+def parameters(robot: Robot) -> tuple[Parameter, ...]:
+    """Every number of a robot, those that its file leaves out among them.
+
+    Args:
+        robot: any robot.
+
+    Returns:
+        In the order of a design file; `vary` takes their paths.
+    """
+    of = sources(robot, _lists(robot)).of
+    return tuple(
+        Parameter(spelled(steps), float(value), _unit(steps), of[steps])
+        for steps, value in leaves(tree_of(robot))
+        if is_number(value) and steps in of
+    )
+
+
+def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
+    """The same robot with other values, checked like a design file that has them.
+
+    A number that is changed counts as assumed from then on.
+
+    Args:
+        robot: any robot, or the text of its design file.
+        values: key path to value, in the unit that the key names. A path may mean several
+            numbers, "leg.*.at_mm[0]", which all get the value; and it may mean a list,
+            "leg.left.at_mm", which gets as many values as it has. Where two paths mean the
+            same number, the later counts.
+
+    Returns:
+        The new robot.
+
+    Raises:
+        DesignError: a path that means no number, or values no robot can have.
+    """
+    if isinstance(robot, str):
+        robot = loads_robot(robot, "robot")
+    tree = tree_of(robot)
+    before = dict(leaves(tree))
+    sizes = _sizes(before)
+    problems: list[str] = []
+    changed: dict[Steps, Any] = {}
+    for path, value in values.items():
+        try:
+            for steps, rest in find(path, before):
+                changed[steps] = _of_file(_part(value, rest, steps, sizes))
+        except ValueError as error:
+            problems.append(f"{path}: {error}")
+    name = robot.title or "robot"
+    if problems:
+        raise DesignError(name, problems)
+    # A number as `parameters` lists it may lack the last digit of an angle in degrees.
+    changed = {steps: value for steps, value in changed.items() if not _same(value, before[steps])}
+    for steps, value in changed.items():
+        put(tree, steps, value)
+    # What is said of sources may need paths of its own, and is checked as it stands.
+    tree.pop("source", None)
+    try:
+        made = robot_of(schema.RobotKeys.model_validate(tree), name)
+    except ValidationError as error:
+        raise DesignError(name, worded(error, schema.TABLES)) from None
+    return replace(made, sources=_assumed(robot, list(changed)))
+
+
+def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
+    """The robot's sources with the changed numbers assumed."""
+    said = dict(robot.sources)
+    of = sources(robot, _lists(robot)).of
+    for steps in changed:
+        if of.get(steps, schema.ASSUMED) != schema.ASSUMED:
+            alone = [path for path in said if _means_only(path, steps, of)]
+            for path in alone:
+                del said[path]
+            said[spelled(steps)] = schema.ASSUMED
+    return said
+
+
+def _means_only(path: str, steps: Steps, known: Mapping[Steps, str]) -> bool:
+    try:
+        return [found for found, _ in find(path, known)] == [steps]
+    except ValueError:
+        return False
+
+
+def _same(value: Any, before: Any) -> bool:
+    if is_number(value) and is_number(before):
+        return float(value) == float(before)
+    return type(value) is type(before) and value == before
+
+
+def _lists(robot: Robot) -> dict[str, list[str]]:
+    lists: dict[str, list[str]] = {}
+    for path, label in robot.sources.items():
+        lists.setdefault(label, []).append(path)
+    return lists
+
+
+def _unit(steps: Steps) -> str:
+    key = next(step for step in reversed(steps) if isinstance(step, str))
+    last = steps[-1]
+    return unit_of(key, last.index if isinstance(last, Item) else 0)
+
+
+def _sizes(known: Iterable[Steps]) -> dict[Steps, int]:
+    """How many items each list has."""
+    sizes: dict[Steps, int] = {}
+    for steps in known:
+        for i, step in enumerate(steps):
+            if isinstance(step, Item):
+                sizes[steps[:i]] = max(sizes.get(steps[:i], 0), step.index + 1)
+    return sizes
+
+
+def _part(value: Any, rest: Steps, steps: Steps, sizes: Mapping[Steps, int]) -> Any:
+    """What of a value belongs at the end of a path: all of it, or one of its numbers."""
+    above = len(steps) - len(rest)
+    for i, step in enumerate(rest, above):
+        several = not isinstance(value, str | Mapping) and hasattr(value, "__len__")
+        if not isinstance(step, Item) or not several or len(value) != sizes[steps[:i]]:
+            raise ValueError(
+                f"{value_text(value)} is not what {spelled(steps[:above])} holds: name one number "
+                f"of it, such as {spelled(steps)}, or give as many as it has."
+            )
+        value = value[step.index]
+    return value
+
+
+def _of_file(value: Any) -> Any:
+    """A value as a file holds it: with its decimals, as it is written."""
+    if isinstance(value, bool | str | int | Decimal):
+        return value
+    try:
+        return Decimal(repr(float(value)))
+    except (TypeError, ValueError):
+        raise ValueError(f"{value_text(value)} is no number.") from None
