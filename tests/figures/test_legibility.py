@@ -12,7 +12,7 @@ from figures.drawn import collisions, cut_off, says, words
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
 
-PRESETS = sorted(files.presets())
+PRESETS = sorted(name for name in files.presets() if not name.startswith("robot-"))
 OF_A_PATH = (figures.force_stroke, figures.travel_stroke, figures.landscape)
 
 

@@ -1,0 +1,140 @@
+"""Where the parts of a robot are in its body's frame: blocks, levers, bands, links, antennas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.robot import Antenna, Leg, Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class LegParts:
+    """The parts of one leg at given travels, in metres; x forward, y left, z up from the pivots.
+
+    Attributes:
+        blocks: (cells, 2) middle of each moving block, inner first.
+        levers: (cells, 2, 2) ends of each lever, the inner one first.
+        bands: (bands, 2, 2) ends of each band, p then q, cell by cell.
+        owner: (bands,) the cell that each band belongs to.
+        pivots: (2,) x of the two pivots of the V, the outermost block's last.
+        tip: (x, z) of the foot's lowest point.
+    """
+
+    blocks: Array
+    levers: Array
+    bands: Array
+    owner: NDArray[np.intp]
+    pivots: Array
+    tip: tuple[float, float]
+
+
+def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Array) -> LegParts:
+    """Everything of a leg in its place at these travels (cells,) [m]."""
+    cells, half_span = leg.chain.cells, robot.foot.span / 2
+    full = np.array([cell.full_travel for cell in cells])
+    s = np.clip(np.asarray(travels, float), 0.0, full)
+    # Blocks before the V stand clear of each other whatever their cells do.
+    ahead = [robot.blocks.length + full[k] / 2 for k in range(1, len(cells) - 1)]
+    clear = [float(sum(ahead[i:])) for i in range(len(cells) - 1)]
+    x = [leg.at[0] + half_span + clear[i] - s[: i + 1].sum() for i in range(len(cells) - 1)]
+    x.append(leg.at[0] - half_span - s.sum())
+    inner = np.array([leg.at[0] + half_span + clear[0] - full[0] / 2, leg.at[1]])
+    levers: list[Array] = []
+    bands: list[Array] = []
+    owner: list[int] = []
+    for i, cell in enumerate(cells):
+        theta = float(cell.angle(s[i]))
+        along = np.array([-math.sin(theta), leg.side * math.cos(theta)])
+        outer = inner + cell.lever * along
+        levers.append(np.array([inner, outer]))
+        for band in cell.bands:
+            bands.append(np.array([inner + in_body(leg, band.p), outer + in_body(leg, band.q)]))
+            owner.append(i)
+        inner = np.array([x[i], outer[1]])
+    tip = (x[-2] - half_span - s[-1] / 2, -float(robot.foot.depth(s[-1])))
+    return LegParts(
+        np.array([(at, leg.at[1]) for at in x]),
+        np.array(levers),
+        np.array(bands),
+        np.array(owner),
+        np.array([x[-2], x[-1]]),
+        tip,
+    )
+
+
+def rest_states(leg: Leg) -> tuple[Sequence[float], Sequence[float]]:
+    """Travels with every cell at 0 and at 1 [m]."""
+    cells = leg.chain.cells
+    return [0.0] * len(cells), [cell.full_travel for cell in cells]
+
+
+def in_body(leg: Leg, anchor: Sequence[float]) -> Array:
+    """(x, y) of an offset in a cell's frame [m]: along the chain is backwards."""
+    return np.array([-anchor[1], leg.side * anchor[0]])
+
+
+def antenna_line(antenna: Antenna, swing: float = 0.0) -> Array:
+    """(2 or 3, 2) pivot, end of the rod and, if it has one, end of the hook [m]."""
+    angle = abs(antenna.angle) + swing
+    points = [np.array(antenna.pivot)]
+    points.append(points[0] + antenna.length * _towards(antenna, angle))
+    if antenna.hook > 0:
+        points.append(points[1] + antenna.hook * _towards(antenna, angle + antenna.hook_angle))
+    return np.array(points)
+
+
+def bracket(robot: Robot, antenna: Antenna) -> Array:
+    """(2, 2) from the body to an antenna's hinge [m]; what holds it has no values of its own."""
+    half = robot.body.length / 2, robot.body.width / 2
+    corner = [float(np.clip(antenna.pivot[k], -half[k], half[k])) for k in (0, 1)]
+    return np.array([corner, antenna.pivot])
+
+
+def anchor_moves(robot: Robot, antenna: Antenna) -> Array:
+    """(2, 2) where the anchor p that an antenna moves is at rest and at full swing [m]."""
+    leg = robot.leg(antenna.leg)
+    cell = leg.cell_index(antenna.cell)
+    parts = leg_parts(robot, leg, [0.0] * len(leg.chain))
+    at = parts.bands[int(np.flatnonzero(parts.owner == cell)[0]), 0]
+    return np.array([at, at + in_body(leg, antenna.moves)])
+
+
+def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Array]:
+    """The outline from above as lines [m]: body, moving blocks of every leg at 0, antennas last.
+
+    Args:
+        robot: any robot.
+        antenna_swings: of each antenna [rad]; at rest by default.
+    """
+    swings = antenna_swings or [0.0] * len(robot.antennas)
+    lines = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
+    for leg in robot.legs:
+        front = leg_parts(robot, leg, [0.0] * len(leg.chain)).blocks[0, 0]
+        back = leg_parts(robot, leg, [c.full_travel for c in leg.chain.cells]).blocks[-1, 0]
+        length = front - back + robot.blocks.length
+        lines.append(rectangle(((front + back) / 2, leg.at[1]), length, robot.blocks.width))
+    pairs = zip(robot.antennas, swings, strict=True)
+    return [*lines, *(antenna_line(antenna, swing) for antenna, swing in pairs)]
+
+
+def rectangle(middle: Sequence[float] | Array, length: float, width: float) -> Array:
+    """(5, 2) a closed rectangle, `length` along x and `width` along y."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) / 2
+    return np.asarray(middle, float) + corners * (length, width)
+
+
+def in_world(points: Array, x: float, y: float, yaw: float) -> Array:
+    """(n, 2) points of the body's frame [m] where the body is at (x, y) [m] and yaw [rad]."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return points @ np.array([[c, s], [-s, c]]) + (x, y)
+
+
+def _towards(antenna: Antenna, angle: float) -> Array:
+    return np.array([math.cos(angle), antenna.side * math.sin(angle)])

@@ -1,0 +1,57 @@
+"""The prediction as a figure: margins, drags and flips where it says they are."""
+
+import math
+
+import pytest
+
+from figures.drawn import collisions, cut_off, lines, points, says
+from figures.robots import explorer, walker
+from figures.shapes import boxes
+from stepwell import figures
+
+
+@pytest.fixture(scope="module")
+def predictions():
+    return {"forward": walker(title="forward").predict(), "antennas": explorer().predict()}
+
+
+@pytest.mark.parametrize("name", ["forward", "antennas"])
+def test_words_stay_apart_and_axes_name_their_units(name, predictions):
+    figure = figures.prediction(predictions[name])
+    assert collisions(figure) == []
+    assert cut_off(figure) == []
+    assert all(ax.get_xlabel().endswith(("[mN]", "[N]", "[mm]")) for ax in figure.axes)
+
+
+def test_each_leg_has_its_gait_and_its_margin(predictions):
+    found = predictions["antennas"]
+    figure = figures.prediction(found)
+    for leg in found.legs:
+        assert any(text.startswith(f"{leg.name}: {leg.gait}") for text in says(figure))
+        if math.isfinite(leg.margin):
+            (mark,) = lines(figure, f"margin {leg.name}")
+            assert points(mark)[0, 0] == pytest.approx(leg.margin * 1e3)
+
+
+def test_each_push_shows_the_drag_that_it_overcomes(predictions):
+    found = predictions["forward"]
+    figure = figures.prediction(found)
+    for leg in found.legs:
+        drawn = boxes(figure, f"drag {leg.name}")
+        finite = [push.largest_drag for push in leg.pushes if math.isfinite(push.largest_drag)]
+        widths = [bar.get_width() for bar in drawn]
+        assert len(drawn) == len(leg.pushes)
+        assert widths[: len(finite)] == pytest.approx(finite)
+    (floor,) = lines(figure, "floor")
+    assert points(floor)[:, 0] == pytest.approx(0.39)
+
+
+def test_each_flip_stands_at_its_displacement(predictions):
+    found = predictions["antennas"]
+    assert found.flips
+    figure = figures.prediction(found)
+    for antenna in found.robot.antennas:
+        marks = [points(line)[0, 0] for line in lines(figure, f"flip {antenna.name}")]
+        flips = [flip for flip in found.flips if flip.antenna == antenna.name]
+        assert marks == pytest.approx([flip.displacement * 1e3 for flip in flips])
+    assert len(figures.prediction(predictions["forward"]).axes) == 2

@@ -1,0 +1,224 @@
+"""Gait, trajectory and contacts of a walk: its numbers, whole or cut short."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from figures.drawn import collisions, cut_off, legend_of, lines, points, says, words
+from figures.robots import cut, explorer, four_legs, three_cells, walker
+from figures.shapes import boxes, ends, strips
+from stepwell import figures
+from stepwell.figures._walk_reading import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
+from stepwell.physics import walk
+
+DRAWINGS = (figures.gait, figures.trajectory, figures.contacts)
+
+
+@pytest.fixture(scope="module")
+def forward():
+    return walk(walker(title="forward"), 3)
+
+
+@pytest.fixture(scope="module")
+def turning():
+    return walk(walker(0.005, 0.020), 2)
+
+
+@pytest.fixture(scope="module")
+def walks(forward, turning):
+    return {
+        "forward": forward,
+        "turning": turning,
+        "antennas": walk(explorer(), 2),
+        "three cells": walk(three_cells(), 2),
+        "four legs": walk(four_legs(), 2),
+        "a part of a cycle": walk(walker(), 0.4),
+        "7¾ cycles": walk(walker(), 1.75),
+        "stopped": cut(forward, 130, "Stopped at 2.600 s: the robot fell over."),
+        "one sample": cut(forward, 1),
+        "gone on": walk(forward.robot, 1, start=forward),
+    }
+
+
+KINDS = (
+    "forward", "turning", "antennas", "three cells", "four legs", "a part of a cycle",
+    "7¾ cycles", "stopped", "one sample", "gone on",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("draw", DRAWINGS)
+def test_every_walk_is_drawn_with_words_apart(draw, kind, walks):
+    figure = draw(walks[kind])
+    assert collisions(figure) == []
+    assert cut_off(figure) == []
+    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+
+
+@pytest.mark.parametrize("draw", DRAWINGS)
+def test_every_axis_with_a_dimension_names_its_unit(draw, forward):
+    none = {"Cycle", "Displacement $d/u_\\mathrm{max}$", "", "Stands on the floor"}
+    for ax in draw(forward).axes:
+        for name in (ax.get_xlabel(), ax.get_ylabel()):
+            assert name in none or name.endswith(("[mm]", "[s]", "[N]", "[mJ]", "[°]")), name
+
+
+@pytest.mark.parametrize("draw", DRAWINGS)
+def test_a_walk_without_samples_is_refused(draw, forward):
+    none = cut(forward, 0, "Stopped at 0.000 s: a number overflowed.")
+    with pytest.raises(ValueError, match=r"no samples.*a number overflowed"):
+        draw(none)
+
+
+@pytest.mark.parametrize("draw", [figures.gait, figures.contacts])
+def test_cycles_to_show_are_positive(draw, forward):
+    with pytest.raises(ValueError, match="cycles = 0: must be > 0"):
+        draw(forward, cycles=0)
+
+
+def test_the_gait_shows_every_cell_in_millimetres(forward):
+    figure = figures.gait(forward, cycles=2)
+    shown = forward.time > forward.time[-1] - 4.0 - 1e-9
+    for i, leg in enumerate(("left", "right")):
+        for cell in (0, 1):
+            (line,) = lines(figure, f"{leg} cell {cell}")
+            assert points(line)[:, 0] == pytest.approx(forward.time[shown])
+            assert points(line)[:, 1] == pytest.approx(forward.travel[shown, i, cell] * 1e3)
+    (stroke,) = lines(figure, "stroke")
+    assert points(stroke)[:, 1].max() == pytest.approx(40.0, abs=0.5)
+
+
+def test_states_under_the_axis_are_the_gait_of_each_leg(turning):
+    figure = figures.gait(turning, cycles=1)
+    for leg, ax in zip(("left", "right"), figure.axes[1:], strict=True):
+        texts = [t for t in ax.texts if t.get_gid() == "state"]
+        said = ">".join(t.get_text() for t in sorted(texts, key=lambda t: t.get_position()[0]))
+        assert said == turning.gait(leg, 1)
+        for text in texts:
+            assert turning.state(leg, text.get_position()[0]) == text.get_text()
+
+
+def test_shading_is_where_the_foot_carries_weight(forward):
+    figure = figures.gait(forward)
+    for i, ax in enumerate(figure.axes[1:]):
+        shaded = np.zeros(len(forward.time), bool)
+        for low, high in map(ends, boxes(ax, "stance")):
+            shaded |= (forward.time >= low - 1e-9) & (forward.time <= high + 1e-9)
+        assert (shaded == (forward.foot_force[:, i] > 0.02))[forward.time > 1e-9].all()
+
+
+def test_cycles_are_numbered_on_from_an_earlier_walk(walks):
+    assert "cycle 4" in says(figures.gait(walks["gone on"]))
+    (bar,) = boxes(figures.trajectory(walks["gone on"]).axes[1])
+    assert np.mean(ends(bar)) == pytest.approx(4)
+
+
+@pytest.mark.parametrize("kind", ["forward", "turning", "gone on", "stopped"])
+def test_bars_are_displacement_and_turn_of_every_cycle(kind, walks):
+    one = walks[kind]
+    _, moved, turned = figures.trajectory(one).axes
+    assert [bar.get_height() for bar in boxes(moved)] == pytest.approx(one.advance)
+    assert [bar.get_height() for bar in boxes(turned)] == pytest.approx(np.degrees(one.turn))
+    (dots,) = lines(figures.trajectory(one), "sideways")
+    assert points(dots)[:, 1] == pytest.approx(one.sideways)
+    assert len(one.advance) > 0
+
+
+def test_the_path_is_the_bodys_with_a_tick_to_its_heading_each_cycle(turning):
+    figure = figures.trajectory(turning)
+    (path,) = lines(figure, "path")
+    assert points(path) == pytest.approx(np.column_stack([turning.x, turning.y]) * 1e3)
+    ticks = [np.diff(points(line), axis=0)[0] for line in lines(figure, "heading")]
+    angles = [math.degrees(math.atan2(y, x)) for x, y in ticks]
+    # One cycle turns by about 15° (Kamp et al. 2024), and the robot sets out straight ahead.
+    assert np.diff(angles)[-1] == pytest.approx(math.degrees(turning.turn[1]), abs=0.2)
+    assert len(angles) == 3
+    assert figure.axes[0].get_aspect() == 1.0
+
+
+def test_several_walks_share_one_scale_and_keep_their_names(walks):
+    shown = {kind: walks[kind] for kind in ("forward", "turning", "a part of a cycle")}
+    figure = figures.trajectories(shown)
+    assert set(shown) <= set(says(figure))
+    assert "no whole cycle" in says(figure)
+    scales = [ax.get_window_extent().width / np.ptp(ax.get_xlim()) for ax in figure.axes[::3]]
+    assert scales == pytest.approx([scales[0]] * 3)
+    for column in (1, 2):
+        assert len({ax.get_ylim() for ax in figure.axes[column::3]}) == 1
+    assert collisions(figure) == []
+    assert cut_off(figure) == []
+
+
+def test_no_walks_are_refused():
+    with pytest.raises(ValueError, match="walks is empty"):
+        figures.trajectories({})
+
+
+def test_bars_of_contact_are_where_feet_and_t_foot_stand(forward):
+    bars = figures.contacts(forward).axes[0]
+    loads = [*forward.foot_force.T, forward.support_force.sum(axis=1)]
+    names = [text.get_text() for text in bars.get_yticklabels()]
+    assert names == ["left", "right", "T-foot"]
+    for name, load in zip(names, loads, strict=True):
+        covered = np.zeros(len(forward.time), bool)
+        for low, high in strips(bars, name):
+            covered |= (forward.time > low) & (forward.time < high)
+        assert (covered == (load > 0.02))[forward.time > 1e-9].all()
+
+
+def test_forces_under_feet_and_t_foot_are_those_of_the_walk(forward):
+    figure = figures.contacts(forward, cycles=1)
+    shown = forward.time > forward.time[-1] - 2.0 - 1e-9
+    (left,) = lines(figure, "force left")
+    assert points(left)[:, 1] == pytest.approx(forward.foot_force[shown, 0])
+    (weight,) = lines(figure, "weight")
+    assert points(weight)[:, 1] == pytest.approx(forward.robot.weight)
+
+
+def test_work_of_the_cycles_adds_up_to_the_walks(forward):
+    bars = boxes(figures.contacts(forward).axes[3])
+    assert len(bars) == 3
+    total = sum(bar.get_height() for bar in bars)
+    # The walk's own sum begins one sample after the first cycle does.
+    assert total == pytest.approx(forward.work * 1e3, rel=0.01)
+
+
+def test_the_loop_is_force_against_stroke_out_and_back(forward):
+    figure = figures.contacts(forward)
+    whole = np.concatenate([points(line) for gid in ("out", "back") for line in lines(figure, gid)])
+    whole = whole[np.isfinite(whole).all(axis=1)]
+    every = np.column_stack([forward.stroke * 1e3, forward.actuator_force])
+    for sample in every:
+        assert np.abs(whole - sample).sum(axis=1).min() < 1e-9
+
+
+def test_directions_of_steps_are_read_from_the_states():
+    # Kamp et al. 2024, Fig. 3: clockwise steps forward, counterclockwise backward.
+    assert direction("00>10>11>01>00") == 1
+    assert direction("00>01>11>10>00") == -1
+    assert direction("00>10>11>10>00") == direction("00>01>11>01>00") == direction("") == 0
+    assert direction("000>100>110>111>011>001>000") == 1
+    assert direction("000>001>011>111>110>100>000") == -1
+
+
+def test_motions_are_named_as_the_robot_moves(walks):
+    assert motions(walks["forward"]) == [FORWARD] * 3
+    assert motions(walks["turning"]) == [LEFT] * 2
+    assert walks["turning"].turn.min() > 0
+    assert motions(walk(walker(0.020, 0.005), 1)) == [RIGHT]
+    assert motions(walk(walker(0.005, 0.005), 1)) == [BACKWARD]
+
+
+def test_the_legend_names_what_is_drawn(forward):
+    named = ["inner", "outer", "foot on the floor", "stroke", "command"]
+    assert [text.get_text() for text in figures.gait(forward).legends[0].get_texts()] == named
+    assert legend_of(figures.contacts(forward))[-2:] == ["out", "back"]
+
+
+def test_figures_of_a_walk_are_the_same_every_time(forward):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for draw in DRAWINGS:
+            assert figures.svg(draw(forward)) == figures.svg(draw(forward))
