@@ -7,10 +7,12 @@ from figures.drawn import collisions, cut_off, says
 from stepwell import paper
 from stepwell.paper import figures
 
+DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 
-@pytest.mark.parametrize("name", figures.FIGURES)
+
+@pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
-    figure = figures.FIGURES[name]()
+    figure = DRAWN[name]()
     assert collisions(figure) == []
     assert cut_off(figure) == []
 
@@ -40,6 +42,7 @@ def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
 def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch):
     chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
     monkeypatch.setattr(figures, "FIGURES", chosen)
+    monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     told = []
     paper.run(tmp_path / "out", progress=lambda done, total: told.append((done, total)))
     assert {file.name for file in (tmp_path / "out").iterdir()} == {

@@ -13,6 +13,7 @@ class Judgement(StrEnum):
     AGREES = "agrees"
     DIFFERS = "differs"
     NEEDS_DATA = "needs data"
+    NEEDS_MUJOCO = "needs MuJoCo"
 
 
 @dataclass(frozen=True, slots=True)

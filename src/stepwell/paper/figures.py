@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from types import MappingProxyType
 
 import numpy as np
@@ -57,6 +58,51 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
         "fig2d-2g-pathways": strokes,
     }
 )
+
+
+def gaits() -> Figure:
+    """Where the paper's four robots go (Figs. 3C to 3E)."""
+    from stepwell.paper._robot import walk_of
+
+    names = {
+        "forward: q_out = 20 mm": "forward",
+        "backward: q_out = 5 mm": "backward",
+        "one of each": "left",
+        "q_out = 15 mm": "15",
+    }
+    return figures.trajectories({label: walk_of(name) for label, name in names.items()})
+
+
+def three_walls() -> Figure:
+    """A robot with antennas past three walls (Fig. 4D)."""
+    from stepwell import files
+    from stepwell.paper._robot import robot
+    from stepwell.physics import maze
+
+    return figures.maze(maze(robot("explorer"), files.load_arena("three-walls")))
+
+
+def tornado() -> Figure:
+    """The results about the robot against every number that is assumed."""
+    from stepwell.paper._sensitivity import sensitivities
+
+    return figures.tornado(sensitivities())
+
+
+# Figures for which the simulator is needed.
+ROBOT_FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType({"fig3-gaits": gaits})
+MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
+    {"fig4d-three-walls": three_walls, "robot-tornado": tornado}
+)
+
+
+def figures_of(everything: bool) -> dict[str, Callable[[], Figure]]:
+    """The figures that can be drawn here, by name; those of many runs only when asked for."""
+    found = dict(FIGURES)
+    if find_spec("mujoco") is not None:
+        found |= ROBOT_FIGURES
+        found |= MANY_RUNS if everything else {}
+    return found
 
 
 def _pairs() -> dict[str, Cycle]:

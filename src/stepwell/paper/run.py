@@ -17,6 +17,8 @@ SCHEMA = "stepwell.paper/1"
 def run(
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    everything: bool = False,
 ) -> tuple[Verdict, ...]:
     """Compute every claim anew.
 
@@ -24,6 +26,7 @@ def run(
         out: folder for the figures (a .png and a .svg each) and claims.json; all of them appear
             in it or none.
         progress: called with (done, total) claims and figures.
+        everything: also the claims and figures that take many simulated runs, minutes of them.
 
     Returns:
         A verdict for each claim, in the order of `claims()`.
@@ -33,19 +36,19 @@ def run(
 
     Source: Kamp et al. 2024.
     """
-    asked = claims()
+    asked = claims(everything=everything)
     total = len(asked)
     if out is not None:
-        from stepwell.paper.figures import FIGURES
+        from stepwell.paper.figures import figures_of
 
-        total += len(FIGURES)
+        total += len(figures_of(everything))
     found: list[Verdict] = []
     for claim in asked:
         found.append(claim.judge())
         if progress is not None:
             progress(len(found), total)
     if out is not None:
-        _write(out, found, progress, total)
+        _write(out, found, progress, total, everything)
     return tuple(found)
 
 
@@ -75,13 +78,14 @@ def _write(
     verdicts: list[Verdict],
     progress: Callable[[int, int], None] | None,
     total: int,
+    everything: bool,
 ) -> None:
     from stepwell import figures, files
-    from stepwell.paper.figures import FIGURES
+    from stepwell.paper.figures import figures_of
 
     with files.staged_folder(out) as draft:
         files.write_atomic(draft / "claims.json", json.dumps(record(verdicts), indent=2) + "\n")
-        for done, (name, draw) in enumerate(FIGURES.items(), len(verdicts) + 1):
+        for done, (name, draw) in enumerate(figures_of(everything).items(), len(verdicts) + 1):
             figure = draw()
             for suffix in (".png", ".svg"):
                 figures.save(figure, draft / f"{name}{suffix}")

@@ -1,0 +1,137 @@
+"""The claims that take many runs hold for a few of their seeds, and can fail."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from stepwell import files, paper
+from stepwell.paper import Judgement, _robot, _sensitivity, _steering
+from stepwell.physics import Outcome, maze, mazes
+from stepwell.robot import Floor, other_layout, other_start
+
+THREE = ("wall 1", "wall 2", "wall 3")
+
+
+def explorer(**changes):
+    return replace(_robot.robot("explorer"), **changes)
+
+
+def levers_off():
+    return explorer(antennas=[replace(a, connected=False) for a in explorer().antennas])
+
+
+def found(claims, name):
+    (claim,) = (claim for claim in claims if claim.id == name)
+    return claim
+
+
+def test_claims_that_take_many_runs_are_only_listed_when_asked_for():
+    usual = {claim.id for claim in paper.claims()}
+    everything = {claim.id for claim in paper.claims(everything=True)}
+    assert everything - usual == {claim.id for claim in _steering.MANY_RUNS}
+
+
+@pytest.mark.parametrize("claim", _robot.CLAIMS, ids=lambda claim: claim.id)
+def test_a_robot_claim_agrees(claim):
+    assert claim.judge().verdict is Judgement.AGREES
+
+
+def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
+    heavy = _robot.robot("forward")
+    heavy = replace(heavy, floor=Floor(drag=5.0))
+    monkeypatch.setattr(_robot, "walk_of", lambda name: heavy.walk(3))
+    verdict = found(_robot.CLAIMS, "robot-forward").judge()
+    assert verdict.verdict is Judgement.DIFFERS
+    assert verdict.reason
+
+
+def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
+    def missing(name):
+        raise ModuleNotFoundError("no", name="mujoco")
+
+    monkeypatch.setattr(_robot, "walk_of", missing)
+    verdict = found(_robot.CLAIMS, "robot-forward").judge()
+    assert verdict.verdict is Judgement.NEEDS_MUJOCO
+    assert "pip install" in verdict.reason
+
+
+def test_the_papers_antenna_numbers_do_not_turn_the_step_round_and_the_nearest_that_do_are_named():
+    verdict = found(_steering.CLAIMS, "antennas-paper-numbers").judge()
+    assert verdict.verdict is Judgement.DIFFERS
+    assert "q_out up to 14.5 mm" in verdict.reason
+
+
+def test_our_antennas_turn_the_opposite_step_round():
+    assert found(_steering.CLAIMS, "antennas-turn-away").judge().verdict is Judgement.AGREES
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "arena",
+    [
+        _steering.wall_ahead(math.radians(_steering.WALLS_DEG[4])),
+        _steering.wall_ahead(-math.radians(_steering.BETWEEN_DEG[1])),
+        _steering.cylinder_ahead(_steering.OFFSETS_MM[6] / 1e3),
+    ],
+    ids=lambda arena: arena.title,
+)
+def test_an_obstacle_is_left_behind(arena):
+    way = maze(explorer(), arena, limit=180.0)
+    assert way.walks_on
+    assert way.contacts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["three-walls", "corridor"])
+def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
+    arena = files.load_arena(name)
+    start = other_start(arena, _steering.STARTS[0])
+    with_antennas, bare, disconnected = mazes(
+        [(explorer(), start), (explorer(antennas=()), start), (levers_off(), start)], limit=600.0
+    )
+    assert with_antennas.outcome is Outcome.REACHED
+    assert all(with_antennas.touched[wall] is not None for wall in THREE)
+    assert {with_antennas.changes[0].leg, with_antennas.contacts[0].antenna} == {"left", "right"}
+    for control in (bare, disconnected):
+        assert control.outcome is not Outcome.REACHED
+    assert not disconnected.changes
+
+
+@pytest.mark.slow
+def test_three_walls_that_stand_differently_are_passed():
+    arena = other_layout(files.load_arena("three-walls"), _steering.LAYOUTS[0])
+    assert maze(explorer(), arena, limit=600.0).outcome is Outcome.REACHED
+
+
+@pytest.mark.slow
+def test_every_assumed_number_has_its_bar_and_the_nominal_results_are_on_target():
+    sensitivities = _sensitivity.sensitivities()
+    assert len(sensitivities) == len(_sensitivity.RESULTS)
+    for one in sensitivities:
+        assert len(one.effects) == len(_sensitivity.CHANGES) + 3
+        assert one.target is not None
+        low, high = one.target
+        assert low < one.nominal < high
+
+
+def test_every_assumed_number_that_can_matter_on_a_bare_floor_is_varied():
+    varied = {key.lstrip("-") for change in _sensitivity.CHANGES for key in change.keys}
+    # Walls are not met; gravity is the earth's; the rest is symmetry, or the same on both sides.
+    spared = {"wall_friction", "gravity_m_per_s2", "length_mm", "width_mm"}
+    symmetric = {
+        "body.centre_mm[1]",
+        "body.supports_mm[0][1]",
+    }
+    for parameter in files.parameters(_robot.robot("forward")):
+        if parameter.source != "assumed" or parameter.path in symmetric:
+            continue
+        if parameter.path.rpartition(".")[2] in spared:
+            continue
+        general = (
+            parameter.path.replace("leg.left.", "leg.*.")
+            .replace("leg.right.", "leg.*.")
+            .replace("cell.inner", "cell.*")
+            .replace("cell.outer", "cell.*")
+        )
+        assert varied & {parameter.path, general}, parameter.path
