@@ -13,7 +13,7 @@ export NO_MKDOCS_2_WARNING := 1
 .PHONY: help venv demo test test-lowest bench docs lock clean
 
 help:
-	@echo "make demo         recompute the paper's claims and figures into out/paper/"
+	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
 	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
 	@echo "make test-lowest  run the quick tests on the oldest supported dependencies"
 	@echo "make bench        print speed ratios against named peers"
@@ -26,6 +26,8 @@ venv: .venv/.ready
 
 demo: .venv/.ready
 	.venv/bin/stepwell paper --out out/paper
+	.venv/bin/stepwell walk robot-forward --cycles 4 --out out/walk
+	.venv/bin/stepwell maze robot-explorer three-walls --out out/maze
 
 test: .venv/.ready
 	.venv/bin/ruff check

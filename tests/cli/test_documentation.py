@@ -12,7 +12,11 @@ import stepwell as sw
 from stepwell import files
 from stepwell.cli import app
 from stepwell.design import boundaries
+from stepwell.files._arena_schema import TABLES as ARENA_TABLES
+from stepwell.files._keys import field_of, written
+from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
 from stepwell.files._schema import TABLES
+from stepwell.mechanism import Chain
 from stepwell.paper import record as paper_record
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -41,9 +45,36 @@ def matches(shown: str, printed: str) -> bool:
 
 def test_every_key_of_a_design_file_is_documented():
     text = page("design-files")
-    for keys in TABLES.values():
-        for key in keys.model_fields:
-            assert f"`{key}`" in text, key
+    for keys in (*TABLES.values(), *ROBOT_TABLES.values(), *ARENA_TABLES.values()):
+        for key in keys.names():
+            assert f"`{key}`" in text or f"[{key}]" in text, key
+
+
+def test_the_documented_defaults_of_a_robot_are_the_ones_that_hold():
+    text = page("design-files").split("\n## Robots\n")[1].split("\n## ")[0]
+    robot = files.loads(preset_of_defaults())
+    table = ""
+    rows: dict[tuple[str, str], str] = {}
+    for cells in (row.split(" | ") for row in re.findall(r"^\| (.*) \|$", text, re.M)):
+        if len(cells) == 4:  # the rows below it leave their table out
+            table = cells[0].strip("`[]")
+        for key in re.findall(r"`(\w+)`", cells[-3]) if len(cells) > 2 else ():
+            rows[table, key] = cells[-1]
+    for name in ("body", "foot", "blocks", "floor", "drive"):
+        for key in ROBOT_TABLES[name].names():
+            default = written(key, getattr(getattr(robot, name), field_of(key)))
+            assert default in rows[name, key], (name, key)
+    (antenna,) = robot.antennas
+    for key in ("hook_mm", "mass_g", "damping_N_m_s_per_rad", "friction", "connected"):
+        assert written(key, getattr(antenna, field_of(key))) in rows["antenna", key], key
+    for key in ("swing_deg", "hook_deg"):
+        assert f"{getattr(antenna, field_of(key)):g} rad" in rows["antenna", key], key
+
+
+def preset_of_defaults() -> str:
+    """The page's own robot without what it says about the foot."""
+    (body,) = (b for _, t, b in FENCE.findall(page("design-files")) if t == "robot.toml")
+    return body.replace("[foot]\nbelow_mm = 0.3\n", "")
 
 
 @pytest.mark.parametrize(
@@ -124,7 +155,12 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
 def test_every_design_on_the_page_that_is_not_called_wrong_loads():
     for language, title, body in FENCE.findall(page("design-files")):
         if language == "toml" and title not in ("wrong.toml", "broken.toml"):
-            assert files.loads(body).cycle().sequence
+            if title == "arena.toml":
+                assert files.loads_arena(body).walls
+                continue
+            design = files.loads(body)
+            chains = [design] if isinstance(design, Chain) else [leg.chain for leg in design.legs]
+            assert all(chain.cycle().sequence for chain in chains)
 
 
 def test_the_everything_example_uses_every_kind_of_key():

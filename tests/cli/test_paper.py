@@ -43,6 +43,7 @@ def test_json_holds_every_claim_as_text(stepwell, verdicts):
 def test_figures_go_into_the_folder_and_the_command_says_where(stepwell, tmp_path, monkeypatch):
     # One figure stands for all: drawing each of them is tested in its own room.
     monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force})
+    monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     result = stepwell("paper", "--out", "out")
     names = ["claims.json", "fig1d-force.png", "fig1d-force.svg"]
     assert f"Written into out: {', '.join(names)}" in result.stdout

@@ -19,6 +19,8 @@ SHOWN = (
     "order-many-cells",
     "undirected-boundary",
     "share-clockwise",
+    "robot-forward",
+    "robot-turn",
 )
 
 
@@ -30,7 +32,7 @@ def short(record: dict[str, Any]) -> str:
         for verdict in ("agrees", "differs", "needs data")
     }
     lines = [
-        f"`make demo` computes {len(claims)} claims of the paper about unit cells and pairs anew: "
+        f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot anew: "
         f"{count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need data "
         f"that Stepwell does not read yet. Some of the first and all of the second:",
         "",

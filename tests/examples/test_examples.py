@@ -21,6 +21,11 @@ NUMBERS = {
     "06_ten_cells": ("heat_mJ", 28.0519, 1e-3),
     # Also what the brute-force follower finds: tests/test_oracle.py.
     "07_when_order_does_not_say_it_all": ("second_mm", 57.6407, 1e-3),
+    # Kamp et al. 2024, Figs. 3C and 3E, within what the paper leaves open.
+    "08_walk": ("advance", 0.71, 0.08),
+    "09_turn_by_one_anchor": ("turn_deg", 15.0, 2.5),
+    # Fig. 4D: past all three walls.
+    "10_antennas_in_the_three_wall_arena": ("reached_and_touched", ("reached the goal", 3), None),
 }
 
 

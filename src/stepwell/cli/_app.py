@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stepwell._version import __version__
-from stepwell.cli import animate, map, new, paper, presets, run
+from stepwell.cli import animate, export, map, maze, new, paper, presets, robot, run, view, walk
 from stepwell.cli._outcomes import EXIT_CODES, Commands
 from stepwell.cli._show import styled
 
@@ -24,6 +24,9 @@ app = typer.Typer(
 )
 for command in (run.run, map.map_, new.new, presets.presets, animate.animate, paper.paper):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
+app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
+for command in (walk.walk, maze.maze, export.export, view.view):
+    app.command(name=command.__name__, epilog=EXIT_CODES)(command)
 
 
 def _version(wanted: bool) -> None:

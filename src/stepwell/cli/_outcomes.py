@@ -20,7 +20,7 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise
-        except (OSError, RuntimeError, ValueError) as error:
+        except (ImportError, OSError, RuntimeError, ValueError) as error:
             known = outcome(error)
             if known is None:
                 raise
@@ -29,7 +29,7 @@ class Commands(TyperGroup):
             raise typer.Exit(code) from None
 
 
-def outcome(error: OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
+def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
     from stepwell.files import DesignError
     from stepwell.statics import StaticsError
@@ -38,7 +38,17 @@ def outcome(error: OSError | RuntimeError | ValueError) -> tuple[int, str] | Non
         return WRONG_INPUT, str(error)
     if isinstance(error, StaticsError):
         return FAILED, str(error)
+    # A package that an extra brings; any other missing module is a bug of ours.
+    if isinstance(error, ModuleNotFoundError) and "pip install" in str(error):
+        return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""
         return FAILED, f"{place}{error.strerror or error}"
     return None
+
+
+def stopped(why: str) -> None:
+    """End with a message where a simulation ended early; what it has is written and shown."""
+    if why:
+        typer.echo(why, err=True)
+        raise typer.Exit(FAILED)

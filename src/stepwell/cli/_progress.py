@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
+def progress(label: str) -> Iterator[Callable[[float, float], None] | None]:
     """What to call with (done, total); None where nobody is looking.
 
     The bar goes to standard error, so that it never mixes with results, and vanishes when done.
@@ -20,7 +20,7 @@ def progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=None)
 
-        def update(done: int, total: int) -> None:
+        def update(done: float, total: float) -> None:
             bar.update(task, completed=done, total=total)
 
         yield update

@@ -23,7 +23,7 @@ def animate(
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_lines
 
-    cycle = files.load(design).cycle()
+    cycle = files.load_chain(design).cycle()
     try:
         with progress("frames") as tell:
             figures.animation(cycle, out, seconds=seconds, fps=fps, progress=tell)

@@ -40,7 +40,7 @@ def map_(
     from stepwell.cli._show import show_json, show_written
     from stepwell.design import boundaries, transition_map
 
-    chain = files.load(design)
+    chain = files.load_chain(design)
     moved = cell_of(chain, cell)
     xs, ys = x.metres, y.metres
     try:

@@ -28,4 +28,5 @@ def new(file: _File, preset: _Preset = "paper-forward", force: _Force = False) -
         message = "exists: choose another name, or pass --force to replace it."
         raise typer.BadParameter(message, param_hint=str(file))
     files.write_atomic(file, files.preset_text(preset))
-    show_lines(f"Wrote {file}. Next: stepwell run {file}")
+    command = "walk" if preset.startswith("robot-") else "run"
+    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")

@@ -2,11 +2,19 @@
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from stepwell.cli._options import Json, Out
 
+_All = Annotated[
+    bool,
+    typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
+]
 
-def paper(out: Out = None, as_json: Json = False) -> None:
+
+def paper(everything: _All = False, out: Out = None, as_json: Json = False) -> None:
     """Check what the paper claims.
 
     Every claim is computed anew; the verdict says where we agree, where not, and why.
@@ -21,7 +29,7 @@ def paper(out: Out = None, as_json: Json = False) -> None:
     names: tuple[str, ...] = ()
     with staged_folder(out) if out is not None else nullcontext() as draft:
         with progress("claims") as tell:
-            verdicts = claims.run(draft, progress=tell)
+            verdicts = claims.run(draft, progress=tell, everything=everything)
         if draft is not None:
             names = _names(draft)
     record = claims.record(verdicts)

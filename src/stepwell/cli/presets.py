@@ -10,7 +10,7 @@ _Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else
 def presets(as_json: _Json = False) -> None:
     """List the designs that come with Stepwell.
 
-    The paper's come first, then some that go further.
+    The paper's come first, then some that go further, then robots.
     """
     from stepwell import files
     from stepwell.cli._show import show_json, show_table

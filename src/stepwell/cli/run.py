@@ -17,7 +17,7 @@ def run(design: Design, out: Out = None, as_json: Json = False) -> None:
     from stepwell.design import margin
 
     text = files.read(design)
-    cycle = files.loads(text, design).cycle()
+    cycle = files.loads_chain(text, design).cycle()
     with progress("margin") as tell:
         limits = margin(cycle.chain, progress=tell)
     names = ()

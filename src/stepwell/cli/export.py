@@ -1,0 +1,33 @@
+"""`stepwell export`: a robot as a model for MuJoCo."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._robots import Robot, named, usable
+
+_File = Annotated[
+    Path,
+    typer.Option("--out", "-o", metavar="FILE.xml", help="The file to write.", show_default=False),
+]
+_Arena = Annotated[
+    str | None, typer.Option(metavar="ARENA", help="Put it there; see `stepwell maze --list`.")
+]
+
+
+def export(robot: Robot, out: _File = Path("robot.xml"), arena: _Arena = None) -> None:
+    """Write a robot as MJCF.
+
+    MuJoCo's own viewer opens it: bands, levers, links and antennas are there to be seen. Its
+    keyframe `start` stands on the floor with every cell at 0.
+    """
+    from stepwell import files, physics
+    from stepwell.cli._show import show_lines
+
+    design = files.load_robot(named(robot))
+    place = files.load_arena(arena) if arena is not None else None
+    with usable(robot):
+        text = physics.mjcf(design, place)
+    files.write_atomic(out, text)
+    show_lines(f"Wrote {out}")

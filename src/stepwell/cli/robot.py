@@ -1,0 +1,118 @@
+"""`stepwell robot`: what a robot is made of, and what it does when that is changed."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._options import Json, Out
+from stepwell.cli._outcomes import EXIT_CODES
+from stepwell.cli._robots import Robot, named, usable
+from stepwell.cli._show import styled
+
+commands = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich" if styled() else None,
+    help="Say what a robot is made of, or vary it.",
+    epilog=EXIT_CODES,
+)
+
+
+@commands.command(epilog=EXIT_CODES)
+def show(robot: Robot, out: Out = None, as_json: Json = False) -> None:
+    """Say what a robot is made of, and what statics says it will do.
+
+    Every number with its unit and where it comes from, and the gait predicted without
+    simulation. With --out, drawings from above and the side, the prediction and all numbers
+    as JSON are written into a folder, together with the design.
+    """
+    from stepwell import files
+    from stepwell.cli import _robot_text
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    said = design.predict()
+    names: tuple[str, ...] = ()
+    if out is not None:
+        with progress("writing") as tell:
+            names = files.write_robot(design, said, out, design=text, progress=tell)
+    record = files.robot_record(design, said)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _robot_text.show(record)
+        show_written(out, names)
+
+
+_Ranges = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="KEY=FROM:TO:COUNT...",
+        help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        show_default=False,
+    ),
+]
+_Random = Annotated[
+    int | None,
+    typer.Option(
+        "--random",
+        metavar="N",
+        help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
+        min=1,
+        max=100_000,
+    ),
+]
+_Seed = Annotated[int, typer.Option(help="Of the draws.", min=0)]
+_Cycles = Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1, max=1000)]
+_Out = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="DIR",
+        help="Write the results into this folder.",
+        show_default=False,
+        file_okay=False,
+    ),
+]
+
+
+@commands.command(epilog=EXIT_CODES)
+def sweep(
+    robot: Robot,
+    ranges: _Ranges,
+    out: _Out,
+    random: _Random = None,
+    seed: _Seed = 0,
+    cycles: _Cycles = 4,
+    as_json: Json = False,
+) -> None:
+    """Vary a robot's numbers and walk every one that comes out, on all cores.
+
+    A grid over all ranges, or seeded random draws. A sweep that was interrupted goes on where
+    it stopped when it is called again. Table (CSV), data (NetCDF), JSON and a figure are
+    written into the folder.
+    """
+    from stepwell import files
+    from stepwell.cli import _ranges, _robot_text, _sweep
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+
+    design = files.load_robot(named(robot))
+    found = _ranges.ranges(ranges, random)
+    values = _ranges.points(found, random, seed)
+    keep = out / "unfinished"
+    with usable("--out"), progress("robots") as tell:
+        result = _sweep.run(design, robot, values, cycles, keep, tell)
+    with progress("writing") as tell:
+        names = files.write_sweep(result, out, progress=tell)
+    _sweep.forget(keep)
+    record = files.sweep_record(result)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _robot_text.show_sweep(record)
+        show_written(out, names)

@@ -1,0 +1,51 @@
+"""`stepwell walk`: a robot simulated on a bare floor."""
+
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._options import Json, Out
+from stepwell.cli._robots import NoVideo, Robot, named, usable
+
+_Cycles = Annotated[
+    float, typer.Option(help="How often the actuator goes out and back.", min=0.01, max=10_000)
+]
+
+
+def walk(
+    robot: Robot,
+    cycles: _Cycles = 8,
+    out: Out = None,
+    no_video: NoVideo = False,
+    as_json: Json = False,
+) -> None:
+    """Let a robot walk, and say how.
+
+    The actuator's position is the only command; gaits emerge from bands, weight and contact.
+    With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
+    written into a folder, together with the design.
+    """
+    from stepwell import files, physics
+    from stepwell.cli import _walk_text
+    from stepwell.cli._outcomes import stopped
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.cli._video import write_video
+
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    with usable(robot), progress("walking") as tell:
+        result = physics.walk(design, cycles, progress=tell)
+    names: tuple[str, ...] = ()
+    if out is not None:
+        with progress("writing") as tell:
+            names = files.write_walk(result, out, design=text, progress=tell)
+        names += () if no_video else write_video(result, out, "walk")
+    record = files.walk_record(result)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _walk_text.show(record)
+        show_written(out, names)
+    stopped(result.stopped)

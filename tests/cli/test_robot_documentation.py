@@ -1,0 +1,47 @@
+"""The page about commands names every option and every JSON name of the robot's commands."""
+
+from pathlib import Path
+
+import pytest
+import typer
+
+from cli.test_documentation import keys_of
+from stepwell import files, physics
+from stepwell.cli import app
+from stepwell.cli._outcomes import EXIT_CODES
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text("utf-8")
+ROBOT = typer.main.get_command(app).commands["robot"].commands  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ROBOT)
+def test_every_subcommand_and_option_of_robot_is_documented(name):
+    section = PAGE.split("\n## robot\n")[1].split("\n## ")[0]
+    assert f"stepwell robot {name}" in section
+    for parameter in ROBOT[name].params:
+        for option in parameter.opts:
+            if option.startswith("--") and option != "--help":
+                assert f"`{option}" in section, option
+
+
+@pytest.mark.parametrize("arguments", [(), ("show",), ("sweep",)])
+def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
+    text = stepwell("robot", *arguments, "-h").stdout
+    assert " ".join(text.split()).endswith(EXIT_CODES)
+
+
+@pytest.fixture(scope="module")
+def records():
+    robot, cylinder = files.load_robot("preset:robot-explorer"), files.load_arena("cylinder")
+    return [
+        files.robot_record(robot, robot.predict()),
+        files.walk_record(robot.walk(1)),
+        files.maze_record(robot.maze(cylinder, limit=36.0)),
+        files.sweep_record(physics.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
+    ]
+
+
+def test_every_name_of_the_robots_json_is_documented(records):
+    names = {name for record in records for name in keys_of(record)}
+    assert {"pushes", "flips", "contacts", "changes", "trials"} <= names
+    assert [name for name in sorted(names) if f"`{name}`" not in PAGE] == []

@@ -1,0 +1,144 @@
+"""`stepwell walk`: a robot simulated, shown and written."""
+
+import json
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+import xarray
+
+from stepwell.files import load_robot, preset_text
+
+FIGURES = {
+    f"{name}{kind}" for name in ("contacts", "gait", "trajectory") for kind in (".png", ".svg")
+}
+WRITTEN = {"robot.toml", "walk.json", "walk.nc"} | FIGURES
+
+
+def test_a_forward_robot_is_told_with_its_gaits_its_numbers_and_what_is_assumed(stepwell):
+    result = stepwell("walk", "robot-forward", "--cycles", 3)
+    assert result.exit_code == 0
+    lines = result.stdout.splitlines()
+    assert any(line.split()[:5] == ["left", "1", "to", "3", "00>10>11>01>00"] for line in lines)
+    assert "cost" not in result.stdout
+    assert "of work over weight and distance" in result.stdout
+    assumed = result.stdout.partition("Assumed, and the results depend on it")[2]
+    assert "body.mass_g = 260;" in assumed
+    assert "floor.drag_N" not in assumed
+
+
+def test_the_json_is_that_of_the_paper(stepwell):
+    record = json.loads(stepwell("walk", "preset:robot-forward", "--cycles", 4, "--json").stdout)
+    assert record["schema"] == "stepwell.walk/1"
+    # Kamp et al. 2024, Fig. 3C: 0.71 of the largest step in a cycle.
+    assert record["mean_advance_over_u_max"] == pytest.approx(0.71, abs=0.08)
+    assert record["cycles"] == len(record["advance_over_u_max"]) == 4
+    assert record["cost_of_transport"] == pytest.approx(
+        record["work_mJ"] / record["weight_N"] / record["distance_mm"]
+    )
+    assert {one["source"] for one in record["parameters"]} == {"paper", "assumed"}
+    assert record["files"] == []
+
+
+def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path):
+    result = stepwell("walk", "robot-left", "--cycles", 2, "--out", "out", "--no-video")
+    assert result.exit_code == 0
+    assert {file.name for file in (tmp_path / "out").iterdir()} == WRITTEN
+    assert (tmp_path / "out" / "robot.toml").read_text("utf-8") == preset_text("robot-left")
+    samples = xarray.load_dataset(tmp_path / "out" / "walk.nc")
+    record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
+    assert float(samples["time"][-1]) == pytest.approx(record["duration_s"]) == pytest.approx(4.0)
+    # One leg steps backward: it turns, by about 15° a cycle (Kamp et al. 2024, Fig. 3E).
+    assert record["turn_deg"] == pytest.approx([15.0, 15.0], abs=2.5)
+
+
+def test_a_part_of_a_cycle_is_a_walk_too(stepwell, tmp_path):
+    result = stepwell("walk", "robot-forward", "--cycles", 0.3, "--out", "out", "--no-video")
+    assert result.exit_code == 0
+    assert "in 0 cycles of 2 s" in result.stdout
+    record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
+    assert record["mean_advance_over_u_max"] is None
+
+
+def test_a_video_is_written_where_frames_can_be_drawn(stepwell, tmp_path):
+    result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
+    assert result.exit_code == 0
+    names = {file.name for file in (tmp_path / "out").iterdir()}
+    if "No video" in result.stderr:
+        assert names == WRITTEN
+        pytest.skip(result.stderr.strip())
+    assert names == WRITTEN | {"walk.mp4", "walk.gif"}
+    assert "walk.gif" in result.stdout
+
+
+def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
+    stepwell, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(import_module("stepwell.physics.video"), "SYSTEMS", ("no such system",))
+    result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
+    assert result.exit_code == 0
+    assert result.stderr.startswith("No video: frames cannot be drawn off screen here.")
+    assert {file.name for file in (tmp_path / "out").iterdir()} == WRITTEN
+
+
+@pytest.mark.parametrize(
+    ("centre_mm", "written"),
+    [
+        # Tips over its front supports in the first step.
+        ("24, 0, 300", WRITTEN),
+        # Cannot even stand.
+        ("37, 0, 2000", WRITTEN - FIGURES),
+    ],
+)
+def test_a_robot_that_falls_over_ends_with_a_message_and_keeps_what_it_has(
+    stepwell, tmp_path, centre_mm, written
+):
+    text = preset_text("robot-forward")
+    body = f"[body]\ncentre_mm = [{centre_mm}]\n\n[foot]"
+    (tmp_path / "tall.toml").write_text(text.replace("[foot]", body), "utf-8")
+    result = stepwell("walk", "tall.toml", "--cycles", 3, "--out", "out", "--no-video")
+    assert result.exit_code == 1
+    assert result.stderr.startswith("Stopped at ")
+    assert {file.name for file in (tmp_path / "out").iterdir()} == written
+    record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
+    assert record["stopped"] == result.stderr.strip()
+    assert (record["duration_s"] > 0) == (written == WRITTEN)
+    assert record["duration_s"] < 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("robot-foward",), "robot-foward: no such file."),
+        (("forward.toml",), "forward.toml: is a chain, and this needs a robot"),
+        (("robot-forward", "--cycles", "0"), "Invalid value for '--cycles'"),
+    ],
+)
+def test_wrong_usage_is_told_in_a_line(stepwell, arguments, message):
+    result = stepwell("walk", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+def test_a_file_of_the_users_counts_before_a_preset_of_that_name(stepwell, tmp_path):
+    (tmp_path / "robot-forward").write_text(preset_text("robot-backward"), "utf-8")
+    record = json.loads(stepwell("walk", "robot-forward", "--cycles", 2, "--json").stdout)
+    assert record["title"] == load_robot("preset:robot-backward").title
+    assert record["mean_advance_over_u_max"] < 0
+
+
+@pytest.mark.parametrize("command", [("walk",), ("export",), ("view",)])
+def test_without_mujoco_one_line_says_what_to_install(tmp_path, command):
+    script = (
+        "import sys; sys.modules['mujoco'] = None\n"
+        f"sys.argv[1:] = {[*command, 'robot-forward']!r}\n"
+        "import stepwell.cli as c; c.main()"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=tmp_path, text=True, capture_output=True, env={"DISPLAY": ":0", "PATH": ""},
+    )  # fmt: skip
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr.count("\n") == 1
+    assert "pip install 'stepwell[robot]'" in result.stderr
