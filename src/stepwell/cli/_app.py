@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stepwell._version import __version__
-from stepwell.cli import animate, map, new, paper, presets, run
+from stepwell.cli import animate, lab, map, new, paper, presets, run
 from stepwell.cli._outcomes import EXIT_CODES, Commands
 from stepwell.cli._show import styled
 
@@ -24,6 +24,7 @@ app = typer.Typer(
 )
 for command in (run.run, map.map_, new.new, presets.presets, animate.animate, paper.paper):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
+app.add_typer(lab.app, name="lab", epilog=EXIT_CODES)
 
 
 def _version(wanted: bool) -> None:

@@ -1,8 +1,12 @@
 """Every plot, one function each: results in, a matplotlib Figure out."""
 
 from stepwell.figures._animation import animation
+from stepwell.figures._band_test import band_laws
+from stepwell.figures._calibration import calibration
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._landscape import landscape
+from stepwell.figures._measured_cells import measured_energies, measured_forces
+from stepwell.figures._measured_pairs import measured_pairs
 from stepwell.figures._mechanism import mechanism
 from stepwell.figures._overview import overview
 from stepwell.figures._side_by_side import landscapes, strokes
@@ -14,9 +18,14 @@ from stepwell.figures._write import save, svg
 
 __all__ = [
     "animation",
+    "band_laws",
+    "calibration",
     "force_stroke",
     "landscape",
     "landscapes",
+    "measured_energies",
+    "measured_forces",
+    "measured_pairs",
     "mechanism",
     "overview",
     "save",

@@ -4,6 +4,12 @@ from stepwell.files._errors import DesignError
 from stepwell.files.atomic import staged_folder, write_atomic
 from stepwell.files.bundle import write_map, write_run
 from stepwell.files.design import loads
+from stepwell.files.measured import (
+    write_band,
+    write_calibration,
+    write_comparison,
+    write_readings,
+)
 from stepwell.files.record import force_scale, map_record, run_record
 from stepwell.files.report import report
 from stepwell.files.shipped import preset, preset_text, presets
@@ -26,6 +32,10 @@ __all__ = [
     "save",
     "staged_folder",
     "write_atomic",
+    "write_band",
+    "write_calibration",
+    "write_comparison",
     "write_map",
+    "write_readings",
     "write_run",
 ]

@@ -54,18 +54,18 @@ def write_run(
     """
     with staged_folder(folder) as draft:
         drawn = _figures(cycle)
-        steps = _Steps(progress, 4 + 2 * len(drawn))
+        steps = Steps(progress, 4 + 2 * len(drawn))
         write_atomic(draft / "design.toml", design or dumps(cycle.chain))
         steps.next()
         cycle.path.to_csv(draft / "path.csv")
         steps.next()
-        _write_json(draft / "result.json", run_record(cycle, margin))
+        write_json(draft / "result.json", run_record(cycle, margin))
         steps.next()
         captions = dict(drawn.values())
         write_atomic(draft / "report.html", report(cycle, margin, captions, source))
         steps.next()
-        _save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
-        return _names(draft)
+        save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
+        return file_names(draft)
 
 
 def write_map(
@@ -94,16 +94,16 @@ def write_map(
     from stepwell import figures
 
     with staged_folder(folder) as draft:
-        steps = _Steps(progress, 5)
+        steps = Steps(progress, 5)
         dataset.to_netcdf(draft / "map.nc", engine="scipy")
         steps.next()
         q = next(iter(designs.values()), None) if designs else None
-        _write_json(draft / "map.json", map_record(dataset, boundaries, q))
+        write_json(draft / "map.json", map_record(dataset, boundaries, q))
         steps.next()
         write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
         steps.next()
-        _save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
-        return _names(draft)
+        save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
+        return file_names(draft)
 
 
 def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
@@ -121,7 +121,8 @@ def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
     return drawn
 
 
-def _save_figures(drawn: Mapping[str, Figure], folder: Path, steps: _Steps) -> None:
+def save_figures(drawn: Mapping[str, Figure], folder: Path, steps: Steps) -> None:
+    """Write each figure as .png and .svg under its name."""
     from stepwell import figures
 
     for name, figure in drawn.items():
@@ -130,21 +131,24 @@ def _save_figures(drawn: Mapping[str, Figure], folder: Path, steps: _Steps) -> N
             steps.next()
 
 
-class _Steps:
+class Steps:
     """Counts what is done and says so."""
 
     def __init__(self, progress: Progress | None, total: int):
         self.progress, self.total, self.done = progress, total, 0
 
     def next(self) -> None:
+        """One more is done."""
         self.done += 1
         if self.progress is not None:
             self.progress(self.done, self.total)
 
 
-def _write_json(file: Path, record: dict[str, Any]) -> None:
+def write_json(file: Path, record: dict[str, Any]) -> None:
+    """Write a record as JSON."""
     write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
 
 
-def _names(folder: Path) -> tuple[str, ...]:
+def file_names(folder: Path) -> tuple[str, ...]:
+    """What a folder holds, by name."""
     return tuple(sorted(file.name for file in folder.iterdir()))

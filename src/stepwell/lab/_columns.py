@@ -26,7 +26,7 @@ _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]")
 class Column(NamedTuple):
     """Where a quantity stands in a row, and what makes it SI."""
 
-    index: int
+    place: int
     factor: float
 
 

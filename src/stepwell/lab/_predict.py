@@ -1,11 +1,10 @@
-"""What the model says a series should show, on the strokes of the measurement."""
+"""What the model predicts on the strokes of a measurement."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.lab.series import Series
 from stepwell.mechanism import Chain
 from stepwell.statics import Path
 
@@ -20,14 +19,13 @@ def path_of(chain: Chain, unloading: bool) -> Path:
     return chain.path([0.0, full])
 
 
-def predicted_force(series: Series, stroke: Array) -> Array:
-    """Actuator force [N] of the model at strokes [m]."""
-    chain = series.chain
+def predicted_force(chain: Chain, unloading: bool, stroke: Array) -> Array:
+    """Actuator force [N] of the model at strokes [m], going one way."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
     if len(chain) == 1:
         cell = chain.cells[0]
         return cell.force(cell.angle(stroke))
-    return on_path(path_of(chain, series.unloading), stroke)
+    return on_path(path_of(chain, unloading), stroke)
 
 
 def on_path(path: Path, stroke: Array) -> Array:

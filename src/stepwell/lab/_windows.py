@@ -14,9 +14,9 @@ END = 0.25e-3
 BEFORE, AFTER = 0.5e-3, 2.0e-3
 
 
-def quiet_zones(full: float, unloading: bool, first: float | None = None) -> list[
-    tuple[float, float]
-]:
+def quiet_zones(
+    full: float, unloading: bool, first: float | None = None
+) -> list[tuple[float, float]]:
     """Strokes between which a recording is not judged [m].
 
     Args:

@@ -62,9 +62,7 @@ def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str,
         }
     e = np.linspace(0.0, test.window[1] - fitted.onset, _ROWS)
     tension = fitted.tension(fitted.onset + e)
-    rows = ", ".join(
-        f"[{_digits(x * 1e3)}, {_digits(t)}]" for x, t in zip(e, tension, strict=True)
-    )
+    rows = ", ".join(f"[{_digits(x * 1e3)}, {_digits(t)}]" for x, t in zip(e, tension, strict=True))
     return {"table_mm_N": f"[{rows}]"}
 
 
@@ -84,8 +82,8 @@ def _provenance(
         f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
         f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
-        f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, and "
-        f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN.",
+        f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
+        f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN.",
         f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
     ]
 

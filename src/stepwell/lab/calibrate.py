@@ -191,12 +191,12 @@ def prepare(series: Sequence[Series]) -> tuple[Sample, ...]:
 
 def calibrate(
     samples: Sequence[Sample],
-    law: str = "cubic",
+    law: str | None = None,
     *,
     reference: float = 28.5,
     progress: Callable[[int, int], None] | None = None,
 ) -> Calibration:
-    """Fit band law, loss and friction to all unit cells, and leave out one geometry after the other.
+    """Fit band law, loss and friction to all unit cells, and predict each geometry left out.
 
     Tension while a band gets longer than ever before in the stroke is T(ℓ) = k (e + a2 e² + a3 e³),
     e = ℓ - ℓ0; once it is shorter by x than it has been, it is less by the share h (1 - exp(-x/c)).
@@ -209,7 +209,8 @@ def calibrate(
 
     Args:
         samples: of three geometries or more.
-        law: "linear" (a2 = a3 = 0) or "cubic".
+        law: "linear" (a2 = a3 = 0) or "cubic"; by default the one that predicts the geometries
+            left out better.
         reference: stiffness of one band by which errors are scaled [N/m].
         progress: called with (done, total) fits.
 
@@ -221,6 +222,9 @@ def calibrate(
 
     Source: delete-one-group jackknife, Quenouille 1956, Tukey 1958.
     """
+    if law is None:
+        found = [calibrate(samples, name, reference=reference, progress=progress) for name in LAWS]
+        return min(found, key=lambda c: float(np.mean(c.left_out_error)))
     if law not in LAWS:
         raise LabError("law", f"{law!r}: must be one of {', '.join(LAWS)}.")
     geometries = sorted({sample.geometry for sample in samples})
@@ -352,9 +356,7 @@ def _error(values: dict[str, float], sample: Sample, reference: float) -> float:
     return float(np.sqrt(np.mean(gap**2)))
 
 
-def _fit(
-    samples: Sequence[Sample], names: list[str], start: Array | None
-) -> tuple[Array, Array]:
+def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tuple[Array, Array]:
     """Values of the parameters, and the Jacobian by their typical sizes."""
     from scipy.optimize import least_squares
 

@@ -154,7 +154,8 @@ class CellTest:
             "barrier_mJ": {"measured": one.barrier * 1e3, "model": model.barrier * 1e3},
             "bistable": {"measured": one.is_bistable, "model": model.is_bistable},
             "rises": [
-                {"from_mm": a * 1e3, "to_mm": b * 1e3, "by_N": height} for a, b, height in self.rises
+                {"from_mm": a * 1e3, "to_mm": b * 1e3, "by_N": height}
+                for a, b, height in self.rises
             ],
             "verdict": self.verdict,
         }
@@ -216,7 +217,8 @@ def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> Reading:
 
 def _beyond(travel: Array, force: Array, edge: float, s: Array) -> Array:
     near = np.abs(travel - edge) <= _ENDS
-    return np.polyval(np.polyfit(travel[near] - edge, force[near], 2), s - edge)
+    course = np.polyfit(travel[near] - edge, force[near], 2)
+    return np.asarray(np.polyval(course, s - edge), float)
 
 
 def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, float, float], ...]:

@@ -67,14 +67,15 @@ def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
 
 
 def from_zero(recording: Recording, full: float) -> Array:
-    """Strokes counted from state 0 [m]: an unloading test starts at `full`, however it was zeroed."""
+    """Strokes counted from state 0 [m]: an unloading test starts at `full`, set to zero there."""
     stroke = recording.stroke
     return stroke + full if is_unloading(recording) else stroke
 
 
 def is_unloading(recording: Recording) -> bool:
     """Whether a run goes from state 1 down, its stroke from 0 to negative."""
-    return recording.direction == "unloading" and float(np.min(recording.stroke)) < 0
+    below = float(np.min(recording.stroke)) < -0.5 * float(np.ptp(recording.stroke))
+    return recording.direction == "unloading" and below
 
 
 def _strips(u: Array, force: Array, grid: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 # so long at rest [m].
 _ONSET = 0.060
 _LENGTH = (0.002, 0.300)
+_EDGE = 1e-4  # of a bound's range
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class Fitted:
         exponent: Ogden's α; NaN for the others.
         coefficients: (m,) in the units of the law.
         rmse: root mean square of what it leaves [N].
+        at_bound: numbers that ran into the limit of what is searched, so that the data do not
+            tell them.
     """
 
     law: ForceLaw
@@ -61,6 +64,7 @@ class Fitted:
     exponent: float
     coefficients: Array
     rmse: float
+    at_bound: tuple[str, ...] = ()
 
     def tension(self, stroke: Array) -> Array:
         """Tension [N] at strokes [m]; zero before the onset."""
@@ -141,7 +145,15 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
         least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-12)
         for start in starts
     ]
-    return made(min(tries, key=lambda found: found.cost).x)
+    x = min(tries, key=lambda found: found.cost).x
+    names = ["onset [m]"]
+    if law.needs_length and gauge is None:
+        names.append("rest length [m]")
+    if law.exponents is not None:
+        names.append("exponent [1]")
+    edge = np.minimum(x - low, high - x) < _EDGE * span
+    bound = tuple(name for name, there in zip(names, edge, strict=True) if there)
+    return replace(made(x), at_bound=bound)
 
 
 def _stretch(e: Array, length: float) -> Array:
@@ -165,9 +177,7 @@ def _ogden(e: Array, length: float, exponent: float) -> Array:
 
 
 LAWS: tuple[ForceLaw, ...] = (
-    ForceLaw(
-        "linear", (("stiffness", "N/m"),), lambda e, _l, _a: e[:, None], source="Hooke's law"
-    ),
+    ForceLaw("linear", (("stiffness", "N/m"),), lambda e, _l, _a: e[:, None], source="Hooke's law"),
     ForceLaw(
         "neo-Hookean",
         (("modulus times area", "N"),),

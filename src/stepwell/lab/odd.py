@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,14 +50,61 @@ def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
         recording that follows the gap.
     """
     told: dict[str, list[str]] = defaultdict(list)
+    for source, line in missing(recordings).items():
+        told[source].append(line)
+    for family in _families(recordings):
+        for source, lines in unlike(family).items():
+            told[source] += lines
+        for source, line in _jumps(family).items():
+            told[source].append(line)
+    return {source: tuple(lines) for source, lines in told.items()}
+
+
+def missing(recordings: Iterable[Recording]) -> dict[str, str]:
+    """Gaps in the numbers of each folder and name, told of the recording that follows the gap."""
+    told: dict[str, str] = {}
+    for family in _families(recordings):
+        numbered = [(n, r) for r in family if (n := run_number(r.name)) is not None]
+        expected = 1
+        for number, recording in sorted(numbered, key=lambda pair: pair[0]):
+            if number > expected:
+                gone = f"{expected}" if number == expected + 1 else f"{expected} to {number - 1}"
+                told[recording.source] = f"number {gone} is missing before it"
+            expected = number + 1
+    return told
+
+
+def unlike(repeats: Sequence[Recording]) -> dict[str, list[str]]:
+    """Repeats that are shorter, slower, stronger or weaker than the others, three or more."""
+    told: dict[str, list[str]] = defaultdict(list)
+    if len(repeats) < 3:
+        return told
+    spans = np.array([float(np.ptp(r.stroke)) for r in repeats])
+    speeds = np.array([r.speed for r in repeats])
+    means = np.array([float(np.mean(r.force)) for r in repeats])
+    off = means - np.median(means)
+    spread = 1.4826 * float(np.median(np.abs(off)))
+    usual_span, usual_speed = float(np.median(spans)), float(np.median(speeds))
+    for recording, span, speed, force in zip(repeats, spans, speeds, off, strict=True):
+        lines = told[recording.source]
+        if span < SHORT * usual_span:
+            lines.append(
+                f"stroke of {span * 1e3:.4g} mm where the others have {usual_span * 1e3:.4g} mm"
+            )
+        if abs(speed - usual_speed) > 0.05 * usual_speed:
+            lines.append(
+                f"{speed * 1e3:.3g} mm/s where the others have {usual_speed * 1e3:.3g} mm/s"
+            )
+        if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
+            lines.append(f"mean force {force:+.2g} N beside the median run")
+    return told
+
+
+def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:
     families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
     for recording in recordings:
         families[recording.group, stem_of(recording.name)].append(recording)
-    for family in families.values():
-        _missing(family, told)
-        _unlike(family, told)
-        _jumps(family, told)
-    return {source: tuple(lines) for source, lines in told.items()}
+    return list(families.values())
 
 
 def _clock(recording: Recording) -> list[str]:
@@ -79,10 +127,7 @@ def _start(recording: Recording) -> list[str]:
     level = float(np.median(force[settled]))
     if abs(force[0] - level) <= 0.15 * float(np.ptp(force)):
         return []
-    return [
-        f"the force goes from {force[0]:.2g} to {level:.2g} N in the first {SETTLE * 1e3:g} mm: "
-        f"slack or a jam"
-    ]
+    return [f"the force takes {SETTLE * 1e3:g} mm or so to settle: slack in the rig, or a jam"]
 
 
 def _end(recording: Recording) -> list[str]:
@@ -102,53 +147,17 @@ def _end(recording: Recording) -> list[str]:
     return [f"the force leaves its course by {off:+.2g} N in the last {END * 1e3:g} mm: end stop?"]
 
 
-def _missing(family: list[Recording], told: dict[str, list[str]]) -> None:
-    numbered = sorted((n, r) for r in family if (n := run_number(r.name)) is not None)
-    expected = 1
-    for number, recording in numbered:
-        if number > expected:
-            gone = f"{expected}" if number == expected + 1 else f"{expected} to {number - 1}"
-            told[recording.source].append(f"number {gone} is missing before it")
-        expected = number + 1
-
-
-def _unlike(family: list[Recording], told: dict[str, list[str]]) -> None:
-    if len(family) < 3:
-        return
-    longest = float(np.median([np.ptp(r.stroke) for r in family]))
-    samples = float(np.median([len(r) * r.speed / r.rate for r in family]))
-    for recording in family:
-        span = float(np.ptp(recording.stroke))
-        if span < SHORT * longest:
-            told[recording.source].append(
-                f"stroke of {span * 1e3:.4g} mm where the others have {longest * 1e3:.4g} mm"
-            )
-        elif len(recording) * recording.speed / recording.rate < SHORT * samples:
-            told[recording.source].append(f"{len(recording)} samples, fewer than the others")
-    means = np.array([float(np.mean(r.force)) for r in family])
-    apart = means - np.median(means)
-    spread = 1.4826 * float(np.median(np.abs(apart)))
-    for recording, off in zip(family, apart, strict=True):
-        if abs(off) > max(4 * spread, 0.1 * float(np.ptp(recording.force))):
-            told[recording.source].append(f"mean force {off:+.2g} N beside the median run")
-    speeds = [r.speed for r in family]
-    for recording, speed in zip(family, speeds, strict=True):
-        usual = float(np.median(speeds))
-        if abs(speed - usual) > 0.05 * usual:
-            told[recording.source].append(
-                f"{speed * 1e3:.3g} mm/s where the others have {usual * 1e3:.3g} mm/s"
-            )
-
-
-def _jumps(family: list[Recording], told: dict[str, list[str]]) -> None:
+def _jumps(family: list[Recording]) -> dict[str, str]:
     """A load-and-unload cycle with a higher peak than the one before: another sample, probably."""
     cycles = sorted(
         ((n, r) for r in family if r.turns and (n := run_number(r.name)) is not None),
         key=lambda pair: pair[0],
     )
-    for (_, before), (_, recording) in zip(cycles, cycles[1:], strict=False):
-        ratio = float(np.max(recording.force) / np.max(before.force))
-        if ratio > 1.1:
-            told[recording.source].append(
-                f"peak force {ratio:.2f} times that of the number before: another sample?"
+    told: dict[str, str] = {}
+    for (_, before), (_, recording) in pairwise(cycles):
+        peak, last = float(np.max(recording.force)), float(np.max(before.force))
+        if peak > 1.1 * last > 0:
+            told[recording.source] = (
+                f"peak force {peak / last:.2f} times that of the number before: another sample?"
             )
+    return told

@@ -117,7 +117,9 @@ class PairTest:
         held = _strokes(self.snaps_with_friction)
         both = f"{theory} mm, with friction {held} mm"
         if not count:
-            return f"no snap, predicted at {both}" if self.snaps_predicted else "no snap, as predicted"
+            return (
+                f"no snap, predicted at {both}" if self.snaps_predicted else "no snap, as predicted"
+            )
         scatter = f" ± {spread * 1e3:.2f}" if count > 1 else ""
         measured = f"snap at {mean * 1e3:.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
         return f"{measured}, predicted {'at ' + both if self.snaps_predicted else 'nowhere'}"
@@ -259,9 +261,7 @@ def _moved_first(series: Sequence[Series]) -> dict[tuple[str, ...], int]:
 
 def _baseline(series: Series, first: int) -> Baseline:
     travels = [cell.full_travel for cell in series.chain.cells]
-    return Baseline(
-        series.baseline_curve, first, series.unloading, (travels[0], travels[1])
-    )
+    return Baseline(series.baseline_curve, first, series.unloading, (travels[0], travels[1]))
 
 
 def _against(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from pathlib import PurePath
 
 import numpy as np
@@ -80,7 +81,7 @@ class Recording:
     def halves(self) -> tuple[slice, ...]:
         """The samples between turning points: loading and unloading halves, in order."""
         ends = [0, *self.turns, len(self) - 1]
-        return tuple(slice(a, b + 1) for a, b in zip(ends, ends[1:], strict=False))
+        return tuple(slice(a, b + 1) for a, b in pairwise(ends))
 
     @property
     def direction(self) -> str:

@@ -1,4 +1,4 @@
-"""The rig of a test: a bar that hangs the outer block on the machine and tilts as the block goes."""
+"""The rig of a test: a bar between machine and outer block that tilts as the block goes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings sorted into series: repeats of one mechanism, with the friction baseline beside them."""
+"""Recordings sorted into series: repeats of one mechanism, with their friction baseline."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from stepwell.lab._errors import LabError
 from stepwell.lab._names import Setup, is_baseline, setup_of, stem_of
+from stepwell.lab._predict import predicted_force
 from stepwell.lab.curve import Curve, from_zero, mean_curve
+from stepwell.lab.odd import missing, oddities, unlike
 from stepwell.lab.read import natural
-from stepwell.lab.odd import batch_oddities, oddities
 from stepwell.lab.recording import Recording
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -122,7 +123,7 @@ def sort_series(
     own = [r for r in recordings if is_baseline(r.name)] if baseline is None else list(baseline)
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}
-    odd = batch_oddities(recordings)
+    gaps = missing(recordings)
     groups: dict[tuple[str, str, bool], list[Recording]] = defaultdict(list)
     told: list[str] = []
     tension: dict[str, int] = defaultdict(int)
@@ -151,7 +152,7 @@ def sort_series(
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
         setup = None if as_designed else setup_of(stem + "_1")
-        series += _series(stem, setup, unloading, runs, own, designs, odd)
+        series += _series(stem, setup, unloading, runs, own, designs, gaps)
     if not series:
         lines = "; ".join(told[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {lines}.")
@@ -177,16 +178,14 @@ def _series(
     runs: list[Recording],
     baselines: list[Recording],
     designs: Sequence[Chain],
-    odd: dict[str, tuple[str, ...]],
+    gaps: dict[str, str],
 ) -> list[Series]:
     way = "unloading" if unloading else "loading"
     base = _matching(runs[0], unloading, baselines)
     if setup is None:
         chain = _one_design(runs[0], designs)
-        told = (*_told(runs, base, odd), "configuration: as the design says")
-        return [
-            Series(f"{stem}, {way}", stem, chain, 1, unloading, tuple(runs), tuple(base), told)
-        ]
+        told = (*_told(runs, base, gaps), "configuration: as the design says")
+        return [Series(f"{stem}, {way}", stem, chain, 1, unloading, tuple(runs), tuple(base), told)]
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
@@ -196,7 +195,7 @@ def _series(
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         chain = Chain([_with_bands(cell, bands) for cell in cells])
         told = (
-            *_told(mine, base, odd),
+            *_told(mine, base, gaps),
             f"{_bands(bands)}, judged from the force: {ratio:.2f} times that of one",
         )
         if abs(ratio / bands - 1) > _DOUBT:
@@ -210,10 +209,8 @@ def _series(
 
 def _ratio(series: Series, run: Recording) -> float:
     """How many times the force of the model a run shows, by least squares."""
-    from stepwell.lab._predict import predicted_force
-
     stroke, force = net_force(series, run)
-    model = predicted_force(series, stroke)
+    model = predicted_force(series.chain, series.unloading, stroke)
     size = float(model @ model)
     return float(model @ force) / size if size > 0 else 1.0
 
@@ -224,7 +221,7 @@ def _by_bands(
     """Runs sorted by how many bands they show: the count, the runs, their mean ratio.
 
     Rubber is no exact multiple of the model, but repeats are alike: runs are cut into groups where
-    the ratio jumps, and a group has the next whole number, but more bands than a weaker group.
+    the ratio jumps. The weakest group has the nearest whole number, each other one band more.
     """
     ordered = sorted(((max(ratio, 1e-9), run) for ratio, run in runs), key=lambda pair: pair[0])
     groups: list[list[tuple[float, Recording]]] = [[ordered[0]]]
@@ -236,7 +233,7 @@ def _by_bands(
     count = 0
     for group in groups:
         mean = float(np.mean([ratio for ratio, _ in group]))
-        count = max(count + 1, round(mean))
+        count = count + 1 if found else max(1, round(mean))
         mine = sorted((run for _, run in group), key=lambda run: natural(run.source))
         found.append((count, mine, mean))
     return found
@@ -277,9 +274,7 @@ def _parts(recording: Recording) -> list[Recording]:
     if not recording.turns:
         return [recording]
     return [
-        Recording(
-            recording.source, recording.time[h], recording.stroke[h], recording.force[h]
-        )
+        Recording(recording.source, recording.time[h], recording.stroke[h], recording.force[h])
         for h in recording.halves
     ]
 
@@ -287,24 +282,30 @@ def _parts(recording: Recording) -> list[Recording]:
 def _matching(run: Recording, unloading: bool, baselines: list[Recording]) -> list[Recording]:
     """The family of baselines that fits best: same direction, about the same stroke, nearest."""
     span = float(np.ptp(run.stroke))
-    families: dict[tuple[bool, float, str], list[Recording]] = defaultdict(list)
+    families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
     for other in baselines:
         ratio = float(np.ptp(other.stroke)) / span if span else 0.0
         if (other.direction == "unloading") == unloading and _COVER[0] <= ratio <= _COVER[1]:
-            family = other.group + stem_of(other.name)
-            far = PurePath(other.group).parent != PurePath(run.group).parent
-            families[far, round(abs(ratio - 1), 3), family].append(other)
-    return families[min(families)] if families else []
+            families[other.group, stem_of(other.name)].append(other)
+
+    def far(family: list[Recording]) -> tuple[bool, float]:
+        elsewhere = PurePath(family[0].group).parent != PurePath(run.group).parent
+        return elsewhere, abs(float(np.mean([np.ptp(r.stroke) for r in family])) / span - 1)
+
+    return min(families.values(), key=far) if families else []
 
 
-def _told(
-    runs: list[Recording], base: list[Recording], odd: dict[str, tuple[str, ...]]
-) -> tuple[str, ...]:
+def _told(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> tuple[str, ...]:
     lines = [f"runs: {', '.join(run.name for run in runs)}"]
     if base:
         lines.append(f"baseline: {', '.join(run.name for run in base)}")
     else:
         lines.append("baseline: none found, so friction is not subtracted")
-    for run in (*runs, *base):
-        lines += [f"{run.name}: {line}" for line in (*oddities(run), *odd.get(run.source, ()))]
-    return tuple(lines)
+    strange: dict[str, list[str]] = defaultdict(list)
+    for repeats in (runs, base):
+        beside = unlike(repeats)
+        for run in repeats:
+            gap = [gaps[run.source]] if run.source in gaps else []
+            for line in (*oddities(run), *gap, *beside.get(run.source, ())):
+                strange[line].append(run.name)
+    return (*lines, *(f"{', '.join(names)}: {line}" for line, names in strange.items()))
