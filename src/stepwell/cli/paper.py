@@ -2,14 +2,27 @@
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from stepwell.cli._options import Json, Out
 
+_Data = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="The authors' recordings, for the claims that they decide.",
+        show_default=False,
+    ),
+]
 
-def paper(out: Out = None, as_json: Json = False) -> None:
+
+def paper(data: _Data = None, out: Out = None, as_json: Json = False) -> None:
     """Check what the paper claims.
 
-    Every claim is computed anew; the verdict says where we agree, where not, and why.
+    Every claim is computed anew; the verdict says where we agree, where not, and why. Claims about
+    measurements need the authors' recordings, which are not part of Stepwell.
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
@@ -21,7 +34,7 @@ def paper(out: Out = None, as_json: Json = False) -> None:
     names: tuple[str, ...] = ()
     with staged_folder(out) if out is not None else nullcontext() as draft:
         with progress("claims") as tell:
-            verdicts = claims.run(draft, progress=tell)
+            verdicts = claims.run(draft, data=data, progress=tell)
         if draft is not None:
             names = _names(draft)
     record = claims.record(verdicts)

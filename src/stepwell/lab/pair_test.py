@@ -47,6 +47,8 @@ class PairTest:
         snaps: for each run the strokes where it snaps [m].
         snaps_predicted: strokes where the model snaps, without friction [m].
         snaps_with_friction: the same with the friction of the baseline [m].
+        pull: difference of the measured forces of the two cells at the ends of their travels [N].
+        hold: what friction of both can hold there by the baseline [N]; a snap needs a larger pull.
     """
 
     series: Series
@@ -64,6 +66,8 @@ class PairTest:
     snaps: tuple[tuple[float, ...], ...]
     snaps_predicted: tuple[float, ...]
     snaps_with_friction: tuple[float, ...]
+    pull: float
+    hold: float
 
     @property
     def shown(self) -> Order:
@@ -116,17 +120,22 @@ class PairTest:
         theory = _strokes(self.snaps_predicted)
         held = _strokes(self.snaps_with_friction)
         both = f"{theory} mm, with friction {held} mm"
-        if not count:
+        if not count and self.snaps_predicted:
+            word = "could hold" if self.hold >= self.pull else "could hold only"
             return (
-                f"no snap, predicted at {both}" if self.snaps_predicted else "no snap, as predicted"
+                f"no snap, predicted at {both}; at the end the cells pull {self.pull:.2f} N "
+                f"against each other, of which friction {word} {self.hold:.2f} N"
             )
+        if not count:
+            return "no snap, as predicted"
         scatter = f" ± {spread * 1e3:.2f}" if count > 1 else ""
         measured = f"snap at {mean * 1e3:.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
         return f"{measured}, predicted {'at ' + both if self.snaps_predicted else 'nowhere'}"
 
     def record(self) -> dict[str, Any]:
         """The result as JSON can hold it; docs/commands.md describes the names."""
-        mean, spread, _ = self.snap_strokes
+        mean, spread, count = self.snap_strokes
+        held = bool(self.snaps_predicted) and not count
         names = self.series.chain.names
         return {
             "series": self.series.name,
@@ -148,6 +157,8 @@ class PairTest:
             "snap_spread_mm": None if math.isnan(spread) else spread * 1e3,
             "snaps_predicted_mm": [1e3 * u for u in self.snaps_predicted],
             "snaps_with_friction_mm": [1e3 * u for u in self.snaps_with_friction],
+            "pull_N": self.pull if held else None,
+            "hold_N": self.hold if held else None,
             "verdict": self.verdict,
         }
 
@@ -241,6 +252,7 @@ def _pair_test(series: Series, first: int, rig: Rig) -> PairTest:
         tuple(_snaps(series, run, shown) for run in range(len(series.recordings))),
         _theory(chain, unloading),
         _theory(_with_friction(chain, baseline), unloading),
+        *_pull_and_hold(chain, baseline, shown, unloading, curve.stroke[inside], force[inside]),
     )
 
 
@@ -341,6 +353,28 @@ def _snaps(series: Series, run: int, order: Order) -> tuple[float, ...]:
 def _theory(chain: Chain, unloading: bool) -> tuple[float, ...]:
     events = path_of(chain, unloading).events
     return tuple(event.stroke for event in events if event.kind is EventKind.SNAP)
+
+
+def _pull_and_hold(
+    chain: Chain,
+    baseline: Baseline,
+    order: Order,
+    unloading: bool,
+    stroke: Array,
+    force: Array,
+) -> tuple[float, float]:
+    """What the second cell, at its end, pulls against the first one, and what friction holds."""
+    parts = {cell: mine for cell, mine, _ in _one_by_one(chain, order, unloading, stroke)}
+    ends: list[float] = []
+    hold = 0.0
+    for cell in order:
+        at = np.flatnonzero(parts[cell])
+        ends.append(float(force[at[0] if unloading else at[-1]]))
+        end = 0.02 if unloading else 0.98
+        travel = np.array([end * chain.cells[cell].full_travel])
+        hold += abs(float(baseline.of(cell, travel)[0]))
+    pull = ends[1] - ends[0] if unloading else ends[0] - ends[1]
+    return max(pull, 0.0), hold
 
 
 def _with_friction(chain: Chain, baseline: Baseline) -> Chain:

@@ -156,6 +156,8 @@ def sort_series(
     if not series:
         lines = "; ".join(told[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {lines}.")
+    families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
+    told += [f"baseline {line}" for runs in families.values() for line in _strange(runs, gaps)]
     taken = {recording.source for one in series for recording in one.baseline}
     told += [
         f"{source}: a baseline that no series uses (other stroke or direction)"
@@ -301,11 +303,15 @@ def _told(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) ->
         lines.append(f"baseline: {', '.join(run.name for run in base)}")
     else:
         lines.append("baseline: none found, so friction is not subtracted")
-    strange: dict[str, list[str]] = defaultdict(list)
-    for repeats in (runs, base):
-        beside = unlike(repeats)
-        for run in repeats:
-            gap = [gaps[run.source]] if run.source in gaps else []
-            for line in (*oddities(run), *gap, *beside.get(run.source, ())):
-                strange[line].append(run.name)
-    return (*lines, *(f"{', '.join(names)}: {line}" for line, names in strange.items()))
+    return (*lines, *_strange(runs, gaps))
+
+
+def _strange(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
+    """What is odd about repeats, a line for each thing with the names it is true of."""
+    told: dict[str, list[str]] = defaultdict(list)
+    beside = unlike(repeats)
+    for run in repeats:
+        gap = [gaps[run.source]] if run.source in gaps else []
+        for line in (*oddities(run), *gap, *beside.get(run.source, ())):
+            told[line].append(run.name)
+    return [f"{', '.join(names)}: {line}" for line, names in told.items()]

@@ -17,6 +17,8 @@ SCHEMA = "stepwell.paper/1"
 def run(
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    data: str | os.PathLike[str] | None = None,
 ) -> tuple[Verdict, ...]:
     """Compute every claim anew.
 
@@ -24,16 +26,19 @@ def run(
         out: folder for the figures (a .png and a .svg each) and claims.json; all of them appear
             in it or none.
         progress: called with (done, total) claims and figures.
+        data: folder of the recordings published with the paper; without it the claims that they
+            decide say that they need data.
 
     Returns:
         A verdict for each claim, in the order of `claims()`.
 
     Raises:
+        LabError: a folder of data without a recording.
         OSError: the folder cannot be written.
 
     Source: Kamp et al. 2024.
     """
-    asked = claims()
+    asked = claims(data)
     total = len(asked)
     if out is not None:
         from stepwell.paper.figures import FIGURES
