@@ -73,7 +73,7 @@ def _named(header: list[str], delimiter: str | None, count: int) -> tuple[list[s
     below = rows[-1]
     bare = [_UNIT.sub("", field).strip() for field in below]
     if len(rows) > 1 and (not any(bare) or all(_is_unit(field) for field in below)):
-        units = [_unit(field) or field for field in below]
+        units = [_unit(field) if _UNIT.search(field) else field for field in below]
         return [_UNIT.sub("", field).strip() for field in rows[-2]], units
     return bare, [_unit(field) or _suffix(field) for field in below]
 

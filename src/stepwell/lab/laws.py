@@ -115,7 +115,8 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
         )
     # A law is zero at its onset, so all that is fitted lies beyond it.
     latest = float(np.min(stroke))
-    low, high, starts = [latest - _ONSET], [latest], [(0.3,), (0.9,)]
+    earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
+    low, high, starts = [min(earliest, latest - _LENGTH[0])], [latest], [(0.3,), (0.9,)]
     if law.needs_length and gauge is None:
         low, high = [*low, _LENGTH[0]], [*high, _LENGTH[1]]
         starts = [(a, b) for (a,) in starts for b in (0.05, 0.3)]
@@ -142,7 +143,7 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
 
     span = np.array(high) - np.array(low)
     tries = [
-        least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-12)
+        least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
         for start in starts
     ]
     x = min(tries, key=lambda found: found.cost).x

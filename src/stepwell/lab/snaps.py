@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 # Mean force of 5 samples before and after, 6 samples apart: 120 ms at 50 Hz, where snaps of the
 # paper's rig take 40 to 80 ms.
-_MEAN, _GAP = 5, 3
+_MEAN, _GAP, _COURSE = 5, 3, 101
 SIGMAS = 8.0
 SHARE = 0.03  # of the range of the force
 
@@ -50,6 +50,8 @@ def find_snaps(
     Returns:
         The snaps in the order of the recording.
     """
+    from scipy.ndimage import median_filter
+
     n = len(force)
     reach = _MEAN + _GAP
     if n < 4 * reach:
@@ -58,8 +60,9 @@ def find_snaps(
     at = np.arange(reach, n - reach)
     before = (total[at - _GAP] - total[at - reach]) / _MEAN
     after = (total[at + reach] - total[at + _GAP]) / _MEAN
+    # Less what the force does there anyway, over a stretch that no snap fills.
     jump = after - before
-    jump = jump - np.median(jump)
+    jump = jump - median_filter(jump, _COURSE, mode="nearest")
     noise = 1.4826 * float(np.median(np.abs(jump)))
     least = max(SIGMAS * noise, SHARE * float(np.ptp(force)))
     u = stroke[at]

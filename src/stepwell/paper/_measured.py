@@ -184,9 +184,9 @@ def _unit_cell(data: Recorded) -> Finding:
     fitted = lab.calibrate(lab.prepare([test.series for test in comparison.cells]))
     note = (
         f"On the mean; by themselves {len(far)} of {len(comparison.cells)} series are farther off "
-        f"({'; '.join(far)}). Bands going back pull less, and those of the tests with one band were "
-        f"softer than those with two. Calibrated for both, the mean error of a "
-        f"geometry predicted from the others is {fitted.mean_error(1):.3f} k r with one band and "
+        f"({'; '.join(far)}). Bands going back pull less, and those of the tests with one band "
+        f"were softer than those with two. Calibrated for both, the mean error of a geometry "
+        f"predicted from the others is {fitted.mean_error(1):.3f} k r with one band and "
         f"{fitted.mean_error(2):.3f} with two (`stepwell lab calibrate`)."
     )
     ours = f"{one:.3f} k r with one band, {two:.3f} with two"
