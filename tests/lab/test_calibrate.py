@@ -132,6 +132,15 @@ def test_the_calibrated_band_is_the_model_while_it_loads():
     assert band.tension(length) == pytest.approx(28.0 * (e - 20 * e**2 + 400 * e**3), rel=1e-3)
 
 
+def test_without_loss_and_friction_the_model_is_the_force_of_a_cell():
+    truth = CUBIC | {"loss": 0.0, "friction": 0.0}
+    for sample in samples(truth, np.random.default_rng(0), noise=0.0, scatter=0.0):
+        k = truth[f"stiffness_{sample.bands}"]
+        band = Band((0.0, 0.0), sample.geometry, k, 0.010, Cubic(-20.0, 400.0))
+        force = sample.bands * Cell(band).force(sample.theta)
+        assert sample.force == pytest.approx(force, rel=1e-12)
+
+
 def test_too_few_geometries_are_refused():
     data = [s for s in samples(TRUE, np.random.default_rng(0)) if s.geometry[0] == 0.01][:4]
     with pytest.raises(lab.LabError, match="unit cells of 2 different q - p: calibration needs 3"):

@@ -8,6 +8,7 @@ import pytest
 
 from lab.machine import pair, recording, there, unit
 from stepwell import lab
+from stepwell.lab.cell_test import CLOSE
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -74,7 +75,7 @@ def test_a_softer_cell_differs_by_its_force_and_the_verdict_says_which_way():
     (test,) = lab.compare(data).cells
     assert test.right_class and not test.agrees
     assert "mostly below it in size" in test.verdict
-    assert test.worst > test.rmse > lab.cell_test.CLOSE
+    assert test.worst > test.rmse > CLOSE
 
 
 def test_a_force_that_rises_is_named_with_its_place():
@@ -204,7 +205,9 @@ def test_the_baseline_of_a_pair_follows_the_cell_that_moves():
     (test,) = lab.compare(data).pairs
     assert test.shown == (0, 1)
     # Subtracted as it was recorded, it would be wrong by the difference of the two.
-    plain = test.series.curve.force - test.series.baseline_curve.force
+    recorded = test.series.baseline_curve
+    assert recorded is not None
+    plain = test.series.curve.force - recorded.force
     early = test.inside & (test.stroke < 0.030)
     wrong, right = ((f - test.model)[early] / test.series.scale for f in (plain, test.force))
     assert float(np.sqrt(np.mean(right**2))) < 0.03

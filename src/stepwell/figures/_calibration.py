@@ -32,7 +32,7 @@ def calibration(result: Calibration) -> Figure:
         with their size written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    tall = 24.0 + 5.0 * max(len(geometries), len(result.parameters))
+    tall = 24.0 + 6.0 * max(len(geometries), len(result.parameters))
     figure = blank(PAGE, tall)
     left = place(figure, 24.0, 11.0, 64.0, tall - 20.0)
     for n, bands in enumerate(result.counts):
@@ -67,7 +67,7 @@ def calibration(result: Calibration) -> Figure:
         if j < i:
             dark = abs(value) > 0.6
             # The colour tells the sign, so that the number has room.
-            text = f"{abs(value):.2f}".removeprefix("0")
+            text = f"{abs(value):.2f}".removeprefix("0").replace("1.00", "1")
             right.text(j, i, text, ha="center", va="center", color="white" if dark else INK)
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)

@@ -12,7 +12,17 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.figures import _marks
-from stepwell.figures._style import BLUE, GREEN, INK, PAGE, VERMILLION, blank, place, styled
+from stepwell.figures._style import (
+    BLUE,
+    GREEN,
+    INK,
+    PAGE,
+    VERMILLION,
+    blank,
+    name_panel,
+    place,
+    styled,
+)
 from stepwell.lab import CellTest
 
 Array = NDArray[np.float64]
@@ -93,11 +103,11 @@ def _panels(
     for k, ((code, unloading), group) in enumerate(groups.items()):
         row, column = divmod(k, _COLUMNS)
         bottom = (rows - 1 - row) * tall + 10.0
-        ax = place(figure, column * wide + 14.0, bottom, wide - 17.0, tall - 16.0)
+        ax = place(figure, column * wide + 16.0, bottom, wide - 18.5, tall - 16.0)
         _panel(ax, group, measured, model)
         dx, dy = (1e3 * x for x in group[0].cell.bands[0].d)
         way = ", unloading" if unloading else ""
-        ax.set_title(f"{code}{way}, $d$ = ({_mm(dx)}, {_mm(dy)}) mm", loc="left", fontsize=7.0)
+        name_panel(ax, f"{code}{way}, $d$ = ({_mm(dx)}, {_mm(dy)}) mm")
         if row == rows - 1 or k + _COLUMNS >= len(groups):
             ax.set_xlabel("Lever angle $\\theta$ [°]")
         if column == 0:
@@ -160,7 +170,7 @@ def _legend(figure: Figure, counts: list[int], height: float) -> None:
     figure.legend(
         handles=handles,
         loc="upper left",
-        bbox_to_anchor=(14.0 / PAGE, 1.0 - 2.0 / height),
+        bbox_to_anchor=(16.0 / PAGE, 1.0 - 2.0 / height),
         ncols=len(handles),
     )
 

@@ -19,6 +19,7 @@ from stepwell.figures._style import (
     PAGE,
     UNLOADING,
     blank,
+    name_panel,
     pale,
     place,
     styled,
@@ -91,7 +92,7 @@ def _panel(ax: Axes, test: PairTest) -> None:
     )
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
     order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
-    ax.set_title(f"{mechanism}: {order}", loc="left", fontsize=7.0)
+    name_panel(ax, f"{mechanism}: {order}")
 
 
 def _legend(figure: Figure, ways: list[bool], height: float) -> None:

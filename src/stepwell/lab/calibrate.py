@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -336,19 +336,48 @@ def _band(values: dict[str, float], stiffness: float) -> Band:
     return replace(band, law=law) if law.a2 or law.a3 else band
 
 
+class _Rows(NamedTuple):
+    """What does not depend on the numbers that are fitted, all samples in a row."""
+
+    length: Array  # of the band [m]
+    slope: Array  # of the length by travel [1]
+    shorter: Array  # than it has been in this run [m]
+    bands: Array
+    way: Array  # +1 loading, -1 unloading
+    force: Array
+
+
+def _rows(samples: Sequence[Sample]) -> _Rows:
+    parts: list[tuple[Array, ...]] = []
+    for sample in samples:
+        lever, limit, theta = sample.cell.lever, sample.cell.limit, sample.theta
+        dx, dy = sample.geometry
+        band = Band((0.0, 0.0), (dx, dy))
+        # The band was taut at the stop where the run began.
+        start = limit if sample.unloading else -limit
+        length = band.length(np.concatenate([[start], theta]), lever)
+        shorter = (np.maximum.accumulate(length) - length)[1:]
+        slope = (dy - dx * np.tan(theta)) / length[1:]
+        one = np.ones(len(theta))
+        way = -one if sample.unloading else one
+        parts.append((length[1:], slope, shorter, sample.bands * one, way, sample.force))
+    return _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _model(values: dict[str, float], rows: _Rows) -> Array:
+    """F of every row [N]; the tension is `Band.tension` written out, for speed."""
+    e = np.maximum(rows.length - values["rest_length"], 0.0)
+    shape = e * (1.0 + e * (values.get("quadratic", 0.0) + e * values.get("cubic", 0.0)))
+    k = np.zeros(len(e))
+    for name, value in values.items():
+        if name.startswith("stiffness_"):
+            k[rows.bands == float(name.removeprefix("stiffness_"))] = value
+    kept = 1.0 - values["loss"] * (1.0 - np.exp(-rows.shorter / values["loss_length"]))
+    return rows.bands * k * shape * kept * rows.slope + rows.way * values["friction"]
+
+
 def _force(values: dict[str, float], sample: Sample) -> Array:
-    lever, limit = sample.cell.lever, sample.cell.limit
-    band = _band(values, values[f"stiffness_{sample.bands}"])
-    band = replace(band, p=(0.0, 0.0), q=sample.geometry)
-    theta = sample.theta
-    # The band was taut at the stop where the run began.
-    start = limit if sample.unloading else -limit
-    lengths = band.length(np.concatenate([[start], theta]), lever)
-    longest = np.maximum.accumulate(lengths)[1:]
-    shorter = (longest - lengths[1:]) / values["loss_length"]
-    kept = 1.0 - values["loss"] * (1.0 - np.exp(-shorter))
-    way = -1.0 if sample.unloading else 1.0
-    return sample.bands * band.force(theta, lever) * kept + way * values["friction"]
+    return _model(values, _rows([sample]))
 
 
 def _error(values: dict[str, float], sample: Sample, reference: float) -> float:
@@ -360,13 +389,14 @@ def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tu
     """Values of the parameters, and the Jacobian by their typical sizes."""
     from scipy.optimize import least_squares
 
-    rows = np.array([_START[name.rstrip("_0123456789")] for name in names])
-    first, low, high, size = rows.T
+    limits = np.array([_START[name.rstrip("_0123456789")] for name in names])
+    first, low, high, size = limits.T
+
+    data = _rows(samples)
 
     def left(x: Array) -> Array:
-        values = dict(zip(names, x, strict=True))
         # Per band, so that double bands do not count double.
-        return np.concatenate([(_force(values, s) - s.force) / s.bands for s in samples])
+        return (_model(dict(zip(names, x, strict=True)), data) - data.force) / data.bands
 
     inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
     found = least_squares(left, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10)
