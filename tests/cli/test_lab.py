@@ -44,7 +44,7 @@ def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp
     result = stepwell("lab", "read", "data", "--out", "table")
     assert result.exit_code == 0
     assert "data/broken.txt: is binary, not text" in result.stdout
-    assert "11 recordings with" in result.stdout and "1 files not read" in result.stdout
+    assert "Recordings: 11. Samples: " in result.stdout and "Not read: 1." in result.stdout
     assert "Written into table: recordings.csv, recordings.json, recordings.nc" in result.stdout
     rows = xr.load_dataset(tmp_path / "table" / "recordings.nc", engine="scipy")
     assert rows["stroke"].attrs["units"] == "m"

@@ -32,7 +32,8 @@ def short(record: dict[str, Any]) -> str:
     lines = [
         f"`make demo` computes {len(claims)} claims of the paper about unit cells and pairs anew: "
         f"{count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need data "
-        f"that Stepwell does not read yet. Some of the first and all of the second:",
+        f"that is not part of Stepwell ([how they come out](docs/measured.md)). Some of the first "
+        f"and all of the second:",
         "",
         "| Claim | Paper | Stepwell | Verdict |",
         "|---|---|---|---|",

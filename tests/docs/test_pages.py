@@ -15,7 +15,7 @@ from docs.short_claims import replaced, short
 
 PAGES = ["README.md", "docs/index.md", "docs/tutorial.md", "docs/theory.md"]
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
-ROOMS = ["mechanism", "statics", "sequences", "design", "files", "figures", "paper"]
+ROOMS = ["mechanism", "statics", "sequences", "design", "lab", "files", "figures", "paper"]
 
 
 def read(page: str) -> str:

@@ -122,6 +122,14 @@ def test_a_single_sample_is_said_to_show_no_scatter():
     assert record["stiffness_N_per_m"]["low"] is None
 
 
+def test_with_one_curve_no_law_is_preferred_to_the_line():
+    test = curves(softening, samples=1, cycles=(5,))
+    choice = lab.choose_law(test)
+    assert choice.chosen.law.name == "linear"
+    assert "no law could be tried on another" in choice.told
+    assert "was tried on no other curve" in lab.band_table(test, lab.stiffness(test), choice)
+
+
 def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
     test = curves(softening)
     unknown = lab.choose_law(test)

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from stepwell import paper
-from stepwell.paper import table
+from stepwell.paper import _measured, table
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = ROOT / "docs" / "claims.json"
 PAGES = [
     page
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    if table.BEGIN in page.read_text("utf-8")
+    if table.BEGIN in page.read_text("utf-8") and page.name != "measured.md"
 ]
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 # Texts round to three or four digits; another processor may round the last one otherwise.
@@ -64,6 +64,24 @@ def test_a_page_with_the_table_shows_what_is_computed_now(page, verdicts):
     assert same(text, table.replaced(text, paper.markdown(verdicts)))
 
 
+def test_the_page_of_the_recordings_shows_what_they_give_now(kamp2024):
+    verdicts = [v for v in paper.run(data=kamp2024) if v.claim.id in _measured.IDS]
+    page = (ROOT / "docs" / "measured.md").read_text("utf-8")
+    assert same(page, table.replaced(page, paper.markdown(verdicts)))
+    committed = json.loads((ROOT / "docs" / "measured.json").read_text("utf-8"))["claims"]
+    computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
+    assert len(committed) == len(computed) == len(_measured.IDS)
+    for old, new in zip(committed, computed, strict=True):
+        assert all(same(old[name], new[name]) for name in new), (old, new)
+
+
+def test_the_page_of_the_recordings_holds_the_claims_that_need_them(verdicts):
+    lacking = [v.claim.claim for v in verdicts if v.verdict is paper.Judgement.NEEDS_DATA]
+    page = (ROOT / "docs" / "measured.md").read_text("utf-8")
+    assert len(lacking) == len(_measured.IDS)
+    assert all(claim in page for claim in lacking)
+
+
 def test_writing_the_table_again_changes_nothing_and_keeps_the_rest():
     page = f"before\n{table.BEGIN}\nold\n{table.END}\nafter\n"
     once = table.replaced(page, "new")
@@ -90,4 +108,4 @@ def test_the_module_says_how_to_be_called():
         [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False
     )
     assert asked.returncode == 1
-    assert asked.stderr.startswith("usage: python -m stepwell.paper claims.json")
+    assert asked.stderr.startswith("usage: python -m stepwell.paper [--data PATH] claims.json")

@@ -191,12 +191,12 @@ def stiffness(test: BandTest) -> Estimate:
     return of_samples({s: _slope(*test.samples_of(s, test.window)) for s in test.samples})
 
 
-def stiffness_by_window(test: BandTest, step: float = 0.005) -> xr.DataArray:
+def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArray:
     """The same stiffness for other windows.
 
     Args:
         test: one or more samples.
-        step: distance of the edges [m].
+        step: distance of the edges [m]; about a ninth of the stroke by default.
 
     Returns:
         k [N/m] over "start" and "end" of the window [m]; NaN where end - start < 2 steps.
@@ -204,6 +204,8 @@ def stiffness_by_window(test: BandTest, step: float = 0.005) -> xr.DataArray:
     import xarray as xr
 
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
+    if step is None:
+        step = float(f"{reach / 9:.0e}")
     edges = np.arange(0, math.floor(reach / step + 1e-9) + 1) * step
     grid = np.full((len(edges), len(edges)), np.nan)
     for i, low in enumerate(edges):

@@ -58,6 +58,7 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "law_best": choice.best.law.name,
         "law_chosen": choice.chosen.law.name,
         "left_out": choice.folds,
+        "law_told": choice.told,
         "rest_length_mm": None if choice.rest_length is None else 1e3 * choice.rest_length,
         "rest_length_told": choice.rest_length_told(),
         "table": table,

@@ -7,7 +7,7 @@ import numpy as np
 from stepwell._version import __version__
 from stepwell.lab._spread import Estimate
 from stepwell.lab.band import BandTest
-from stepwell.lab.choose import Candidate, Choice
+from stepwell.lab.choose import NOTHING, Candidate, Choice
 
 _ROWS = 13
 
@@ -83,9 +83,15 @@ def _provenance(
         f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
         f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
-        f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN.",
+        f"{_predicted(choice, candidate)}.",
         f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
     ]
+
+
+def _predicted(choice: Choice, candidate: Candidate) -> str:
+    if choice.folds == NOTHING:
+        return "and was tried on no other curve"
+    return f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
 
 
 def _digits(value: float) -> str:

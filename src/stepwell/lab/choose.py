@@ -15,6 +15,9 @@ from stepwell.lab.laws import LAWS, Fitted, ForceLaw, fit
 Array = NDArray[np.float64]
 
 
+NOTHING = "nothing"
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A force law on trial.
@@ -56,7 +59,8 @@ class Choice:
         candidates: every law, fewest numbers first.
         best: the one with the least prediction error.
         chosen: the one with the fewest numbers among those as good as the best.
-        folds: what was left out in turn: "sample", or "cycle" where there is one sample.
+        folds: what was left out in turn: "sample", or "cycle" where there is one sample, or
+            "nothing" where there is one curve.
         gauge: length of the bands at stroke 0 [m]; None where it was not given.
     """
 
@@ -94,6 +98,19 @@ class Choice:
             f"imply is no measurement: {implied}.)"
         )
 
+    @property
+    def told(self) -> str:
+        """How the law was chosen, in a sentence."""
+        if self.folds == NOTHING:
+            return (
+                f"Chosen: {self.chosen.law.name}, the fewest numbers; there is one curve, so no "
+                f"law could be tried on another."
+            )
+        return (
+            f"Chosen: {self.chosen.law.name}, the fewest numbers within one standard error of the "
+            f"best ({self.best.law.name}), one {self.folds} being left out in turn."
+        )
+
     def __repr__(self):
         return (
             f"Choice({self.chosen.law.name}, best {self.best.law.name}, of "
@@ -110,7 +127,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     error of the best one's; of two with as many numbers, the better.
 
     Args:
-        test: two or more samples or cycles.
+        test: samples and cycles; with one curve alone no law can be tried, and the line is taken.
         gauge: length of the bands at stroke 0 [m], where it is known.
 
     Returns:
@@ -141,13 +158,17 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
         )
     candidates.sort(key=lambda c: (c.parameters, c.score))
     best = min(candidates, key=lambda c: c.score)
-    chosen = next(c for c in candidates if c.score <= best.score + best.uncertainty)
+    chosen = next(
+        c for c in candidates if folds == NOTHING or c.score <= best.score + best.uncertainty
+    )
     return Choice(tuple(candidates), best, chosen, folds, gauge)
 
 
 def _curves(test: BandTest) -> tuple[str, list[tuple[Array, Array]]]:
     if len(test.samples) > 1:
         return "sample", [test.curve(sample) for sample in test.samples]
+    if len(test.used) == 1:
+        return NOTHING, [test.curve(test.samples[0])]
     cycles = sorted({loop.cycle for loop in test.used})
     single = [BandTest(test.loops, test.window, (c, c), ()) for c in cycles]
     return "cycle", [one.curve(one.samples[0]) for one in single]

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 # so long at rest [m].
 _ONSET = 0.060
 _LENGTH = (0.002, 0.300)
+_SLACK = 0.05  # of the strokes that are fitted, where a band may still be slack
 _EDGE = 1e-4  # of a bound's range
 
 
@@ -113,8 +114,8 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
             f"{len(stroke)} samples for the {law.count(gauge)} numbers of the {law.name} law: "
             f"must be as many or more."
         )
-    # A law is zero at its onset, so all that is fitted lies beyond it.
-    latest = float(np.min(stroke))
+    # A law is zero up to its onset, so nearly all that is fitted lies beyond it.
+    latest = float(np.min(stroke)) + _SLACK * float(np.ptp(stroke))
     earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
     low, high, starts = [min(earliest, latest - _LENGTH[0])], [latest], [(0.3,), (0.9,)]
     if law.needs_length and gauge is None:

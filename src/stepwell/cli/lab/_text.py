@@ -39,8 +39,8 @@ def readings(record: dict[str, Any]) -> None:
     samples = sum(row["samples"] for row in rows)
     show_lines(
         "",
-        f"{len(rows)} recordings with {samples} samples, {len(odd)} oddities, "
-        f"{len(record['refused'])} files not read.",
+        f"Recordings: {len(rows)}. Samples: {samples}. Odd: {len(odd)}. "
+        f"Not read: {len(record['refused'])}.",
     )
 
 
@@ -77,8 +77,7 @@ def band(record: dict[str, Any]) -> None:
     )
     show_lines(
         "",
-        f"Chosen: {record['law_chosen']}, the fewest numbers within one standard error of the best "
-        f"({record['law_best']}).",
+        record["law_told"],
         record["rest_length_told"],
         "",
         "For a design file:",
