@@ -9,7 +9,7 @@ import stepwell as sw
 from stepwell import lab
 
 # A test machine of our own: rubber of 24 N/m that gives back a fifth less, 50 mN of friction.
-TRUE = {"stiffness": 24.0, "rest_length": 0.008}
+STIFFNESS, REST_LENGTH = 24.0, 0.008
 ANCHORS = {"MB": (0, 0), "MM": (10, 0), "MT": (20, 0), "MRB": (0, -15), "ML": (10, 15)}
 rng = np.random.default_rng(8)
 
@@ -31,7 +31,7 @@ def record(file: Path, cell: sw.Cell | None) -> None:
 
 with tempfile.TemporaryDirectory() as folder:
     for code, (x, y) in ANCHORS.items():
-        band = sw.Band(p=(-0.010, 0.0), q=(x * 1e-3, y * 1e-3), **TRUE)
+        band = sw.Band((-0.010, 0.0), (x * 1e-3, y * 1e-3), STIFFNESS, REST_LENGTH)
         for run in (1, 2):
             record(Path(folder) / f"1unit_{code}_{run}.csv", sw.Cell(band))
     record(Path(folder) / "friction_1.csv", None)

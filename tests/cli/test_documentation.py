@@ -112,7 +112,11 @@ def lab_records() -> list[dict[str, Any]]:
     assert compared.cells[-1].rises
     found = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
     return [
-        {"recordings": lab.summary(pulls), "refused": [{"source": "", "problem": ""}]},
+        {
+            "recordings": lab.summary(pulls),
+            "refused": [{"source": "", "problem": ""}],
+            "ignored": [],
+        },
         lab.band_record(test, lab.choose_law(test), ""),
         lab.comparison_record(compared),
         lab.fit_record(found),

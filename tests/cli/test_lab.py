@@ -41,9 +41,11 @@ def data(tmp_path):
 
 def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp_path):
     (data / "broken.txt").write_bytes(b"\x00\x01")
+    (data / "film.mp4").write_bytes(b"")
     result = stepwell("lab", "read", "data", "--out", "table")
     assert result.exit_code == 0
     assert "data/broken.txt: is binary, not text" in result.stdout
+    assert "Not tried, name them to try them: 1 .mp4." in result.stdout
     assert "Recordings: 11. Samples: " in result.stdout and "Not read: 1." in result.stdout
     assert "Written into table: recordings.csv, recordings.json, recordings.nc" in result.stdout
     rows = xr.load_dataset(tmp_path / "table" / "recordings.nc", engine="scipy")

@@ -302,6 +302,12 @@ def test_results_go_to_xarray_csv_and_json():
     assert repr(comparison) == "Comparison(1 unit cells, 1 pairs)"
 
 
+def test_longer_chains_are_refused_with_a_reason():
+    up = there(0.060)
+    with pytest.raises(lab.LabError, match="its design has 3 cells: one or two can be compared"):
+        lab.compare([recording("mine/pull_1.txt", up, up)], [Chain([MM, MT, MB])])
+
+
 def test_order_of_runs_does_not_matter():
     data = units("MB", MB) + frictions() + units("MT", MT)
     forward, backward = lab.compare(data), lab.compare(data[::-1])

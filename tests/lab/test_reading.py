@@ -100,6 +100,7 @@ def test_one_broken_file_stops_no_other_and_none_is_dropped_silently(tmp_path):
     batch = lab.read_all([tmp_path, tmp_path / "gone.txt"])
     assert [r.name for r in batch.recordings] == ["b_2", "b_10"]
     assert [error.name.rpartition("/")[2] for error in batch.refused] == ["c.csv", "gone.txt"]
+    assert [n.rpartition("/")[2] for n in batch.ignored] == ["manifest.csv", "notes.md"]
 
 
 def test_rows_that_cannot_be_read_are_told_with_their_line(tmp_path):

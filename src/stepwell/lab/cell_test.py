@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 CLOSE = 0.15
 _ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolated
 _POINTS = 401
-_RISE = 0.02  # k r by which a force must rise to be called an exception
+_RISE = 0.005  # k r by which a force must rise to be called an exception
 _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 

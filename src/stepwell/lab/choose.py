@@ -168,10 +168,10 @@ def _curves(test: BandTest) -> tuple[str, list[tuple[Array, Array]]]:
     if len(test.samples) > 1:
         return "sample", [test.curve(sample) for sample in test.samples]
     if len(test.used) == 1:
-        return NOTHING, [test.curve(test.samples[0])]
+        return NOTHING, [test.curve(sample) for sample in test.samples]
     cycles = sorted({loop.cycle for loop in test.used})
     single = [BandTest(test.loops, test.window, (c, c), ()) for c in cycles]
-    return "cycle", [one.curve(one.samples[0]) for one in single]
+    return "cycle", [one.curve(sample) for one in single for sample in one.samples]
 
 
 def _estimates(test: BandTest, law: ForceLaw, gauge: float | None) -> dict[str, Estimate]:

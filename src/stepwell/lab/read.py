@@ -21,15 +21,18 @@ _NOT_DATA = re.compile(r"manifest|readme|licen[cs]e|requirements", re.IGNORECASE
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What became of a number of files: every one of them is in one of the two.
+    """What became of a number of files: every one of them is in one of the three.
 
     Attributes:
         recordings: what could be read, in the natural order of the names.
         refused: for each other file one line that says why.
+        ignored: files of a folder that were not tried, having another ending or a name such as
+            manifest or readme.
     """
 
     recordings: tuple[Recording, ...]
     refused: tuple[LabError, ...]
+    ignored: tuple[str, ...] = ()
 
     def __repr__(self):
         return f"Batch({len(self.recordings)} recordings, {len(self.refused)} refused)"
@@ -75,7 +78,8 @@ def read_all(
     """
     found: list[Recording] = []
     refused: list[LabError] = []
-    names = list(dict.fromkeys(name for file in files for name in _files(os.fspath(file))))
+    ignored: list[str] = []
+    names = list(dict.fromkeys(name for f in files for name in _files(os.fspath(f), ignored)))
     for done, name in enumerate(names, 1):
         try:
             found.append(read(name))
@@ -83,7 +87,7 @@ def read_all(
             refused.append(error)
         if progress is not None:
             progress(done, len(names))
-    return Batch(tuple(found), tuple(refused))
+    return Batch(tuple(found), tuple(refused), tuple(ignored))
 
 
 def natural(name: str) -> tuple[tuple[int, str], ...]:
@@ -94,15 +98,17 @@ def natural(name: str) -> tuple[tuple[int, str], ...]:
     )
 
 
-def _files(name: str) -> list[str]:
+def _files(name: str, ignored: list[str]) -> list[str]:
     if not os.path.isdir(name):
         return [name]
-    inside = [
-        str(path)
-        for path in Path(name).rglob("*")
-        if path.suffix.lower() in SUFFIXES and path.is_file() and not _NOT_DATA.search(path.stem)
-    ]
-    return sorted(inside, key=natural)
+    inside = sorted((str(path) for path in Path(name).rglob("*") if path.is_file()), key=natural)
+    wanted = [file for file in inside if _is_data(Path(file))]
+    ignored += [file for file in inside if file not in set(wanted)]
+    return wanted
+
+
+def _is_data(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and not _NOT_DATA.search(path.stem)
 
 
 def _content(path: Path) -> bytes:

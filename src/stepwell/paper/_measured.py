@@ -99,7 +99,7 @@ def claims(data: str | os.PathLike[str] | None = None) -> tuple[Claim, ...]:
             "The measured force of a unit cell falls from state 0 to state 1.",
             "Fig. 1D, unit-cell tests",
             "all",
-            "0.02 k r",
+            "0.005 k r",
             finding(_falling),
         ),
         Claim(
@@ -168,11 +168,19 @@ def _class(data: Recorded) -> Finding:
 
 def _falling(data: Recorded) -> Finding:
     tests = data.comparison.cells
-    rising = [test.series.name for test in tests if test.rises]
-    ours = f"{len(tests) - len(rising)} of {len(tests)} series"
+    rising = [
+        f"{test.series.name} by {height * 1e3:.0f} mN from {start * 1e3:.1f} to {end * 1e3:.1f} mm"
+        for test in tests
+        for start, end, height in test.rises
+    ]
+    falling = sum(not test.rises for test in tests)
+    ours = f"{falling} of {len(tests)} series"
     note = "Means of repeats over half a millimetre, without the first half millimetre of stroke."
     return judged(
-        not rising and bool(tests), ours, note=note, otherwise=f"It rises in {'; '.join(rising)}."
+        not rising and bool(tests),
+        ours,
+        note=note,
+        otherwise=f"It rises in {'; '.join(rising)}. {note}",
     )
 
 

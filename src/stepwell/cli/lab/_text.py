@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from pathlib import PurePath
 from typing import Any
 
 from stepwell.cli._show import number, show_lines, show_table
@@ -36,6 +38,12 @@ def readings(record: dict[str, Any]) -> None:
         show_lines("", "Odd", *odd)
     if record["refused"]:
         show_lines("", "Not read", *(f"{r['source']}: {r['problem']}" for r in record["refused"]))
+    if record["ignored"]:
+        endings = Counter(
+            PurePath(name).suffix or PurePath(name).name for name in record["ignored"]
+        )
+        told = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
+        show_lines("", f"Not tried, name them to try them: {told}.")
     samples = sum(row["samples"] for row in rows)
     show_lines(
         "",
@@ -117,7 +125,7 @@ def comparison(record: dict[str, Any]) -> None:
             for row in cells
             for rise in row["rises"]
         ]
-        show_lines(*(rising or ["F falls throughout in every series, to 0.02 k r."]))
+        show_lines(*(rising or ["F falls throughout in every series, to 0.005 k r."]))
     if pairs:
         show_table(
             "Pairs: errors in k r; ratio of the errors against the two orders",

@@ -37,6 +37,7 @@ def read(files: _Files, out: Out = None, as_json: Json = False) -> None:
         "stepwell": __version__,
         "recordings": lab.summary(batch.recordings),
         "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
+        "ignored": list(batch.ignored),
     }
     names = write_readings(batch.recordings, record, out) if out and batch.recordings else ()
     if as_json:
