@@ -66,7 +66,13 @@ def band(record: dict[str, Any]) -> None:
     if loss is not None:
         each = _each(loss, ".1%")
         show_lines(f"Work lost in a cycle         {loss['value']:.1%}, by sample {each}")
-    show_lines("", "Used and dropped", *record["told"])
+    show_lines(
+        "Intervals are Student's, from the scatter between samples, taken as independent and "
+        "normal; cycles of one sample are no samples.",
+        "",
+        "Used and dropped",
+        *record["told"],
+    )
     _windows(record)
     show_table(
         "Force laws, fewest numbers first",
@@ -195,7 +201,12 @@ def calibration(record: dict[str, Any]) -> None:
     )
     tied = [f"{a} and {b} ({c:+.2f})" for a, b, c in record["not_told_apart"]]
     told = f"Not told apart by the data: {', '.join(tied)}." if tied else "No two are tied."
-    show_lines("", told, "", "For a design file:", record["table"].rstrip())
+    show_lines(
+        "",
+        "Intervals are of the jackknife over geometries, taken as independent; samples along a "
+        "stroke are not.",
+    )
+    show_lines(told, "", "For a design file:", record["table"].rstrip())
     show_lines("", "Used, dropped and odd", *record["told"])
 
 

@@ -48,7 +48,9 @@ def calibrate(
             for one in found.series
             for line in (f"{one.name}: {told}" for told in one.told)
             if len(one.chain) == 1
-        ],
+        ]
+        + [f"{one.name}: left out, a pair" for one in found.series if len(one.chain) > 1]
+        + list(found.told),
         "table": lab.calibrated_table(calibration, data.name),
     }
     names = write_calibration(calibration, record, out) if out is not None else ()
