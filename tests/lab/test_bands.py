@@ -44,6 +44,7 @@ def test_stiffness_is_the_slope_inside_the_window():
     assert len(found.each) == 3
 
 
+@pytest.mark.slow
 def test_the_stated_interval_of_the_stiffness_holds_the_truth():
     inside = one_more = 0
     for seed in range(DRAWS):
@@ -60,6 +61,7 @@ def test_the_stated_interval_of_the_stiffness_holds_the_truth():
     assert one_more >= OFTEN * DRAWS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [law.name for law in lab.LAWS])
 def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
     # With the length at stroke 0 known, so that every number can be told.
