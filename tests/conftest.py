@@ -1,6 +1,7 @@
 """How hard the tests try: quickly by default, thoroughly with STEPWELL_TESTS=full."""
 
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -18,3 +19,20 @@ settings.load_profile(SIZE)
 def examples(n: int) -> int:
     """Size of a slow suite: `n` in the default run, twenty times as many in a full one."""
     return n if SIZE == "ci" else 20 * n
+
+
+@pytest.fixture(scope="session")
+def kamp2024() -> Path:
+    """The authors' recordings, which are not part of the repository.
+
+    They are looked for where STEPWELL_RECORDINGS says, else in a folder `shared` beside the
+    repository.
+    """
+    told = os.environ.get("STEPWELL_RECORDINGS")
+    root = Path(__file__).resolve().parents[1]
+    folder = Path(told) if told else root.parent / "shared" / "data" / "kamp2024"
+    if told and not folder.is_dir():
+        raise pytest.UsageError(f"STEPWELL_RECORDINGS={told!r}: no such folder.")
+    if not folder.is_dir():
+        pytest.skip("SKIPPED, the authors' recordings are not here: set STEPWELL_RECORDINGS")
+    return folder

@@ -5,17 +5,20 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock
 
+import numpy as np
 import pytest
 import typer
 
 import stepwell as sw
-from stepwell import files
+from lab.machine import pair, recording, tension, there, unit
+from stepwell import files, lab
 from stepwell.cli import app
 from stepwell.design import boundaries
 from stepwell.files._arena_schema import TABLES as ARENA_TABLES
 from stepwell.files._keys import field_of, written
 from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
 from stepwell.files._schema import TABLES
+from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import record as paper_record
 
@@ -29,9 +32,14 @@ def page(name: str) -> str:
     return (DOCS / f"{name}.md").read_text("utf-8")
 
 
+# What these hold goes by the names of laws, parameters or samples.
+BY_NAME = {"values", "each", "correlations"}
+
+
 def keys_of(value) -> set[str]:
     if isinstance(value, dict):
-        return set(value) | {key for item in value.values() for key in keys_of(item)}
+        inside = (item for key, item in value.items() if key not in BY_NAME)
+        return set(value) | {key for item in inside for key in keys_of(item)}
     if isinstance(value, list):
         return {key for item in value for key in keys_of(item)}
     return set()
@@ -106,14 +114,44 @@ def test_the_documented_ranges_are_the_ones_that_hold(key, limits):
 def test_every_command_and_option_is_documented():
     text = page("commands")
     group = typer.main.get_command(app)
-    for name, command in group.commands.items():  # type: ignore[attr-defined]
+    commands = dict(group.commands)  # type: ignore[attr-defined]
+    commands |= {f"lab {name}": command for name, command in commands["lab"].commands.items()}
+    for name, command in commands.items():
         assert f"stepwell {name}" in text, name
-        section = text.split(f"\n## {'new, presets' if name in ('new', 'presets') else name}\n")[1]
-        section = section.split("\n## ")[0]
+        mark = "\n### " if " " in name else "\n## "
+        section = text.split(f"{mark}{'new, presets' if name in ('new', 'presets') else name}\n")[1]
+        section = section.split(mark)[0]
         for parameter in command.params:
             for option in parameter.opts:
                 if option.startswith("--") and option != "--help":
                     assert f"`{option}" in section, (name, option)
+
+
+def lab_records() -> list[dict[str, Any]]:
+    """What every command of the lab prints, for recordings of a machine of our own."""
+    cells = {"MB": (0.0, 0.0), "MM": (0.010, 0.0), "MT": (0.020, 0.0)}
+    runs = [unit("friction_1.txt", None), pair("2unit_friction_1.txt", None)]
+    for code, q in cells.items():
+        cell = paper_cell().with_anchors(q=q)
+        runs += [unit(f"1unit_{code}_{k}.txt", cell, noise=0.001, seed=k) for k in (1, 2)]
+    runs.append(pair("2unit_MMT_1.txt", sw.preset("paper-forward")))
+    bump = recording("1unit_MLB_1.txt", way := there(0.020), 300.0 * way)
+    still = np.random.default_rng(0).normal(0.0, 0.01, 4000)
+    pulls = [tension(s, 5, lambda u: 28.5 * u, noise=still) for s in (1, 2)]
+    test = lab.band_test(pulls)
+    compared = lab.compare([*runs, bump])
+    assert compared.cells[-1].rises
+    found = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
+    return [
+        {
+            "recordings": lab.summary(pulls),
+            "refused": [{"source": "", "problem": ""}],
+            "ignored": [],
+        },
+        lab.band_record(test, lab.choose_law(test), ""),
+        lab.comparison_record(compared),
+        lab.fit_record(found),
+    ]
 
 
 def test_every_name_of_the_json_is_documented():
@@ -123,6 +161,7 @@ def test_every_name_of_the_json_is_documented():
     x, y = [0.0, 0.01, 0.02], [-0.01, 0.0, 0.01]
     shown, curves = sw.transition_map(chain, 1, x=x, y=y), boundaries(chain, 1, x=x, y=y)
     records = [
+        *lab_records(),
         files.run_record(chain.cycle(), sw.margin(chain)),
         files.run_record(forced, sw.margin(forced.chain)),
         files.map_record(shown, curves),
@@ -140,6 +179,7 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
     assert "console" in {language for language, _, _ in blocks}
     for language, title, body in blocks:
         if title:
+            (tmp_path / title).parent.mkdir(exist_ok=True)
             (tmp_path / title).write_text(body, "utf-8")
         if language == "python":
             exec(compile(body, f"{name}.md", "exec"), {})

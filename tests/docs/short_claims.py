@@ -32,9 +32,10 @@ def short(record: dict[str, Any]) -> str:
         for verdict in ("agrees", "differs", "needs data")
     }
     lines = [
-        f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot anew: "
-        f"{count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need data "
-        f"that Stepwell does not read yet. Some of the first and all of the second:",
+        f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot "
+        f"anew: {count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need "
+        f"data that is not part of Stepwell ([how they come out](docs/measured.md)). Some of the first "
+        f"and all of the second:",
         "",
         "| Claim | Paper | Stepwell | Verdict |",
         "|---|---|---|---|",

@@ -26,6 +26,8 @@ NUMBERS = {
     "09_turn_by_one_anchor": ("turn_deg", 15.0, 2.5),
     # Fig. 4D: past all three walls.
     "10_antennas_in_the_three_wall_arena": ("reached_and_touched", ("reached the goal", 3), None),
+    # The rubber that the example's own test machine was given.
+    "11_calibrate_a_rubber": ("stiffness", 24.0, 0.3),
 }
 
 

@@ -9,14 +9,16 @@ from pathlib import Path
 import pytest
 
 from stepwell import paper
-from stepwell.paper import table
+from stepwell.paper import _measured, _steering, table
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = ROOT / "docs" / "claims.json"
+# Written by commands of their own: from recordings, and from many simulated runs.
+APART = ("measured.md", "many-runs.md")
 PAGES = [
     page
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    if table.BEGIN in page.read_text("utf-8")
+    if table.BEGIN in page.read_text("utf-8") and page.name not in APART
 ]
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 # Texts round to three or four digits; another processor may round the last one otherwise.
@@ -58,10 +60,37 @@ def test_the_claims_page_shows_them():
     assert ROOT / "docs" / "claims.md" in PAGES
 
 
+def test_the_page_of_many_runs_shows_its_file_and_names_every_claim():
+    committed = json.loads((ROOT / "docs" / "many-runs.json").read_text("utf-8"))["claims"]
+    assert [claim["id"] for claim in committed] == [claim.id for claim in _steering.MANY_RUNS]
+    page = (ROOT / "docs" / "many-runs.md").read_text("utf-8")
+    for claim in committed:
+        row = " | ".join(claim[key] for key in ("claim", "where", "paper", "ours", "tolerance"))
+        assert f"| {row} | **{claim['verdict']}** |" in page
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_a_page_with_the_table_shows_what_is_computed_now(page, verdicts):
     text = page.read_text("utf-8")
     assert same(text, table.replaced(text, paper.markdown(verdicts)))
+
+
+def test_the_page_of_the_recordings_shows_what_they_give_now(kamp2024):
+    verdicts = [v for v in paper.run(data=kamp2024) if v.claim.id in _measured.IDS]
+    page = (ROOT / "docs" / "measured.md").read_text("utf-8")
+    assert same(page, table.replaced(page, paper.markdown(verdicts)))
+    committed = json.loads((ROOT / "docs" / "measured.json").read_text("utf-8"))["claims"]
+    computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
+    assert len(committed) == len(computed) == len(_measured.IDS)
+    for old, new in zip(committed, computed, strict=True):
+        assert all(same(old[name], new[name]) for name in new), (old, new)
+
+
+def test_the_page_of_the_recordings_holds_the_claims_that_need_them(verdicts):
+    lacking = [v.claim.claim for v in verdicts if v.verdict is paper.Judgement.NEEDS_DATA]
+    page = (ROOT / "docs" / "measured.md").read_text("utf-8")
+    assert len(lacking) == len(_measured.IDS)
+    assert all(claim in page for claim in lacking)
 
 
 def test_writing_the_table_again_changes_nothing_and_keeps_the_rest():
@@ -90,4 +119,4 @@ def test_the_module_says_how_to_be_called():
         [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False
     )
     assert asked.returncode == 1
-    assert asked.stderr.startswith("usage: python -m stepwell.paper claims.json")
+    assert asked.stderr.startswith("usage: python -m stepwell.paper [--data PATH] claims.json")

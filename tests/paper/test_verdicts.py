@@ -9,7 +9,16 @@ import pytest
 
 from stepwell import paper
 from stepwell.mechanism import Band
-from stepwell.paper import Judgement, _cells, _designs, _map, _misprints, _pathways, _wells
+from stepwell.paper import (
+    Judgement,
+    _cells,
+    _designs,
+    _map,
+    _measured,
+    _misprints,
+    _pathways,
+    _wells,
+)
 from stepwell.paper.claim import judged
 from stepwell.sequences import Pathway
 
@@ -47,7 +56,7 @@ def test_what_differs_and_what_needs_data_is_known_and_has_its_reason(verdicts):
         "antennas-paper-numbers",
     }
     lacking = {name for name, v in verdicts.items() if v.verdict is Judgement.NEEDS_DATA}
-    assert lacking == {"measured-stiffness", "measured-unit-cell", "measured-order"}
+    assert lacking == set(_measured.IDS)
     assert all(verdicts[name].reason for name in differing | lacking)
 
 

@@ -9,7 +9,20 @@ from typing import Annotated
 import typer
 
 from stepwell._version import __version__
-from stepwell.cli import animate, export, map, maze, new, paper, presets, robot, run, view, walk
+from stepwell.cli import (
+    animate,
+    export,
+    lab,
+    map,
+    maze,
+    new,
+    paper,
+    presets,
+    robot,
+    run,
+    view,
+    walk,
+)
 from stepwell.cli._outcomes import EXIT_CODES, Commands
 from stepwell.cli._show import styled
 
@@ -27,6 +40,7 @@ for command in (run.run, map.map_, new.new, presets.presets, animate.animate, pa
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
 for command in (walk.walk, maze.maze, export.export, view.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
+app.add_typer(lab.app, name="lab", epilog=EXIT_CODES)
 
 
 def _version(wanted: bool) -> None:

@@ -32,9 +32,10 @@ class Commands(TyperGroup):
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
     from stepwell.files import DesignError
+    from stepwell.lab import LabError
     from stepwell.statics import StaticsError
 
-    if isinstance(error, DesignError):
+    if isinstance(error, DesignError | LabError):
         return WRONG_INPUT, str(error)
     if isinstance(error, StaticsError):
         return FAILED, str(error)

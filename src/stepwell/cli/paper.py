@@ -13,11 +13,23 @@ _All = Annotated[
     typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
 ]
 
+_Data = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="The authors' recordings, for the claims that they decide.",
+        show_default=False,
+    ),
+]
 
-def paper(everything: _All = False, out: Out = None, as_json: Json = False) -> None:
+
+def paper(
+    everything: _All = False, data: _Data = None, out: Out = None, as_json: Json = False
+) -> None:
     """Check what the paper claims.
 
-    Every claim is computed anew; the verdict says where we agree, where not, and why.
+    Every claim is computed anew; the verdict says where we agree, where not, and why. Claims about
+    measurements need the authors' recordings, which are not part of Stepwell.
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
@@ -29,7 +41,7 @@ def paper(everything: _All = False, out: Out = None, as_json: Json = False) -> N
     names: tuple[str, ...] = ()
     with staged_folder(out) if out is not None else nullcontext() as draft:
         with progress("claims") as tell:
-            verdicts = claims.run(draft, progress=tell, everything=everything)
+            verdicts = claims.run(draft, progress=tell, everything=everything, data=data)
         if draft is not None:
             names = _names(draft)
     record = claims.record(verdicts)

@@ -1,12 +1,16 @@
 """Every plot, one function each: results in, a matplotlib Figure out."""
 
 from stepwell.figures._animation import animation
+from stepwell.figures._band_test import band_laws
+from stepwell.figures._calibration import calibration
 from stepwell.figures._contacts import contacts
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._gait import gait
 from stepwell.figures._landscape import landscape
 from stepwell.figures._maze import maze
 from stepwell.figures._maze_timeline import maze_timeline
+from stepwell.figures._measured_cells import measured_energies, measured_forces
+from stepwell.figures._measured_pairs import measured_pairs
 from stepwell.figures._mechanism import mechanism
 from stepwell.figures._overview import overview
 from stepwell.figures._prediction import prediction
@@ -26,12 +30,17 @@ __all__ = [
     "Sensitivity",
     "animation",
     "contacts",
+    "band_laws",
+    "calibration",
     "force_stroke",
     "gait",
     "landscape",
     "landscapes",
     "maze",
     "maze_timeline",
+    "measured_energies",
+    "measured_forces",
+    "measured_pairs",
     "mechanism",
     "overview",
     "prediction",

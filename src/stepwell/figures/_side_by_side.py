@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._landscape import landscape
-from stepwell.figures._style import PAGE, blank, keep_inside, place, root, styled
+from stepwell.figures._style import PAGE, blank, keep_inside, name_panel, place, styled
 from stepwell.figures._travel_stroke import travel_stroke
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def landscapes(cycles: Mapping[str, Cycle]) -> Figure:
         left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + key
         ax = place(figure, left, bottom, side, side)
         landscape(cycle, ax=ax)
-        _write_above(ax, name, 1.5)
+        name_panel(ax, name, 1.5)
         legend = ax.get_legend()
         if legend is not None:
             legends.append(legend)
@@ -81,18 +80,11 @@ def strokes(cycles: Mapping[str, Cycle]) -> Figure:
         force = place(figure, 15.0, bottom, 70.0, body)
         force_stroke(cycle, ax=force)
         # Above the legend.
-        _write_above(force, name, 6.0)
+        name_panel(force, name, 6.0)
         travel = place(figure, 104.0, bottom, 72.0, body)
         travel_stroke(cycle, ax=travel)
         keep_inside(travel)
     return figure
-
-
-def _write_above(ax: Axes, name: str, gap: float) -> None:
-    """Write the panel's name `gap` mm above its axes."""
-    height = 25.4 * root(ax).get_size_inches()[1]
-    box = ax.get_position()
-    root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
 
 
 def _refuse_none(cycles: Mapping[str, Cycle]) -> None:

@@ -162,6 +162,13 @@ def root(ax: Axes) -> Figure:
     return parent
 
 
+def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
+    """Write a panel's name `gap` mm above its axes."""
+    height = 25.4 * root(ax).get_size_inches()[1]
+    box = ax.get_position()
+    root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
+
+
 def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
     """The colour mixed with white: 0 leaves it, 1 is white."""
     r, g, b = to_rgb(colour)

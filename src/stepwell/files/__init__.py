@@ -5,6 +5,12 @@ from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
 from stepwell.files.atomic import staged_folder, write_atomic
 from stepwell.files.bundle import write_map, write_run
 from stepwell.files.design import loads, loads_chain, loads_robot
+from stepwell.files.measured import (
+    write_band,
+    write_calibration,
+    write_comparison,
+    write_readings,
+)
 from stepwell.files.parameters import Parameter, parameters, vary
 from stepwell.files.provenance import Given, provenance
 from stepwell.files.record import force_scale, map_record, run_record
@@ -48,9 +54,13 @@ __all__ = [
     "vary",
     "walk_record",
     "write_atomic",
+    "write_band",
+    "write_calibration",
+    "write_comparison",
     "write_map",
     "write_maze",
     "write_robot",
+    "write_readings",
     "write_run",
     "write_sweep",
     "write_walk",

@@ -5,17 +5,35 @@ import sys
 from pathlib import Path
 
 from stepwell.files import write_atomic
+from stepwell.paper._measured import IDS
+from stepwell.paper._steering import MANY_RUNS
 from stepwell.paper.run import record, run
 from stepwell.paper.table import markdown, replaced
 
+USAGE = """usage: python -m stepwell.paper [--data PATH | --all] claims.json [PAGE.md ...]
 
-def main(files: list[str]) -> None:
+Without an option all claims are written but those that take many simulated runs; those that
+recordings decide say that they need data. With the recordings only those are written, and with
+--all only those of many runs."""
+
+
+def main(given: list[str]) -> None:
     """Write the claims into a JSON file, and their table between the markers of each page."""
-    if not files:
-        raise SystemExit("usage: python -m stepwell.paper claims.json [PAGE.md ...]")
-    target, *pages = map(Path, files)
+    data, many = None, given[:1] == ["--all"]
+    if many:
+        given = given[1:]
+    if given[:1] == ["--data"] and len(given) > 1:
+        data, given = given[1], given[2:]
+    if not given or given[0].startswith("-"):
+        raise SystemExit(USAGE)
+    target, *pages = map(Path, given)
     texts = [page.read_text("utf-8") for page in pages]
-    verdicts = run()
+    if many:
+        verdicts = tuple(claim.judge() for claim in MANY_RUNS)
+    else:
+        verdicts = run(data=data)
+    if data is not None:
+        verdicts = tuple(verdict for verdict in verdicts if verdict.claim.id in IDS)
     table = markdown(verdicts)
     written = [replaced(text, table) for text in texts]
     write_atomic(target, json.dumps(record(verdicts), indent=2) + "\n")

@@ -1,5 +1,7 @@
 """Every claim, in the order of the paper."""
 
+import os
+
 from stepwell.paper import (
     _cells,
     _map,
@@ -14,10 +16,13 @@ from stepwell.paper import (
 from stepwell.paper.claim import Claim
 
 
-def claims(*, everything: bool = False) -> tuple[Claim, ...]:
+def claims(
+    data: str | os.PathLike[str] | None = None, *, everything: bool = False
+) -> tuple[Claim, ...]:
     """The claims about unit cells, two-cell mechanisms and the robot; nothing is computed yet.
 
     Args:
+        data: folder of the recordings published with the paper, for the claims they decide.
         everything: also those that take many simulated runs, minutes of them.
 
     Source: Kamp et al. 2024.
@@ -29,7 +34,7 @@ def claims(*, everything: bool = False) -> tuple[Claim, ...]:
         *_wells.CLAIMS,
         *_map.CLAIMS,
         *_misprints.CLAIMS,
-        *_measured.CLAIMS,
+        *_measured.claims(data),
         *_robot.CLAIMS,
         *_steering.CLAIMS,
         *(_steering.MANY_RUNS if everything else ()),

@@ -19,6 +19,7 @@ def run(
     progress: Callable[[int, int], None] | None = None,
     *,
     everything: bool = False,
+    data: str | os.PathLike[str] | None = None,
 ) -> tuple[Verdict, ...]:
     """Compute every claim anew.
 
@@ -27,16 +28,19 @@ def run(
             in it or none.
         progress: called with (done, total) claims and figures.
         everything: also the claims and figures that take many simulated runs, minutes of them.
+        data: folder of the recordings published with the paper; without it the claims that they
+            decide say that they need data.
 
     Returns:
         A verdict for each claim, in the order of `claims()`.
 
     Raises:
+        LabError: a folder of data without a recording.
         OSError: the folder cannot be written.
 
     Source: Kamp et al. 2024.
     """
-    asked = claims(everything=everything)
+    asked = claims(data, everything=everything)
     total = len(asked)
     if out is not None:
         from stepwell.paper.figures import figures_of

@@ -51,5 +51,7 @@ def _count(verdicts: tuple[Verdict, ...]) -> str:
         Judgement.DIFFERS: "differ",
         Judgement.NEEDS_DATA: "need data",
     }
+    if Judgement.NEEDS_MUJOCO in found:
+        words[Judgement.NEEDS_MUJOCO] = "need MuJoCo"
     parts = [f"{found.count(judgement)} {word}" for judgement, word in words.items()]
     return f"Of {len(found)} claims {', '.join(parts)}."

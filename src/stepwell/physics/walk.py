@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from stepwell.physics._arena import obstacle_names
 from stepwell.physics._engine import Run, Samples, chunks
-from stepwell.physics._gait import gait, states
 from stepwell.physics.settings import Settings
 from stepwell.robot import Arena, Robot
+from stepwell.robot.states import gait, states
 
 if TYPE_CHECKING:
     import xarray as xr

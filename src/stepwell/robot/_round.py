@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from stepwell.mechanism import Chain, Load, curves
 from stepwell.robot._stance import POINTS, Stance, leaning, stance, touch
 from stepwell.robot._standing import HANDOVER
-from stepwell.robot._states import TOLERANCE, gait
 from stepwell.robot.leg import Leg
 from stepwell.robot.robot import Robot
-from stepwell.statics import path
+from stepwell.robot.states import TOLERANCE, gait
 
 Array = NDArray[np.float64]
 
@@ -232,7 +231,7 @@ def _phase(
     taken, end = at[None], 0
     for _ in range(PASSES):
         chain = loaded(leg, foot, way, at, stands, weighed, extra)
-        followed = path(chain, [float(at.sum()), until], start=tuple(at.tolist()))
+        followed = chain.path([float(at.sum()), until], start=tuple(at.tolist()))
         taken = followed.resampled(SAMPLES).travel
         beyond = taken[:, -1] - touch(foot.robot) - margin
         over = beyond > 0 if stands else beyond < 0

@@ -39,8 +39,8 @@ ASSUMPTIONS = (
     "Feet share the weight with the supports by the lever rule at every step.",
     "Friction is Coulomb's, the same at rest and in motion, and decides by least dissipation "
     "which feet stick and how the body turns.",
-    "A snap is overdamped and takes no time; a real one takes a few milliseconds, in which the "
-    "stroke goes on, so that a backward leg gives back less of its step than is said here.",
+    "A snap is overdamped and takes no time, and a foot grips at once; really the stroke goes on "
+    "meanwhile, so that a forward step is shorter and a backward one longer than is said here.",
     "The robot starts every cycle from rest with every cell at 0, far from walls.",
 )
 

@@ -1,0 +1,61 @@
+"""`stepwell lab calibrate`: one model of rubber and rig for all unit cells."""
+
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._options import Json, Out
+from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
+
+_Law = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="linear or cubic; by default the one that predicts better."),
+]
+
+
+def calibrate(
+    data: Data,
+    law: _Law = None,
+    baseline: Baseline = None,
+    no_baseline: NoBaseline = False,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Fit one physical model to all unit cells at once.
+
+    Stiffness, rest length, loss on the way back and friction, with the error of each geometry
+    predicted from the others, and the band as a table for a design file.
+    With --out, the table, the numbers and a figure are written into a folder.
+    """
+    from stepwell import lab
+    from stepwell._version import __version__
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.cli.lab import _text
+    from stepwell.files import write_calibration
+
+    given = recordings([data])
+    found = lab.sort_series(given, baseline=subtracted(baseline, no_baseline))
+    samples = lab.prepare(found.series)
+    with progress("fits") as tell:
+        calibration = lab.calibrate(samples, law, progress=tell)
+    record = {
+        "schema": "stepwell.lab.calibrate/1",
+        "stepwell": __version__,
+        **lab.fit_record(calibration),
+        "told": [
+            line
+            for one in found.series
+            for line in (f"{one.name}: {told}" for told in one.told)
+            if len(one.chain) == 1
+        ]
+        + [f"{one.name}: left out, a pair" for one in found.series if len(one.chain) > 1]
+        + list(found.told),
+        "table": lab.calibrated_table(calibration, data.name),
+    }
+    names = write_calibration(calibration, record, out) if out is not None else ()
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _text.calibration(record)
+        show_written(out, names)

@@ -1,0 +1,66 @@
+"""`stepwell lab compare`: measured against model, a verdict for every series."""
+
+import math
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._options import Json, Out
+from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
+
+_Designs = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[DESIGN]...",
+        help="What was tested, or what file names leave open; the paper's cell by default.",
+        show_default=False,
+    ),
+]
+_AsDesigned = Annotated[
+    bool,
+    typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
+]
+_Bar = Annotated[
+    float,
+    typer.Option("--bar-mm", metavar="LENGTH", min=20, help="Bar of the rig; inf for none."),
+]
+
+
+def compare(
+    data: Data,
+    designs: _Designs = None,
+    baseline: Baseline = None,
+    no_baseline: NoBaseline = False,
+    as_designed: _AsDesigned = False,
+    bar: _Bar = 70.0,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Compare unit cells and pairs on a test machine with their models.
+
+    Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
+    energy judged, a pair the order of its cells and its snaps.
+    With --out, verdicts, curves and figures are written into a folder.
+    """
+    from stepwell import files, lab
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.cli.lab import _text
+
+    comparison = lab.compare(
+        recordings([data]),
+        [files.load(design) for design in designs or ()],
+        baseline=subtracted(baseline, no_baseline),
+        as_designed=as_designed,
+        rig=lab.Rig(math.inf if math.isinf(bar) else bar * 1e-3),
+    )
+    record = lab.comparison_record(comparison)
+    names = ()
+    if out is not None:
+        with progress("writing") as tell:
+            names = files.write_comparison(comparison, record, out, progress=tell)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _text.comparison(record)
+        show_written(out, names)

@@ -1,0 +1,49 @@
+"""`stepwell lab read`: what recordings hold, and what is odd about them."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.cli._options import Json, Out
+
+_Files = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="FILE...",
+        help="Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
+        show_default=False,
+    ),
+]
+
+
+def read(files: _Files, out: Out = None, as_json: Json = False) -> None:
+    """Read recordings and say what they hold.
+
+    A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
+    With --out, all samples are written into a folder as one tidy table with units.
+    """
+    from stepwell import lab
+    from stepwell._version import __version__
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.cli.lab import _text
+    from stepwell.files import write_readings
+
+    with progress("reading") as tell:
+        batch = lab.read_all(files, progress=tell)
+    record = {
+        "schema": "stepwell.lab.read/1",
+        "stepwell": __version__,
+        "recordings": lab.summary(batch.recordings),
+        "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
+        "ignored": list(batch.ignored),
+    }
+    names = write_readings(batch.recordings, record, out) if out and batch.recordings else ()
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _text.readings(record)
+        show_written(out if names else None, names)
+    if not batch.recordings:
+        raise typer.Exit(2)

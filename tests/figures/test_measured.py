@@ -1,0 +1,120 @@
+"""Figures of measured data: every word readable, what is measured told from what is model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from figures.drawn import collisions, cut_off, legend_of, lines, marks, says, words
+from lab.machine import pair, tension, unit
+from stepwell import figures, lab
+from stepwell.lab.series import paper_cell
+from stepwell.mechanism import Chain
+
+CELL = paper_cell()
+CODES = {"MB": (0, 0), "MM": (10, 0), "MT": (20, 0), "MLB": (0, 15)}
+
+
+def doubled(cell):
+    return replace(cell, band=replace(cell.bands[0], stiffness=2 * cell.bands[0].stiffness))
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    runs = [
+        unit("1unit/f/friction_1.txt", None),
+        unit("1unit/f/friction_2.txt", None, unloading=True),
+    ]
+    for code, (x, y) in CODES.items():
+        cell = CELL.with_anchors(q=(x * 1e-3, y * 1e-3))
+        runs += [unit(f"1unit/x/1unit_{code}_{k}.txt", cell, noise=0.002, seed=k) for k in (1, 2)]
+        runs += [unit(f"1unit/x/1unit_{code}_4.txt", doubled(cell), noise=0.002)]
+    runs += [unit("1unit/y/1unit_MB_1.txt", CELL.with_anchors(q=(0.0, 0.0)), unloading=True)]
+    chain = Chain([CELL, CELL.with_anchors(q=(0.020, 0.0))])
+    for way, folder in ((False, "2unit_00_11"), (True, "2unit_11_00")):
+        runs += [
+            pair(f"{folder}/x/2unit_MMT_{k}.txt", chain, unloading=way, seed=k) for k in (1, 2)
+        ]
+        runs += [pair(f"{folder}/f/2unit_friction_1.txt", None, unloading=way)]
+    return lab.compare(runs)
+
+
+@pytest.fixture(scope="module")
+def band():
+    rng = np.random.default_rng(0)
+
+    def curve(u):
+        return 56.3 * u - 1905 * u**2 + 35720 * u**3
+
+    return lab.band_test(
+        [tension(s, c, curve, noise=rng.normal(0, 0.005, 4000)) for s in (1, 2) for c in (4, 5, 6)]
+    )
+
+
+@pytest.fixture(scope="module")
+def drawn(comparison, band):
+    fit = lab.calibrate(lab.prepare([t.series for t in comparison.cells]), "cubic")
+    return {
+        "forces": figures.measured_forces(comparison.cells),
+        "energies": figures.measured_energies(comparison.cells),
+        "pairs": figures.measured_pairs(comparison.pairs),
+        "laws": figures.band_laws(band, lab.choose_law(band)),
+        "calibration": figures.calibration(fit),
+    }
+
+
+NAMES = ("forces", "energies", "pairs", "laws", "calibration")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_word_covers_another_or_leaves_the_page(drawn, name):
+    assert collisions(drawn[name]) == []
+    assert cut_off(drawn[name]) == []
+    assert min(float(text.get_fontsize()) for text in words(drawn[name])) >= 7.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_label_names_its_unit(drawn, name):
+    labels = {
+        label for ax in drawn[name].axes for label in (ax.get_xlabel(), ax.get_ylabel()) if label
+    }
+    assert labels
+    for label in labels:
+        assert label.endswith("]") or "/(k" in label, label
+
+
+def test_points_are_measured_and_the_line_is_the_model(comparison, drawn):
+    figure = drawn["forces"]
+    test = comparison.cells[0]
+    (points, *_) = lines(figure, "measured")
+    scale = test.series.scale
+    for x, y in np.asarray(points.get_xydata(), float):
+        theta = np.radians(x)
+        force = np.interp(theta, test.plain.theta, test.plain.force)
+        assert y == pytest.approx(force / scale, abs=1e-3)
+    assert marks(figure, "extrapolated") > 0
+    assert {"model", "1 band", "2 bands"} <= {
+        text.get_text() for legend in figure.legends for text in legend.get_texts()
+    }
+
+
+def test_snaps_of_runs_and_of_the_model_are_marked(drawn):
+    assert marks(drawn["pairs"], "snaps") == 4
+    assert marks(drawn["pairs"], "snaps predicted") == 2
+
+
+def test_both_directions_are_named(drawn):
+    shown = [t.get_text() for legend in drawn["pairs"].legends for t in legend.get_texts()]
+    assert {"measured, loading", "measured, unloading"} <= set(shown)
+    assert any("unloading" in text for text in says(drawn["forces"]))
+
+
+def test_the_chosen_law_is_named_in_the_legend(drawn):
+    assert "cubic (chosen)" in legend_of(drawn["laws"])
+
+
+def test_nothing_to_draw_is_refused():
+    with pytest.raises(ValueError, match="tests is empty: give one unit cell"):
+        figures.measured_forces([])
+    with pytest.raises(ValueError, match="tests is empty: give one pair"):
+        figures.measured_pairs([])

@@ -1,0 +1,161 @@
+"""Calibration: what was put in comes out, geometries are left out whole, ties are told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lab.machine import unit
+from stepwell import files, lab
+from stepwell.lab.calibrate import _force
+from stepwell.lab.series import paper_cell
+from stepwell.mechanism import Band, Cell, Cubic
+
+DRAWS = 200
+OFTEN = 0.90
+D = [(10, 0), (10, 15), (10, -15), (20, 0), (20, 15), (20, -15), (30, 0), (30, 15), (30, -15)]
+TRUE = {
+    "stiffness_1": 23.0,
+    "stiffness_2": 28.0,
+    "rest_length": 0.007,
+    "loss": 0.25,
+    "loss_length": 0.003,
+    "friction": 0.004,
+}
+CUBIC = TRUE | {"rest_length": 0.010, "stiffness_1": 35.0, "quadratic": -20.0, "cubic": 400.0}
+
+
+def samples(truth, rng, *, noise=0.002, scatter=0.01, unloading=False, points=20):
+    """Series of nine geometries and two numbers of bands; each piece of rubber differs a little."""
+    found = []
+    for d in D:
+        for bands in (1, 2):
+            cell = Cell(Band((0.0, 0.0), (d[0] * 1e-3, d[1] * 1e-3)))
+            travel = np.linspace(0.0005, 0.0195, points)
+            theta = cell.angle(travel[::-1] if unloading else travel)
+            empty = np.zeros(points)
+            name = f"{d}, {bands}"
+            sample = lab.Sample(
+                name, (d[0] * 1e-3, d[1] * 1e-3), bands, cell, theta, empty, unloading
+            )
+            force = _force(truth, sample) * rng.normal(1.0, scatter)
+            found.append(replace(sample, force=force + rng.normal(0.0, noise, points)))
+    return found
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+@pytest.mark.parametrize(("law", "truth"), [("linear", TRUE), ("cubic", CUBIC)])
+def test_clean_curves_give_their_numbers_back(law, truth, unloading):
+    data = samples(truth, np.random.default_rng(0), noise=0.0, scatter=0.0, unloading=unloading)
+    found = lab.calibrate(data, law)
+    for name, value in truth.items():
+        if name in {p.name for p in found.parameters}:
+            assert found[name].value == pytest.approx(value, rel=1e-3, abs=1e-5), name
+    assert found.mean_error(1) < 1e-4 and found.mean_error(2) < 1e-4
+
+
+@pytest.mark.slow
+def test_the_stated_intervals_hold_the_truth():
+    inside = dict.fromkeys(TRUE, 0)
+    for seed in range(DRAWS):
+        found = lab.calibrate(samples(TRUE, np.random.default_rng(seed), points=12), "linear")
+        for name, value in TRUE.items():
+            inside[name] += found[name].low <= value <= found[name].high
+    assert min(inside.values()) >= OFTEN * DRAWS, inside
+
+
+@pytest.mark.slow
+def test_the_stated_intervals_of_the_cubic_law_hold_the_truth():
+    inside: dict[str, int] = {}
+    for seed in range(DRAWS):
+        data = samples(CUBIC, np.random.default_rng(seed), points=12, scatter=0.005, noise=0.001)
+        found = lab.calibrate(data, "cubic")
+        for p in found.parameters:
+            inside[p.name] = inside.get(p.name, 0) + (p.low <= CUBIC[p.name] <= p.high)
+    assert min(inside.values()) >= OFTEN * DRAWS, inside
+
+
+def test_the_law_that_predicts_better_is_taken_by_default():
+    rng = np.random.default_rng(1)
+    assert lab.calibrate(samples(CUBIC, rng, scatter=0.0)).law == "cubic"
+    assert lab.calibrate(samples(TRUE, rng, noise=0.004)).law == "linear"
+
+
+def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
+    rng = np.random.default_rng(2)
+    data = samples(TRUE, rng) + samples(TRUE, rng, unloading=True)
+    # One geometry is of other rubber: by itself it cannot be predicted, and nothing else tells.
+    odd = [replace(s, force=2 * s.force) if s.geometry == (0.02, 0.0) else s for s in data]
+    found = lab.calibrate(odd, "linear")
+    errors = {k: [] for k in (True, False)}
+    for sample, error in zip(found.samples, found.left_out_error, strict=True):
+        errors[sample.geometry == (0.02, 0.0)].append(error)
+    assert min(errors[True]) > 3 * max(errors[False])
+    assert len(errors[True]) == 4
+    assert np.all(found.left_out_error[[s.geometry == (0.02, 0.0) for s in odd]] > 0.1)
+
+
+def test_numbers_that_the_data_cannot_tell_apart_are_named():
+    found = lab.calibrate(samples(CUBIC, np.random.default_rng(3)), "cubic")
+    assert any({"quadratic", "cubic"} == {a, b} for a, b, _ in found.tied)
+    assert np.diag(found.correlations) == pytest.approx(1.0)
+    assert "not told apart" in lab.calibrated_table(found)
+
+
+def test_recordings_are_calibrated_from_end_to_end(tmp_path):
+    recordings = [unit(f"1unit/friction/friction_{k}.txt", None, seed=k) for k in (1, 2)]
+    rubber = paper_cell()
+    for code, q in {"MB": (0, 0), "MM": (10, 0), "MT": (20, 0), "MRB": (0, -15)}.items():
+        cell = rubber.with_anchors(q=(q[0] * 1e-3, q[1] * 1e-3))
+        recordings += [
+            unit(f"1unit/{code}/1unit_{code}_{k}.txt", cell, loss=0.2, noise=0.002, seed=k)
+            for k in (1, 2)
+        ]
+    series = lab.sort_series(recordings).series
+    found = lab.calibrate(lab.prepare(series), "linear")
+    assert found["stiffness_1"].value == pytest.approx(28.5, rel=0.05)
+    assert found["loss"].value == pytest.approx(0.2, abs=0.05)
+    assert found.mean_error(1) < 0.02
+    text = lab.calibrated_table(found, "my cells")
+    chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")
+    (band,) = chain.cells[0].bands
+    assert band.stiffness == pytest.approx(found["stiffness_1"].value, rel=1e-4)
+    assert "Not in this table: going back, a band pulls less by" in text
+
+
+def test_the_calibrated_band_is_the_model_while_it_loads():
+    found = lab.calibrate(samples(CUBIC, np.random.default_rng(0), noise=0, scatter=0), "cubic")
+    band = found.band(2)
+    assert isinstance(band.law, Cubic)
+    length = np.linspace(0.02, 0.04, 5)
+    e = length - 0.010
+    assert band.tension(length) == pytest.approx(28.0 * (e - 20 * e**2 + 400 * e**3), rel=1e-3)
+
+
+def test_without_loss_and_friction_the_model_is_the_force_of_a_cell():
+    truth = CUBIC | {"loss": 0.0, "friction": 0.0}
+    for sample in samples(truth, np.random.default_rng(0), noise=0.0, scatter=0.0):
+        k = truth[f"stiffness_{sample.bands}"]
+        band = Band((0.0, 0.0), sample.geometry, k, 0.010, Cubic(-20.0, 400.0))
+        force = sample.bands * Cell(band).force(sample.theta)
+        assert sample.force == pytest.approx(force, rel=1e-12)
+
+
+def test_too_few_geometries_are_refused():
+    data = [s for s in samples(TRUE, np.random.default_rng(0)) if s.geometry[0] == 0.01][:4]
+    with pytest.raises(lab.LabError, match="unit cells of 2 different q - p: calibration needs 3"):
+        lab.calibrate(data)
+    with pytest.raises(lab.LabError, match="'quartic': must be one of linear, cubic"):
+        lab.calibrate(samples(TRUE, np.random.default_rng(0)), "quartic")
+
+
+def test_a_calibration_goes_to_xarray_and_json():
+    import json
+
+    found = lab.calibrate(samples(TRUE, np.random.default_rng(0)), "linear")
+    data = found.to_xarray()
+    assert data.sizes == {"series": 18, "parameter": 6, "other": 6}
+    record = lab.fit_record(found)
+    assert json.loads(json.dumps(record, allow_nan=False)) == record
+    with pytest.raises(KeyError, match="must be one of stiffness_1"):
+        found["stiffness_3"]
