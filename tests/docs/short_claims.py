@@ -34,8 +34,8 @@ def short(record: dict[str, Any]) -> str:
     lines = [
         f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot "
         f"anew: {count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need "
-        f"data that is not part of Stepwell ([how they come out](docs/measured.md)). Some of the first "
-        f"and all of the second:",
+        f"data that is not part of Stepwell ([how they come out](docs/measured.md)). Some of the "
+        f"first and all of the second:",
         "",
         "| Claim | Paper | Stepwell | Verdict |",
         "|---|---|---|---|",

@@ -119,4 +119,6 @@ def test_the_module_says_how_to_be_called():
         [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False
     )
     assert asked.returncode == 1
-    assert asked.stderr.startswith("usage: python -m stepwell.paper [--data PATH] claims.json")
+    assert asked.stderr.startswith(
+        "usage: python -m stepwell.paper [--data PATH | --all] claims.json"
+    )
