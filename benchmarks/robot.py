@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 import stepwell as sw
-from stepwell.physics import Linkage, Settings, mjcf, walk
+from stepwell.physics import Linkage, Settings, mjcf, sweep, walk
 from stepwell.physics._mujoco import mujoco, rollout
 from stepwell.robot import Robot
 
 CYCLES = 20
 TIMES = 5
+SWEPT = 32
+CORES = 2
 
 
 def rows() -> list[tuple[str, str, str]]:
@@ -43,7 +45,20 @@ def rows() -> list[tuple[str, str, str]]:
     )
     found.append(("the same with antennas", real_time(explorer, antennas), "-"))
     found.append(("the same with every lever a hinged body", real_time(robot, bodies), "-"))
+    alone, together = in_turns(lambda: many(robot, 1), lambda: many(robot, CORES))
+    found.append(
+        (
+            f"sweep of {SWEPT} robots on {CORES} cores",
+            f"{alone / together:.2f} times as fast as on one, "
+            f"{100 * alone / together / CORES:.0f} % of {CORES}",
+            "at least 85 %",
+        )
+    )
     return found
+
+
+def many(robot: Robot, threads: int) -> None:
+    sweep([robot] * SWEPT, cycles=4, threads=threads)
 
 
 def real_time(robot: Robot, seconds: float) -> str:
