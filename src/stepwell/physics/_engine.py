@@ -22,11 +22,6 @@ STRETCHED = 1e-3  # a rod that is off its length by this [m] has come apart
 FALLEN = math.radians(45.0)  # a body that leans by this will not get up
 CHUNK = 0.5  # time between two looks at a run [s]
 
-# Left to itself, MuJoCo writes its warnings into a file in the folder of whoever calls. A run that
-# goes wrong is stopped and told about in its result.
-if mujoco.get_mju_user_warning() is None:
-    mujoco.set_mju_user_warning(lambda text: None)
-
 
 @dataclass(frozen=True)
 class Samples:
