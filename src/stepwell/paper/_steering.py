@@ -60,42 +60,43 @@ def _papers_antennas() -> Finding:
     gaits = _presses("antennas")
     flips = gaits["free"] == (FORWARD, FORWARD) and gaits["pressed"] == (FORWARD, BACKWARD)
     largest, least = _nearest()
+    depths = ", ".join(f"{q:g} mm with the feet {below:g} mm deep" for below, q in largest.items())
     return judged(
         flips,
         f"free {gaits['free'][1]}, pressed {gaits['pressed'][1]}",
         otherwise=f"At q_out = 20 mm an inner anchor at -11 mm does not turn the step round. With "
-        f"everything else as given it does for q_out up to {largest:g} mm, and at 14 mm "
-        f"from {least:g} mm of anchor displacement on (`robot-explorer`).",
+        f"the other numbers as given it does for q_out up to {depths}. At 14 mm and 0.3 mm it "
+        f"takes {least:g} mm of anchor displacement; `robot-explorer` has these and moves its "
+        f"anchor by up to 10 mm.",
     )
 
 
 @cache
-def _nearest() -> tuple[float, float]:
-    """Largest q_out [mm] that 4 mm of anchor flip, and the displacement [mm] that flips 14 mm."""
+def _nearest() -> tuple[dict[float, float], float]:
+    """Largest q_out [mm] that 4 mm of anchor flip, by depth [mm]; what flips 14 mm [mm]."""
     from stepwell.physics import sweep
 
     base = robot("antennas")
-    outer = [q / 10 for q in range(120, 201, 5)]
-    moves = [m / 10 for m in range(5, 101, 5)]
+    depths, outer = (0.1, 0.3, 0.6, 1.0), [float(q) for q in range(11, 21)]
+    moves = [m / 10 for m in range(20, 61, 2)]
 
-    def variant(q: float, moved: float) -> Robot:
-        design = base
+    def variant(below: float, q: float, moved: float) -> Robot:
+        design = replace(base, foot=replace(base.foot, below=below * 1e-3))
         for leg in ("left", "right"):
             design = design.with_anchors(leg, "outer", q=(q * 1e-3, 0.0))
             design = design.with_anchors(leg, "inner", p=((-7.0 - moved) * 1e-3, 0.0))
         return design
 
-    robots = [variant(q, moved) for q in outer for moved in (0.0, 4.0)]
-    trials = sweep(robots, cycles=3).trials
-    gaits = [trial.gaits[0] for trial in trials]
-    flipping = [
-        q
-        for q, free, pressed in zip(outer, gaits[::2], gaits[1::2], strict=True)
-        if free == FORWARD and pressed == BACKWARD
-    ]
-    pressed = sweep([variant(14.0, moved) for moved in moves], cycles=3).trials
+    robots = [variant(b, q, m) for b in depths for q in outer for m in (0.0, 4.0)]
+    gaits = iter([trial.gaits[0] for trial in sweep(robots, cycles=3).trials])
+    largest: dict[float, float] = {}
+    for below in depths:
+        for q in outer:
+            if (next(gaits), next(gaits)) == (FORWARD, BACKWARD):
+                largest[below] = q
+    pressed = sweep([variant(0.3, 14.0, moved) for moved in moves], cycles=3).trials
     enough = [m for m, t in zip(moves, pressed, strict=True) if t.gaits[0] == BACKWARD]
-    return max(flipping, default=math.nan), min(enough, default=math.nan)
+    return largest, min(enough, default=math.nan)
 
 
 def _turns_away() -> Finding:
