@@ -162,7 +162,7 @@ def _path(
     ax.set_aspect("equal", adjustable="box")
     ax.set_xlabel("$x$ [mm]")
     ax.set_ylabel("$y$ [mm]")
-    ax.yaxis.set_label_coords(-10.5 / _WIDE, 0.5)
+    ax.yaxis.set_label_coords(-9.8 / _WIDE, 0.5)
 
 
 def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
