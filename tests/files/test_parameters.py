@@ -47,6 +47,7 @@ def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
 
 @pytest.mark.parametrize("robot", [FORWARD, EXPLORER], ids=["forward", "explorer"])
 def test_every_listed_number_can_be_varied_by_its_path_and_nothing_else_changes(robot):
+    before = value_of(robot)
     for parameter in parameters(robot):
         same = vary(robot, {parameter.path: parameter.value})
         assert same == robot
@@ -57,11 +58,12 @@ def test_every_listed_number_can_be_varied_by_its_path_and_nothing_else_changes(
         for key in ("lever_mm", "limit_deg"):  # all legs need the same full stroke
             path = f"chain.{key}" if path.endswith(key) else path
         other = vary(robot, {path: to})
-        changed = {p for p, v in value_of(other).items() if v != value_of(robot)[p]}
+        after = value_of(other)
+        changed = {p for p, v in after.items() if v != before[p]}
         assert parameter.path in changed
         assert changed == {parameter.path} or path.startswith("chain.")
         # An angle passes through radians, which have other neighbours.
-        assert value_of(other)[parameter.path] == pytest.approx(to, rel=1e-15)
+        assert after[parameter.path] == pytest.approx(to, rel=1e-15)
 
 
 def test_a_value_is_in_the_unit_of_its_key_to_the_last_bit():

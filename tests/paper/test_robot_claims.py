@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from stepwell import files, paper
@@ -104,6 +105,16 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
 def test_three_walls_that_stand_differently_are_passed():
     arena = other_layout(files.load_arena("three-walls"), _steering.LAYOUTS[0])
     assert maze(explorer(), arena, limit=600.0).outcome is Outcome.REACHED
+
+
+def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
+    one = _steering.field(7)
+    assert one == _steering.field(7) != _steering.field(8)
+    assert one.clearance(0.0, 0.0) >= _steering.GAP
+    lines = [np.linspace(wall.start, wall.end, 40) for wall in one.walls]
+    for i, line in enumerate(lines):
+        for other in lines[:i]:
+            assert np.linalg.norm(line[:, None] - other, axis=2).min() > _steering.GAP
 
 
 @pytest.mark.slow

@@ -16,6 +16,8 @@ from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_sta
 # Declared before any of these runs.
 STARTS = tuple(range(100, 110))
 LAYOUTS = tuple(range(200, 210))
+FIELDS = tuple(range(500, 512))
+GAP = 0.35  # between the walls of a field, and between them and the start [m]
 WALLS_DEG = (15, 23, 31, 39, 47, 55, 63, 72, 80)
 BETWEEN_DEG = (19, 27, 35, 43, 51, 59, 67.5, 76, 84)
 OFFSETS_MM = (-100, -75, -50, -25, -10, 15, 40, 65, 90)
@@ -219,6 +221,42 @@ def _layouts() -> Finding:
     )
 
 
+def field(seed: int) -> Arena:
+    """Five walls at random before the robot, with gaps of 0.35 m or more between them."""
+    rng = np.random.default_rng(seed)
+    start, walls = np.zeros((1, 2)), []
+    points: list[np.ndarray] = [start]
+    while len(walls) < 5:
+        middle = rng.uniform((0.2, -0.9), (2.2, 0.9))
+        angle, length = rng.uniform(0.0, math.pi), rng.uniform(0.3, 0.9)
+        half = length / 2 * np.array([math.cos(angle), math.sin(angle)])
+        wall = Wall(tuple(middle - half), tuple(middle + half))
+        line = np.linspace(wall.start, wall.end, 60)
+        gaps = [np.linalg.norm(line[:, None] - other, axis=2).min() for other in points]
+        if min(gaps) >= GAP + wall.thickness:
+            walls.append(wall)
+            points.append(line)
+    return Arena(walls, title=f"Field {seed}")
+
+
+def _fields() -> Finding:
+    from stepwell.physics import mazes
+
+    ways = mazes([(robot("explorer"), field(seed)) for seed in FIELDS], limit=600.0)
+    # Far outside the rectangle in which the walls stand.
+    left = [way.walks_on and math.hypot(way.walk.x[-1] - 1.2, way.walk.y[-1]) > 1.8 for way in ways]
+    touched = sum(any(time is not None for time in way.touched.values()) for way in ways)
+    kept = ", ".join(str(seed) for seed, out in zip(FIELDS, left, strict=True) if not out)
+    return judged(
+        sum(left) >= len(left) - 1,
+        f"{sum(left)} of {len(left)} left behind",
+        note=f"Five walls each, gaps of {GAP} m or more, seeds {FIELDS[0]} to {FIELDS[-1]}, drawn "
+        f"before any run; in {touched} of them it met a wall."
+        + (f" Not left within 600 s: {kept}." if kept else ""),
+        otherwise=f"Not left within 600 s: seeds {kept}.",
+    )
+
+
 def _linkages() -> Finding:
     from stepwell.physics import Linkage, Settings, walk
 
@@ -311,5 +349,13 @@ MANY_RUNS = (
         "traversed",
         "8 of 10 layouts",
         simulated(_layouts),
+    ),
+    Claim(
+        "antennas-fields",
+        "Walls that stand at random are passed as well.",
+        "ours",
+        "passed",
+        "11 of 12 fields",
+        simulated(_fields),
     ),
 )
