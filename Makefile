@@ -38,7 +38,7 @@ test: .venv/.ready
 	.venv/bin/pytest --cov --cov-report=term
 
 test-lowest: .venv-lowest/.ready
-	.venv-lowest/bin/pytest -m "not slow"
+	.venv-lowest/bin/pytest -m "not slow and not shown"
 
 bench: .venv/.ready
 	.venv/bin/python benchmarks/run.py

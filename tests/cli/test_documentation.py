@@ -172,6 +172,7 @@ def test_every_name_of_the_json_is_documented():
         assert f"`{name}`" in text or f'"{name}"' in text, name
 
 
+@pytest.mark.shown
 @pytest.mark.parametrize("name", ["design-files", "commands"])
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
     (tmp_path / "forward.toml").unlink()  # the pages make it themselves

@@ -25,6 +25,7 @@ def read(page: str) -> str:
     return (ROOT / page).read_text("utf-8")
 
 
+@pytest.mark.shown
 @pytest.mark.parametrize("page", [*PAGES, *HOW_TO])
 def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -95,6 +96,7 @@ def test_the_readmes_claims_are_those_of_the_claims_file():
             assert claim["claim"] in text
 
 
+@pytest.mark.shown
 def test_the_pictures_are_those_of_the_model(tmp_path):
     draw = runpy.run_path(str(ROOT / "examples" / "00_figures_of_the_pages.py"))["draw"]
     draw(tmp_path)

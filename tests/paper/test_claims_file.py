@@ -46,6 +46,7 @@ def test_the_comparison_sees_a_changed_number_and_a_changed_word():
     assert not same("3 agree", "3 differ")
 
 
+@pytest.mark.shown
 def test_the_committed_claims_are_those_computed_now(verdicts):
     committed = json.loads(CLAIMS.read_text("utf-8"))["claims"]
     computed = json.loads(json.dumps(paper.record(verdicts)["claims"]))
@@ -69,6 +70,7 @@ def test_the_page_of_many_runs_shows_its_file_and_names_every_claim():
         assert f"| {row} | **{claim['verdict']}** |" in page
 
 
+@pytest.mark.shown
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_a_page_with_the_table_shows_what_is_computed_now(page, verdicts):
     text = page.read_text("utf-8")

@@ -110,7 +110,7 @@ def _on_the_floor() -> Finding:
     advance = _late(walk.advance)
     return judged(
         advance < STANDS_STILL,
-        f"d/u_max {advance:.2f}, {walk.gaits['left'][-1]}",
+        f"d/u_max {advance:z.2f}, {walk.gaits['left'][-1]}",
         note="The weight on the feet opens the outer cells, until the T-foot carries it; at "
         "q_out = 15 mm that is enough for the outer cell to move first. " + ASSUMED,
         otherwise=f"It walks. {ASSUMED}",

@@ -216,8 +216,8 @@ class Walk:
             return f"Walk({title}no whole cycle{'; ' + self.stopped if self.stopped else ''})"
         late = slice(min(1, self.cycles - 1), None)
         return (
-            f"Walk({title}{self.cycles} cycles, d/u_max {self.advance[late].mean():.2f}, "
-            f"turn {np.degrees(self.turn[late].mean()):.1f}° per cycle"
+            f"Walk({title}{self.cycles} cycles, d/u_max {self.advance[late].mean():z.2f}, "
+            f"turn {np.degrees(self.turn[late].mean()):z.1f}° per cycle"
             f"{'; ' + self.stopped if self.stopped else ''})"
         )
 
