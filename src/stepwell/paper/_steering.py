@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from stepwell import files
 from stepwell.paper._robot import robot, simulated
 from stepwell.paper.claim import Claim, Finding, judged
 from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_start
+
+if TYPE_CHECKING:
+    from stepwell.physics import Maze
 
 # Declared before any of these runs.
 STARTS = tuple(range(100, 110))
@@ -169,12 +173,13 @@ def _head_on() -> Finding:
     )
 
 
-def _crossed(arena: Arena, ways: list) -> int:
+def _crossed(ways: tuple[Maze, ...]) -> int:
     """How many reached the goal having touched the first three walls."""
+    from stepwell.physics import Outcome
+
     walls = [f"wall {i + 1}" for i in range(3)]
     return sum(
-        str(way.outcome) == "reached the goal"
-        and all(way.touched[wall] is not None for wall in walls)
+        way.outcome is Outcome.REACHED and all(way.touched[wall] is not None for wall in walls)
         for way in ways
     )
 
@@ -190,7 +195,7 @@ def _from_starts(name: str, control: str) -> int:
         off = tuple(replace(antenna, connected=False) for antenna in design.antennas)
         design = replace(design, antennas=off)
     entries = [(design, other_start(arena, seed)) for seed in STARTS]
-    return _crossed(arena, list(mazes(entries, limit=700.0)))
+    return _crossed(mazes(entries, limit=700.0))
 
 
 def _three_walls(name: str) -> Finding:
@@ -212,7 +217,7 @@ def _layouts() -> Finding:
 
     arena, design = files.load_arena("three-walls"), robot("explorer")
     ways = mazes([(design, other_layout(arena, seed)) for seed in LAYOUTS], limit=700.0)
-    count = _crossed(arena, list(ways))
+    count = _crossed(ways)
     return judged(
         count >= 8,
         f"{count} of {len(LAYOUTS)}",
