@@ -25,7 +25,6 @@ from stepwell.figures._style import (
     styled,
 )
 from stepwell.figures._walk_reading import (
-    cycle_starts,
     intervals,
     leg_colours,
     span,
@@ -115,7 +114,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     force.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=min(len(names) + 1, 7))
     for ax in (bars, force):
         ax.set_xlim(*span(walk, some))
-        for start in cycle_starts(walk):
+        for start in walk.starts:
             if time[0] < start < time[-1]:
                 ax.axvline(start, color=FAINT, linewidth=0.5, linestyle=(0, (4, 3)), zorder=0)
 
@@ -154,7 +153,7 @@ def _loop(ax: Axes, walk: Walk) -> None:
 
 def _work(ax: Axes, walk: Walk) -> None:
     """The area of each loop."""
-    starts = cycle_starts(walk)
+    starts = walk.starts
     first = round(starts[0] / walk.robot.drive.period) if len(starts) else 0
     at = np.minimum(np.searchsorted(walk.time, starts - 1e-9), len(walk.time) - 1)
     work = [

@@ -15,7 +15,6 @@ from stepwell.figures._reading import MM
 from stepwell.figures._style import FAINT, INK, PAGE, blank, cell_colours, pale, place, styled
 from stepwell.figures._walk_reading import (
     Interval,
-    cycle_starts,
     intervals,
     resting,
     span,
@@ -78,7 +77,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         ax.set_ylabel(f"Travel $s$ of\n{leg.name} [mm]")
         ax.set_xlim(*span(walk, some))
         _states(ax, resting(walk, leg.name, some))
-    starts = cycle_starts(walk)
+    starts = walk.starts
     first = round(starts[0] / robot.drive.period) if len(starts) else 0
     for ax in axes:
         ax.set_xlim(*span(walk, some))

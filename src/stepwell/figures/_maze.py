@@ -30,7 +30,7 @@ from stepwell.figures._style import (
     place,
     styled,
 )
-from stepwell.figures._walk_reading import MOTION, PRESSED, cycle_starts, motions
+from stepwell.figures._walk_reading import MOTION, PRESSED, motions
 
 if TYPE_CHECKING:
     from stepwell.physics import Maze, Walk
@@ -136,7 +136,7 @@ def _path(ax: Axes, walk: Walk) -> list[str]:
     kinds = motions(walk)
     last = len(walk.time) - 1
     # What was no whole cycle has no gait.
-    at = np.minimum(np.searchsorted(walk.time, cycle_starts(walk) - 1e-9), last)
+    at = np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), last)
     cuts = [0, *at.tolist(), last]
     named = ["", *kinds, ""] if kinds else [""]
     spans: dict[str, list[tuple[int, int]]] = {kind: [] for kind in named}

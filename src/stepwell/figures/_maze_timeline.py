@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from stepwell.figures._gait import refuse_empty
 from stepwell.figures._style import FAINT, INK, PAGE, blank, pale, place, styled
-from stepwell.figures._walk_reading import PRESSED, cycle_starts, direction, gait_colours, intervals
+from stepwell.figures._walk_reading import PRESSED, direction, gait_colours, intervals
 
 if TYPE_CHECKING:
     from stepwell.physics import Maze
@@ -103,7 +103,7 @@ def _swing(ax: Axes, maze: Maze, antenna: int) -> None:
 def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
     walk = maze.walk
     legs = walk.robot.legs
-    starts = cycle_starts(walk)
+    starts = walk.starts
     for i, leg in enumerate(legs):
         gaits = np.array(walk.gaits[leg.name], dtype=object)
         for gait, colour in colours.items():

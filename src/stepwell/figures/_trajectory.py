@@ -20,7 +20,6 @@ from stepwell.figures._gait import refuse_empty
 from stepwell.figures._reading import MM
 from stepwell.figures._robot_parts import frame, in_world
 from stepwell.figures._style import BLUE, FAINT, INK, ORANGE, PAGE, blank, place, styled
-from stepwell.figures._walk_reading import cycle_starts
 
 if TYPE_CHECKING:
     from stepwell.physics import Walk
@@ -107,7 +106,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
 def _places(walk: Walk) -> Array:
     """Samples at the start of every cycle and the end of the last; both ends without one."""
     last = len(walk.time) - 1
-    at = np.minimum(np.searchsorted(walk.time, cycle_starts(walk) - 1e-9), last)
+    at = np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), last)
     return at if len(at) else np.unique([0, last])
 
 
@@ -166,7 +165,7 @@ def _path(
 
 
 def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
-    starts = cycle_starts(walk)
+    starts = walk.starts
     first = round(starts[0] / walk.robot.drive.period) if len(starts) else 0
     number = first + 1 + np.arange(walk.cycles)
     moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")

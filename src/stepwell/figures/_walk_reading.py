@@ -55,16 +55,6 @@ def leg_colours(robot: Robot) -> list[str]:
     return [_LEGS[i % len(_LEGS)] for i in range(len(robot.legs))]
 
 
-def cycle_starts(walk: Walk) -> Array:
-    """(cycles + 1,) when each whole cycle begins, and when the last one ends [s]."""
-    period = walk.robot.drive.period
-    if walk.cycles == 0:
-        return np.empty(0)
-    # A cycle's first sample comes one sampling time after its beginning.
-    first = np.ceil((walk.time[0] - walk.settings.sample) / period - 1e-9)
-    return (max(first, 0.0) + np.arange(walk.cycles + 1)) * period
-
-
 def window(walk: Walk, cycles: float) -> slice:
     """The samples of the last so many cycles."""
     if len(walk.time) == 0:

@@ -82,6 +82,16 @@ class Walk:
         return max(0, int(last) - self._first)
 
     @property
+    def starts(self) -> Array:
+        """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
+
+        Empty for a walk without a whole cycle.
+        """
+        if not self.cycles:
+            return np.empty(0)
+        return self.robot.drive.period * (self._first + np.arange(self.cycles + 1.0))
+
+    @property
     def gaits(self) -> dict[str, tuple[str, ...]]:
         """For each leg the states that follow each other, a string a cycle.
 
@@ -101,9 +111,7 @@ class Walk:
         if not 0 <= cycle < self.cycles:
             raise ValueError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
         index = self._leg(leg)
-        period = self.robot.drive.period
-        times = [(self._first + cycle + i) * period - 1e-9 for i in (0, 1)]
-        begin, end = np.searchsorted(self.time, times)
+        begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
         return gait(self._share(index)[begin : end + 1])
 
     def state(self, leg: str, time: float) -> str | None:
@@ -197,10 +205,7 @@ class Walk:
 
     def _at_starts(self, values: Array) -> Array:
         """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
-        if not self.cycles:
-            return np.empty(0)
-        times = (self._first + np.arange(self.cycles + 1)) * self.robot.drive.period
-        return np.interp(times, self.time, values)
+        return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
 
     def _displacement(self) -> tuple[Array, Array]:
         dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
