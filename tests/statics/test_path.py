@@ -186,6 +186,23 @@ def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():
     assert list(cycle.loading_order) == list(np.argsort([c.force_0 for c in chain.cells]))
 
 
+def test_a_snap_keeps_the_stroke_where_a_cell_leaves_its_stop_and_is_called_back_at_once():
+    # Two full cells whose F1 differ by 10 mN: the second comes off its stop while the first
+    # gives travel back, and is pressed onto it again within one step of the flow.
+    bands = [
+        ((0.012142493811, 0.009040944517), 38.76790629, 0.01343052253),
+        ((0.013137159700, 0.009386791658), 15.21563347, 0.00084877168),
+        ((0.023595215835, 0.018846076005), 22.69459663, 0.00762265549),
+    ]
+    chain = sw.Chain([sw.Cell(sw.Band((0, 0), d, k, rest)) for d, k, rest in bands])
+    path = chain.path([0.0, chain.full_stroke, 0.0])
+    snaps = [e for e in path.events if e.kind is EventKind.SNAP]
+    assert snaps
+    for snap in snaps:
+        assert sum(snap.after) == pytest.approx(sum(snap.before), abs=1e-12)
+    assert str(chain.cycle().sequence).startswith("000>100>110>111")
+
+
 def test_a_hundred_thousand_cells_cycle_in_sorted_order():
     x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, 100_000))
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])

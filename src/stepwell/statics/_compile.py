@@ -14,24 +14,34 @@ _PACKAGE = Path(__file__).parents[1]
 
 def _forget_stale_machine_code() -> None:
     # Numba renews a cached kernel when its own file changes, not when a kernel that it calls
-    # does. After an edit or an update in place that would run old physics, so the cache goes
-    # whenever any source of the package is not the one it was made from.
-    stamp = _PACKAGE / "statics" / "__pycache__" / "kernels.stamp"
-    sources = sorted(p for room in ("mechanism", "statics", "design") for p in _files(room))
+    # does. After an edit or an update in place that would run old physics, so a room's cache
+    # goes whenever a source is not the one it was made from: its own, or one of a room above.
+    sources = sorted(p for room in ("mechanism", "statics") for p in _kernels(room))
+    _keep_only_if_made_from("statics", sources)
+    _keep_only_if_made_from("design", [*sources, *sorted(_kernels("design"))])
+
+
+def _keep_only_if_made_from(room: str, sources: list[Path]) -> None:
+    cache = _PACKAGE / room / "__pycache__"
+    stamp = cache / "kernels.stamp"
     now = "\n".join(f"{p.name} {p.stat().st_size} {p.stat().st_mtime_ns}" for p in sources)
     with contextlib.suppress(OSError):
         if stamp.exists() and stamp.read_text() == now:
             return
-        for room in ("statics", "design"):
-            for index in (_PACKAGE / room / "__pycache__").glob("*.nbi"):
-                index.unlink(missing_ok=True)
-        stamp.parent.mkdir(exist_ok=True)
+        for index in cache.glob("*.nbi"):
+            index.unlink(missing_ok=True)
+        cache.mkdir(exist_ok=True)
         stamp.write_text(now)
 
 
-def _files(room: str) -> list[Path]:
-    """The source files of a room that may hold kernels or their formulas."""
-    return [*(_PACKAGE / room).glob("_*.py"), *(_PACKAGE / room).glob("concave.py")]
+def _kernels(room: str) -> list[Path]:
+    """The source files of a room that hold kernels or their formulas."""
+    if room == "mechanism":
+        return [_PACKAGE / room / "_geometry.py"]
+    marks = ("@kernel", "@numba", "= kernel(")
+    return [
+        p for p in (_PACKAGE / room).glob("*.py") if any(m in p.read_text("utf-8") for m in marks)
+    ]
 
 
 _forget_stale_machine_code()

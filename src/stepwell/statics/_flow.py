@@ -250,6 +250,16 @@ def _first_stage(
 
 
 @kernel
+def _turned(laws: Laws, travel: Floats, sense: Ints, step: Floats) -> int:
+    """A cell that a step pushes into the stop that it was to leave, or -1."""
+    for i in range(len(travel)):
+        bound = travel[i] == 0.0 or travel[i] == laws.full[i]
+        if sense[i] != 0 and bound and step[i] * sense[i] < 0.0:
+            return i
+    return -1
+
+
+@kernel
 def _longest_step(
     sense: Ints, slope: Floats, d: float, alpha: float, beta: float, wanted: float
 ) -> float:
@@ -330,6 +340,16 @@ def flow(
             _smooth_rates(laws, travel + 0.5 * h * k1, sense, drive, alpha, beta, rows, f1)
             _solve(sense, slope, h * d, alpha, beta, f1 - k1, k2)
             k2 += k1
+            turned = _turned(laws, travel, sense, k2)
+            if turned >= 0:
+                # It would leave its stop and be back there within the step, which then would
+                # end before it began. A shorter step lets it go; in the shortest it stays.
+                if h > 1e-6 / stiffest:
+                    h *= 0.25
+                else:
+                    started[turned] = 0
+                    _smooth_rates(laws, travel, started, drive, alpha, beta, rows, f0)
+                continue
             _smooth_rates(laws, travel + h * k2, sense, drive, alpha, beta, rows, f2)
             lag = f2 - e32 * (k2 - f1) - 2.0 * (k1 - f0)
             _solve(sense, slope, h * d, alpha, beta, lag, k3)
@@ -356,7 +376,8 @@ def flow(
                 rubbed[i] += abs(move)
                 travel[i] = min(max(travel[i] + move, 0.0), laws.full[i])
                 if i == first:
-                    travel[i] = laws.full[i] if move > 0.0 else 0.0
+                    # Not by the sign of `move`: a cell that was there already moves by zero.
+                    travel[i] = laws.full[i] if k2[i] > 0.0 else 0.0
                 _look(laws, i, travel[i], rows, force, slope)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
         h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)

@@ -402,6 +402,10 @@ def _take_snap(
     )
     if status != DONE:
         return status
+    # A snap at a prescribed stroke that does not keep it is no answer.
+    lost = beta == 0.0 and abs(np.sum(state.travel - before)) > 1e-9 * np.sum(laws.full)
+    if lost:
+        return NOT_SETTLED
     changed = state.travel != before
     if not np.any(changed):
         return STALLED

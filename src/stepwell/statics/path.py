@@ -21,9 +21,18 @@ from stepwell.statics._pieces import cut
 from stepwell.statics._sample import count_samples, sample
 from stepwell.statics._start import drive_weights
 from stepwell.statics.events import Event, Tie
+from stepwell.statics.stretch import Stretch, StretchKind
 
 if TYPE_CHECKING:
     import xarray
+
+# A drift moves cells of constant force.
+_KINDS = {
+    f.HOLD: StretchKind.HOLD,
+    f.MOVE: StretchKind.MOVE,
+    f.DRIFT: StretchKind.MOVE,
+    f.SNAP: StretchKind.SNAP,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,12 +192,34 @@ class Path:
         spring = 0.5 * softness * (force[1] ** 2 - force[0] ** 2)
         return self.dissipated + stored[1] - stored[0] + spring
 
+    def stretches(self) -> Iterator[Stretch]:
+        """Every part of the path in order: holds, smooth moves, snaps."""
+        movers = self._log.movers
+        for k, row in enumerate(self._segments.tolist()):
+            rows = movers[self._log.first[k] : self._log.first[k + 1]]
+            yield Stretch(
+                _KINDS[int(row[f.KIND])],
+                int(row[f.DIRECTION]),
+                (row[f.DRIVE_0], row[f.DRIVE_1]),
+                (row[f.FORCE_0], row[f.FORCE_1]),
+                tuple(rows[:, f.CELL].astype(int).tolist()),
+                tuple(rows[:, f.TRAVEL_0].tolist()),
+                tuple(rows[:, f.TRAVEL_1].tolist()),
+                row[f.RELEASED],
+                row[f.TIE_A] >= 0,
+            )
+
     def moves(self) -> Iterator[list[tuple[int, float]]]:
         """For every segment of the path the cells that moved and their travels after it [m]."""
         movers = self._log.movers
         for k in range(len(self._segments)):
             rows = movers[self._log.first[k] : self._log.first[k + 1]]
             yield [(int(row[f.CELL]), float(row[f.TRAVEL_1])) for row in rows]
+
+    @property
+    def start_force(self) -> float:
+        """Actuator force at the start [N]."""
+        return self._start_force
 
     @property
     def end_force(self) -> float:

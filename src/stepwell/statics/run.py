@@ -67,20 +67,35 @@ def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
         StaticsError: the follower could not go on; its text says where and what to do.
     """
     laws = pack(chain.cells)
-    alpha, beta = drive_weights(chain)
-    if len(chain) >= WORTH_SORTING and beta == 0 and prefer is None:
+    if len(chain) >= WORTH_SORTING and math.isinf(chain.actuator_stiffness) and prefer is None:
         proved = sorted_cycle(laws)
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
             return _as_path(chain, laws, np.array([0.0, reach, 0.0]), laws.full * 0, force, log)
     pieces = _cut(chain, laws)
-    low, high = _force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
-    turning = np.array([beta * low, alpha * float(np.sum(laws.full)) + beta * high, beta * low])
+    low, high = _drive_range(chain, laws, pieces)
+    turning = np.array([low, high, low])
     scale = _force_scale(laws, pieces)
     travels = np.zeros(len(chain))
     state = starting_state(chain, laws, pieces, travels, turning[0], scale)
     return _follow_from(chain, laws, pieces, turning, travels, state, scale, prefer)
+
+
+def drive_range(chain: Chain) -> tuple[float, float]:
+    """Drives [m], or [N] under force control, that pull every cell to 0 and to 1.
+
+    Raises:
+        StaticsError: a force that turns too often to follow.
+    """
+    laws = pack(chain.cells)
+    return _drive_range(chain, laws, _cut(chain, laws))
+
+
+def _drive_range(chain: Chain, laws: Laws, pieces: Pieces) -> tuple[float, float]:
+    alpha, beta = drive_weights(chain)
+    low, high = _force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
+    return beta * low, alpha * float(np.sum(laws.full)) + beta * high
 
 
 def _follow_from(

@@ -1,0 +1,196 @@
+"""The branches that a chain without friction can stand on, found by driving it up and down.
+
+A *branch* is a stretch of stable equilibria along which the chain goes to and fro with the
+drive; at either end it snaps, or the drive ends. Turning back within a branch does nothing
+new. So whatever an actuator can do to the chain is known once the two ends of every branch
+are, and each costs one run of the engine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from stepwell.mechanism import Chain
+from stepwell.sequences._legs import Leg, Part, legs_of, state_of
+from stepwell.statics import Path, Stretch, Tie, drive_range, path
+
+# Two ends are one place when they differ by less than this share of the drive's range.
+_SAME = 1e-7
+
+Travels = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Exit:
+    """The snap at an end of a branch, and the branch that it leads to."""
+
+    snap: Stretch
+    travel: Travels  # after it
+    branch: int
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Parts in rising order of the drive."""
+
+    parts: tuple[Part, ...]
+
+    @property
+    def low(self) -> float:
+        """Drive at the lower end [m], or [N] under force control."""
+        return self.parts[0].drive[0]
+
+    @property
+    def high(self) -> float:
+        """Drive at the upper end."""
+        return self.parts[-1].drive[1]
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """States on it with all cells at a stop, by rising drive."""
+        return tuple(part.state for part in self.parts if "-" not in part.state)
+
+    def find(self, state: str, drive: float, slip: float) -> int:
+        """Number of the part with this state at this drive."""
+        return next(
+            k
+            for k, part in enumerate(self.parts)
+            if part.state == state and part.drive[0] - slip <= drive <= part.drive[1] + slip
+        )
+
+
+class Branches:
+    """The branches of one chain, each followed when it is first asked for.
+
+    Args:
+        chain: no friction: with it a chain that turns back does not go the way it came.
+    """
+
+    def __init__(self, chain: Chain):
+        self.chain = chain
+        self.range = drive_range(chain)
+        self.slip = _SAME * (self.range[1] - self.range[0])
+        self.ties: dict[Tie, None] = {}
+        self._full = tuple(cell.full_travel for cell in chain.cells)
+        self._rigid = math.isinf(chain.actuator_stiffness)
+        self._branches: list[Branch] = []
+        self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
+        self._where: dict[str, list[int]] = {}
+        self._legs: dict[tuple[float, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
+
+    def __getitem__(self, number: int) -> Branch:
+        return self._branches[number]
+
+    def __len__(self) -> int:
+        return len(self._branches)
+
+    def at(self, travels: Travels, drive: float) -> int:
+        """Number of the branch on which the chain stands there."""
+        state = state_of(travels, self._full)
+        known = self._known(state, drive)
+        if known is not None:
+            return known
+        up, after_up = self._leg(travels, drive, +1)
+        down, after_down = self._leg(travels, drive, -1)
+        back = [part.reversed for part in reversed(down.parts)]
+        first = up.parts[0]
+        # Both runs begin with the part that the chain stands on.
+        middle = back[-1].until(first.drive[1], first.force[1], first.travel[1])
+        branch = Branch((*back[:-1], middle, *up.parts[1:]))
+        number = self._same(branch)
+        if number is None:
+            number = len(self._branches)
+            self._branches.append(branch)
+            for part in branch.parts:
+                self._where.setdefault(part.state, []).append(number)
+            self._landings[number, +1] = after_up
+            self._landings[number, -1] = after_down
+        return number
+
+    def exit(self, number: int, direction: int) -> Exit | None:
+        """The snap at the upper (+1) or lower (-1) end of a branch; None where the drive ends."""
+        landing = self._landings[number, direction]
+        if landing is None:
+            return None
+        snap, travels, drive = landing
+        return Exit(snap, travels, self.at(travels, drive))
+
+    def vertex(self, state: str) -> tuple[Travels, float] | None:
+        """Travels and drive of a state such as "010", or None where it is no equilibrium."""
+        cells = self.chain.cells
+        low = max((c.force_1 for c, s in zip(cells, state, strict=True) if s == "1"), default=None)
+        high = min((c.force_0 for c, s in zip(cells, state, strict=True) if s == "0"), default=None)
+        travels = tuple(f if s == "1" else 0.0 for f, s in zip(self._full, state, strict=True))
+        stroke = math.fsum(travels)
+        if low is not None and high is not None and low > high:
+            return None
+        if self._rigid:
+            return travels, stroke
+        if low is None or high is None:
+            # Nothing but the range of the drive bounds the force on one side.
+            return travels, self.range[0] if low is None else self.range[1]
+        softness = 1.0 if self.chain.actuator_stiffness == 0 else 1 / self.chain.actuator_stiffness
+        alpha = 0.0 if self.chain.actuator_stiffness == 0 else 1.0
+        return travels, alpha * stroke + softness * (low + high) / 2
+
+    def all_from(self, numbers: list[int]) -> set[int]:
+        """Every branch that can be reached from these, themselves included."""
+        seen, waiting = set(numbers), list(numbers)
+        while waiting:
+            number = waiting.pop()
+            for direction in (+1, -1):
+                way = self.exit(number, direction)
+                if way is not None and way.branch not in seen:
+                    seen.add(way.branch)
+                    waiting.append(way.branch)
+        return seen
+
+    def _known(self, state: str, drive: float) -> int | None:
+        """The branch known to hold this place, where state and drive tell it.
+
+        They do if no more than one cell is in transit: its travel is what is left of the stroke.
+        """
+        transit = state.count("-")
+        if transit > (1 if self._rigid else 0):
+            return None
+        for number in self._where.get(state, ()):
+            for part in self._branches[number].parts:
+                low, high = part.drive
+                if part.state == state and low - self.slip <= drive <= high + self.slip:
+                    return number
+        return None
+
+    def _same(self, branch: Branch) -> int | None:
+        states = [part.state for part in branch.parts]
+        for number in self._where.get(states[0], ()):
+            other = self._branches[number]
+            ends = (branch.low - other.low, branch.high - other.high)
+            if states == [p.state for p in other.parts] and max(map(abs, ends)) <= self.slip:
+                return number
+        return None
+
+    def _leg(
+        self, travels: Travels, drive: float, direction: int
+    ) -> tuple[Leg, tuple[Stretch, Travels, float] | None]:
+        key = (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+        if key not in self._legs:
+            end = self.range[1] if direction > 0 else self.range[0]
+            found = path(self.chain, [drive, end], start=travels)
+            self._keep(found, direction)
+        return self._legs[key]
+
+    def _keep(self, found: Path, direction: int) -> None:
+        """Write down every smooth part of a run: the later ones begin where a snap ended."""
+        for tie in found.degenerate:
+            self.ties.setdefault(tie)
+        legs = legs_of(found)
+        for leg, following in zip(legs, [*legs[1:], None], strict=True):
+            first = leg.parts[0]
+            travels, drive = first.travel[0], first.drive[0]
+            key = (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+            landing = None
+            if leg.snap is not None and following is not None:
+                after = following.parts[0]
+                landing = (leg.snap, after.travel[0], after.drive[0])
+            self._legs.setdefault(key, (leg, landing))

@@ -1,0 +1,85 @@
+"""Smooth parts of a path, cut where the chain snaps or another set of cells moves."""
+
+from dataclasses import dataclass, replace
+
+from stepwell.statics import Path, Stretch, StretchKind
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A run of equilibria with the same cells at 0, at 1 and in transit, from a to b."""
+
+    state: str
+    drive: tuple[float, float]
+    force: tuple[float, float]
+    travel: tuple[tuple[float, ...], tuple[float, ...]]
+
+    @property
+    def reversed(self) -> "Part":
+        """The same run from b to a."""
+        return Part(self.state, self.drive[::-1], self.force[::-1], self.travel[::-1])
+
+    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Part":
+        """The run with another end."""
+        return replace(
+            self,
+            drive=(self.drive[0], drive),
+            force=(self.force[0], force),
+            travel=(self.travel[0], travel),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """Parts that follow each other smoothly, and the snap that ends them if one does."""
+
+    parts: tuple[Part, ...]
+    snap: Stretch | None
+
+
+def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
+    """One character a cell: 0, 1, or - between the stops."""
+    return "".join(
+        "0" if s == 0 else "1" if s == f else "-" for s, f in zip(travels, full, strict=True)
+    )
+
+
+def legs_of(path: Path) -> list[Leg]:
+    """The smooth parts of a path between its snaps."""
+    full = tuple(cell.full_travel for cell in path.chain.cells)
+    travels = path.start
+    legs: list[Leg] = []
+
+    def resting(drive: float, force: float) -> Part:
+        return Part(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
+
+    parts = [resting(path.turning_points[0], path.start_force)]
+    for stretch in path.stretches():
+        drive, force = stretch.drive[1], stretch.force[1]
+        if stretch.kind is StretchKind.SNAP:
+            legs.append(Leg(tuple(parts), stretch))
+            travels = _after(travels, stretch)
+            parts = [resting(drive, force)]
+            continue
+        if stretch.kind is StretchKind.MOVE:
+            moving = list(state_of(travels, full))
+            for cell, a, b in zip(stretch.cells, stretch.before, stretch.after, strict=True):
+                if a != b:
+                    moving[cell] = "-"
+            state = "".join(moving)
+            if state != parts[-1].state:
+                begin, pull = (stretch.drive[0],) * 2, (stretch.force[0],) * 2
+                parts.append(Part(state, begin, pull, (travels, travels)))
+            travels = _after(travels, stretch)
+        parts[-1] = parts[-1].until(drive, force, travels)
+        if state_of(travels, full) != parts[-1].state:
+            parts.append(resting(drive, force))
+    legs.append(Leg(tuple(parts), None))
+    return legs
+
+
+def _after(travels: tuple[float, ...], stretch: Stretch) -> tuple[float, ...]:
+    moved = list(travels)
+    for cell, travel in zip(stretch.cells, stretch.after, strict=True):
+        moved[cell] = travel
+    return tuple(moved)

@@ -1,0 +1,265 @@
+"""The transition graph: everything that one actuator can do to a chain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise, product
+
+import networkx as nx
+
+from stepwell.mechanism import Chain
+from stepwell.sequences._branches import Branches
+from stepwell.sequences._legs import state_of
+from stepwell.sequences._relays import relays
+from stepwell.sequences.node import Node, Transition, TransitionKind
+from stepwell.statics import Tie
+
+Drive = str | float | None
+
+# The longest chain whose 2^N vertices are all looked at one by one by the engine.
+MOST_CELLS = 10
+# And of which none needs the engine.
+MOST_RELAYS = 16
+
+
+class TransitionGraph(nx.DiGraph):
+    """Where a chain can stand, and how it gets from there to elsewhere.
+
+    A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with all cells at a
+    stop, or one such as "0-1" with cells in transit. `graph.nodes[label]["node"]` is a Node,
+    `graph.edges[a, b]["transitions"]` a tuple of Transition, one for each direction of the
+    drive that leads from a to b.
+
+    Every node has one way up and one way down, except where the drive ends. Its branches are
+    what the engine followed, so the graph is exact for any cells without friction.
+
+    Source: Mungan and Terzi, 2019; van Hecke, 2021; nodes with strokes and cells in transit
+    are ours (theory page, "Transition graphs").
+    """
+
+    @property
+    def chain(self) -> Chain:
+        """What it is the graph of, with the actuator that drives it."""
+        return self.graph["chain"]
+
+    @property
+    def ties(self) -> tuple[Tie, ...]:
+        """Where the model cannot tell two outcomes apart, with advice; empty if nowhere."""
+        return self.graph["ties"]
+
+    @property
+    def method(self) -> str:
+        """How it was found, in words."""
+        return self.graph["method"]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it began with every vertex, not only with one."""
+        return self.graph["start"] is None
+
+    @property
+    def unit(self) -> str:
+        """Unit of drives: N under force control, else m."""
+        return "N" if self.chain.actuator_stiffness == 0 else "m"
+
+    def node(self, label: str) -> Node:
+        """The node of that label."""
+        return self.nodes[label]["node"]
+
+    def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
+        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends."""
+        for _, target, transitions in self.out_edges(label, data="transitions"):
+            for transition in transitions:
+                if transition.direction == direction:
+                    return target, transition
+        return None
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """Labels of the nodes with every cell at a stop, by number of cells at 1."""
+        found = [label for label in self if "-" not in label]
+        return tuple(sorted(found, key=lambda state: (state.count("1"), state[::-1])))
+
+    def reachable(self, start: str | None = None) -> frozenset[str]:
+        """Labels of all nodes that the actuator can bring the chain to from a node.
+
+        Args:
+            start: its label; all cells at 0 by default.
+        """
+        start = "0" * len(self.chain) if start is None else start
+        if start not in self:
+            return frozenset()
+        return frozenset(nx.descendants(self, start) | {start})
+
+    def __repr__(self):
+        snaps = sum(
+            t.kind is TransitionKind.SNAP
+            for _, _, transitions in self.edges(data="transitions")
+            for t in transitions
+        )
+        return (
+            f"TransitionGraph({len(self.chain)} cells, {len(self.vertices)} vertices, "
+            f"{len(self)} nodes, {snaps} snaps)"
+        )
+
+
+def graph(
+    chain: Chain,
+    drive: Drive = None,
+    *,
+    start: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> TransitionGraph:
+    """The transition graph of a chain.
+
+    Args:
+        chain: its cells have no friction.
+        drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain by
+            default.
+        start: a state such as "000", to see only what can be reached from it; by default every
+            state in which the chain can stand is a start, those set by hand included.
+        progress: called with (done, total) starts.
+
+    Returns:
+        The graph.
+
+    Raises:
+        ValueError: friction, a start that is no equilibrium, or too many cells to look at all
+            2^N states.
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    chain = driven(chain, drive)
+    refuse_friction(chain)
+    fields = relays(chain)
+    if fields is not None and chain.actuator_stiffness == 0 and start is None:
+        if len(chain) > MOST_RELAYS:
+            raise ValueError(_too_long(chain, MOST_RELAYS))
+        from stepwell.sequences._preisach import preisach
+
+        return preisach(chain, fields)
+    if start is None and len(chain) > MOST_CELLS:
+        raise ValueError(_too_long(chain, MOST_CELLS))
+    branches = Branches(chain)
+    states = (
+        ["".join(bits) for bits in product("01", repeat=len(chain))] if start is None else [start]
+    )
+    first: list[int] = []
+    for done, state in enumerate(states):
+        if progress is not None:
+            progress(done, len(states))
+        place = branches.vertex(checked_state(chain, "start", state))
+        if place is not None:
+            first.append(branches.at(*place))
+        elif start is not None:
+            raise ValueError(
+                f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
+                f"holds. Start from another state, or leave start out to see all."
+            )
+    found = sorted(branches.all_from(first))
+    if progress is not None:
+        progress(len(states), len(states))
+    return _assembled(branches, found, start)
+
+
+def driven(chain: Chain, drive: Drive) -> Chain:
+    """The chain with the actuator named by `drive`."""
+    if drive is None:
+        return chain
+    if isinstance(drive, str):
+        if drive not in ("stroke", "force"):
+            raise ValueError(
+                f"drive = {drive!r}: must be 'stroke', 'force', or the stiffness of the actuator "
+                f"[N/m]."
+            )
+        return replace(chain, actuator_stiffness=math.inf if drive == "stroke" else 0.0)
+    return replace(chain, actuator_stiffness=float(drive))
+
+
+def refuse_friction(chain: Chain) -> None:
+    """Raise ValueError where a cell has friction."""
+    for name, cell in zip(chain.names, chain.cells, strict=True):
+        if cell.friction > 0:
+            raise ValueError(
+                f"{name} has friction {cell.friction:.4g} N: a chain with friction stops wherever "
+                f"it is turned back, so it has no finite graph. Leave friction out to see the "
+                f"graph, and ask chain.program() for a program, which searches with friction."
+            )
+
+
+def checked_state(chain: Chain, name: str, state: str) -> str:
+    """The state, if it has one character 0 or 1 a cell; raises ValueError otherwise."""
+    if len(state) != len(chain) or set(state) - {"0", "1"}:
+        raise ValueError(
+            f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
+        )
+    return state
+
+
+def _too_long(chain: Chain, most: int) -> str:
+    return (
+        f"the chain has {len(chain)} cells, so 2^{len(chain)} states: at most {most} cells can be "
+        f"seen whole. Pass start= to see what can be reached from one state, or ask "
+        f"chain.program(to=...) for one way."
+    )
+
+
+def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
+    """The branches as a graph."""
+    chain = branches.chain
+    full = tuple(cell.full_travel for cell in chain.cells)
+    names = _labels(branches, numbers)
+    found = TransitionGraph()
+    for place, number in enumerate(numbers):
+        for k, part in enumerate(branches[number].parts):
+            label = names[number, k]
+            node = Node(label, part.state, *part.drive, *part.force, *part.travel, place)
+            found.add_node(label, node=node)
+    for number in numbers:
+        parts = branches[number].parts
+        for k, (lower, upper) in enumerate(pairwise(parts)):
+            cells = _unlike(lower.state, upper.state)
+            for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
+                at = lower.drive[1]
+                switch = Transition(TransitionKind.SWITCH, direction, at, cells)
+                _add(found, names[number, a], names[number, b], switch)
+        for direction, k in ((+1, len(parts) - 1), (-1, 0)):
+            way = branches.exit(number, direction)
+            if way is None:
+                continue
+            at = way.snap.drive[0]
+            target = branches[way.branch].find(state_of(way.travel, full), at, branches.slip)
+            snap = Transition(
+                TransitionKind.SNAP, direction, at, way.snap.cells, way.snap.released, way.snap.tie
+            )
+            _add(found, names[number, k], names[way.branch, target], snap)
+    found.graph.update(
+        chain=chain,
+        ties=tuple(branches.ties),
+        start=start,
+        method="every branch followed to both ends by the engine",
+    )
+    return nx.freeze(found)
+
+
+def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:
+    """A label for every part: its state, numbered by rising drive where several share it."""
+    places: dict[str, list[tuple[float, int, int]]] = {}
+    for number in numbers:
+        for k, part in enumerate(branches[number].parts):
+            places.setdefault(part.state, []).append((part.drive[0], number, k))
+    labels: dict[tuple[int, int], str] = {}
+    for state, sharing in places.items():
+        for count, (_, number, k) in enumerate(sorted(sharing), 1):
+            labels[number, k] = state if len(sharing) == 1 else f"{state}#{count}"
+    return labels
+
+
+def _unlike(a: str, b: str) -> tuple[int, ...]:
+    return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
+
+
+def _add(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+    before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
+    found.add_edge(a, b, transitions=(*before, transition))
