@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
-    from stepwell.sequences import Cycle
+    from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Path
 
 
@@ -96,6 +96,57 @@ class Chain:
         from stepwell import sequences
 
         return sequences.cycle(self, prefer=prefer)
+
+    def graph(
+        self,
+        drive: str | float | None = None,
+        *,
+        start: str | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> TransitionGraph:
+        """Everything that one actuator can do to the chain, as a networkx DiGraph.
+
+        Args:
+            drive: "stroke", "force", or the stiffness of the actuator [N/m]; the chain's own by
+                default.
+            start: a state such as "000" to begin with; every state the chain can stand in by
+                default.
+            progress: called with (done, total) states.
+
+        Returns:
+            The graph: nodes are stable equilibria with their strokes, edges are events.
+
+        Raises:
+            ValueError: friction, too many cells, or a start that is no equilibrium.
+        """
+        from stepwell import sequences
+
+        return sequences.graph(self, drive, start=start, progress=progress)
+
+    def program(
+        self,
+        to: str,
+        *,
+        start: str | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Program:
+        """The shortest list of turning points of the actuator that brings the chain to a state.
+
+        Args:
+            to: the state, such as "01", inner cell first.
+            start: the state at the beginning; all cells at 0 by default.
+            progress: called with (done, total) while a search goes on.
+
+        Returns:
+            The program, every turn with the window that does the same.
+
+        Raises:
+            Unreachable: no program does it; the text is the proof, or says what was searched.
+            ValueError: a state that this chain cannot have.
+        """
+        from stepwell import sequences
+
+        return sequences.program(self, to, start=start, progress=progress)
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""

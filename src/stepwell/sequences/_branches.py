@@ -17,6 +17,8 @@ from stepwell.statics import Path, Stretch, Tie, drive_range, path
 
 # Two ends are one place when they differ by less than this share of the drive's range.
 _SAME = 1e-7
+# How far past the last event a drive without stops is looked at, as a share of its range.
+_BEYOND = 0.1
 
 Travels = tuple[float, ...]
 
@@ -69,11 +71,14 @@ class Branches:
 
     def __init__(self, chain: Chain):
         self.chain = chain
-        self.range = drive_range(chain)
-        self.slip = _SAME * (self.range[1] - self.range[0])
+        low, high = drive_range(chain)
+        self._rigid = math.isinf(chain.actuator_stiffness)
+        # A rigid actuator ends at the stops; any other can pull further and nothing changes.
+        more = 0.0 if self._rigid else _BEYOND * (high - low)
+        self.range = low - more, high + more
+        self.slip = _SAME * (high - low)
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
-        self._rigid = math.isinf(chain.actuator_stiffness)
         self._branches: list[Branch] = []
         self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
         self._where: dict[str, list[int]] = {}
@@ -127,12 +132,10 @@ class Branches:
             return None
         if self._rigid:
             return travels, stroke
-        if low is None or high is None:
-            # Nothing but the range of the drive bounds the force on one side.
-            return travels, self.range[0] if low is None else self.range[1]
-        softness = 1.0 if self.chain.actuator_stiffness == 0 else 1 / self.chain.actuator_stiffness
-        alpha = 0.0 if self.chain.actuator_stiffness == 0 else 1.0
-        return travels, alpha * stroke + softness * (low + high) / 2
+        # Nearest to no force at all.
+        force = min(max(0.0, -math.inf if low is None else low), math.inf if high is None else high)
+        stiffness = self.chain.actuator_stiffness
+        return travels, force if stiffness == 0 else stroke + force / stiffness
 
     def all_from(self, numbers: list[int]) -> set[int]:
         """Every branch that can be reached from these, themselves included."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from stepwell.mechanism import Chain
 from stepwell.statics.concave import certify, end_forces, simple
 
 Floats = NDArray[np.float64]
+
+# Samples of two curves, until they are so dense that a difference between the curves shows.
+_LOOKS = (65, 1025, 16385)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +43,100 @@ def relays(chain: Chain) -> Relays | None:
         if numbers is None or not certify(numbers, 0.0):
             return None
         fields.append(end_forces(numbers))
-    up, down = np.array(fields).T
-    scale = max(float(np.max(np.abs(up))), float(np.max(np.abs(down))))
-    for values in (up, down):
-        if len(values) > 1 and np.min(np.diff(np.sort(values))) <= 1e-9 * scale:
+    scale = max(abs(force) for pair in fields for force in pair)
+    for values in zip(*fields, strict=True):
+        if any(b - a <= 1e-9 * scale for a, b in pairwise(sorted(values))):
             return None
+    up, down = np.array(fields).T
     full = [cell.full_travel for cell in chain.cells]
     return Relays(up, down, max(full) - min(full) <= 1e-12 * max(full))
+
+
+def curves_apart(chain: Chain, fields: Relays) -> bool:
+    """Whether F_i(s) > F_j(s) all the way for every i that j precedes: proved for falling forces.
+
+    On a stretch from a to b the least F_i is F_i(b) and the largest F_j is F_j(a).
+    """
+    pairs = [(i, j) for i in range(len(chain)) for j in range(len(chain)) if fields.precedes(j, i)]
+    forces: dict[tuple[int, int], Floats] = {}
+
+    def sampled(cell: int, looks: int) -> Floats:
+        if (cell, looks) not in forces:
+            it = chain.cells[cell]
+            forces[cell, looks] = it.force(it.angle(np.linspace(0, it.full_travel, looks)))
+        return forces[cell, looks]
+
+    for i, j in pairs:
+        for looks in _LOOKS:
+            if np.all(sampled(i, looks)[1:] > sampled(j, looks)[:-1]):
+                break
+        else:
+            return False
+    return True
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Strokes of relays: the states at which to turn and where the last one ends.
+
+    Attributes:
+        states: one a stroke, the last one the state wanted.
+        blocked: (i, j) where there is no way: j is wanted at 1 without i, and i ≺ j.
+    """
+
+    states: tuple[str, ...]
+    blocked: tuple[int, int] | None = None
+
+
+def shortest(fields: Relays, start: str, to: str) -> Plan:
+    """The fewest strokes that bring relays from one state to another.
+
+    Backward from the end. The last stroke, if it goes up, sets all cells with A below some
+    field; it must set no cell that is wanted at 0, so it may go up to just below the least A of
+    those, and then what the cells below were before does not matter any more. The stroke before
+    it goes down and has to please fewer cells; and so on, until those left stand right from the
+    start. Setting as many as allowed leaves the fewest to please, so none needs fewer strokes.
+
+    Source: Preisach 1935; Terzi and Mungan 2020 for the states; the plan is ours (theory page).
+    """
+    if start == to:
+        return Plan(())
+    plans = [plan for last in (+1, -1) if (plan := _backward(fields, start, to, last)) is not None]
+    if plans:
+        return Plan(min(plans, key=len))
+    blocked = [
+        (i, j)
+        for i, zero in enumerate(to)
+        for j, one in enumerate(to)
+        if (zero, one) == ("0", "1") and fields.precedes(i, j)
+    ]
+    # A cell that differs from the start shows the reader most.
+    blocked.sort(key=lambda pair: all(start[cell] == to[cell] for cell in pair))
+    return Plan((), blocked[0])
+
+
+def _backward(fields: Relays, start: str, to: str, last: int) -> tuple[str, ...] | None:
+    before = np.array([c == "1" for c in start])
+    wanted = np.array([c == "1" for c in to])
+    care = np.ones(len(to), bool)
+    limits: list[tuple[int, float]] = []
+    direction, idle = last, 0
+    while np.any(care & (before != wanted)):
+        if direction > 0:
+            limit = float(np.min(fields.up[care & ~wanted], initial=np.inf))
+            pleased = care & (fields.up < limit)
+        else:
+            limit = float(np.max(fields.down[care & wanted], initial=-np.inf))
+            pleased = care & (fields.down > limit)
+        idle = 0 if np.any(pleased) else idle + 1
+        if idle > 0 and (limits or idle > 1):
+            return None
+        care &= ~pleased
+        limits.append((direction, limit))
+        direction = -direction
+    state = before.copy()
+    states: list[str] = []
+    for way, limit in reversed(limits):
+        state = state | (fields.up < limit) if way > 0 else state & ~(fields.down > limit)
+        states.append("".join("1" if s else "0" for s in state))
+    return tuple(states)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise, product
 
 import networkx as nx
 
 from stepwell.mechanism import Chain
+from stepwell.sequences._asked import Drive, checked_state, driven, refuse_friction
 from stepwell.sequences._branches import Branches
 from stepwell.sequences._legs import state_of
 from stepwell.sequences._relays import relays
 from stepwell.sequences.node import Node, Transition, TransitionKind
 from stepwell.statics import Tie
-
-Drive = str | float | None
 
 # The longest chain whose 2^N vertices are all looked at one by one by the engine.
 MOST_CELLS = 10
@@ -161,40 +158,6 @@ def graph(
     if progress is not None:
         progress(len(states), len(states))
     return _assembled(branches, found, start)
-
-
-def driven(chain: Chain, drive: Drive) -> Chain:
-    """The chain with the actuator named by `drive`."""
-    if drive is None:
-        return chain
-    if isinstance(drive, str):
-        if drive not in ("stroke", "force"):
-            raise ValueError(
-                f"drive = {drive!r}: must be 'stroke', 'force', or the stiffness of the actuator "
-                f"[N/m]."
-            )
-        return replace(chain, actuator_stiffness=math.inf if drive == "stroke" else 0.0)
-    return replace(chain, actuator_stiffness=float(drive))
-
-
-def refuse_friction(chain: Chain) -> None:
-    """Raise ValueError where a cell has friction."""
-    for name, cell in zip(chain.names, chain.cells, strict=True):
-        if cell.friction > 0:
-            raise ValueError(
-                f"{name} has friction {cell.friction:.4g} N: a chain with friction stops wherever "
-                f"it is turned back, so it has no finite graph. Leave friction out to see the "
-                f"graph, and ask chain.program() for a program, which searches with friction."
-            )
-
-
-def checked_state(chain: Chain, name: str, state: str) -> str:
-    """The state, if it has one character 0 or 1 a cell; raises ValueError otherwise."""
-    if len(state) != len(chain) or set(state) - {"0", "1"}:
-        raise ValueError(
-            f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
-        )
-    return state
 
 
 def _too_long(chain: Chain, most: int) -> str:

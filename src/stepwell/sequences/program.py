@@ -1,0 +1,126 @@
+"""Stroke programs: the turning points of the one actuator that bring a chain to a state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path as File
+
+from stepwell._write import write_atomic
+from stepwell.mechanism import Chain
+from stepwell.sequences._vertices import sequence_of
+from stepwell.sequences.sequence import Sequence
+from stepwell.statics import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A turning point, and how far off it may be.
+
+    Attributes:
+        drive: where to turn, the middle of the window [m], or [N] under force control.
+        low, high: turning anywhere between does the same, whatever the other turns do within
+            their own windows.
+        branch: states at stops that the chain can be brought to from there without a snap.
+    """
+
+    drive: float
+    low: float
+    high: float
+    branch: tuple[str, ...]
+
+    @property
+    def slack(self) -> float:
+        """How far the turning point may be off either way."""
+        return (self.high - self.low) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """The shortest list of turning points from one state to another.
+
+    Attributes:
+        chain: what is driven, with its actuator.
+        start, to: the states, such as "10".
+        begin, end: drives at which they stand [m], or [N] under force control.
+        turns: what lies between; empty where one stroke does it.
+        low, high: the drives between which the last stroke may end and the chain still stand at
+            `to`: one stroke under a rigid actuator, which has a state at one stroke only.
+        method: how it was found and why there is none shorter, in words.
+        shortest: whether that is proved.
+    """
+
+    chain: Chain
+    start: str
+    to: str
+    begin: float
+    end: float
+    turns: tuple[Turn, ...]
+    low: float
+    high: float
+    method: str
+    shortest: bool
+    _start_travel: tuple[float, ...] = field(repr=False)
+
+    @property
+    def turning_points(self) -> tuple[float, ...]:
+        """All drives for `Chain.path`: begin, every turn, end [m], or [N] under force control."""
+        if not self.turns and self.begin == self.end:
+            return (self.begin,)
+        return (self.begin, *(turn.drive for turn in self.turns), self.end)
+
+    @property
+    def strokes(self) -> int:
+        """How often the actuator moves, one way each time."""
+        return len(self.turning_points) - 1
+
+    @property
+    def slack(self) -> float:
+        """How far every turn may be off at once; infinite without turns."""
+        return min((turn.slack for turn in self.turns), default=float("inf"))
+
+    @cached_property
+    def path(self) -> Path:
+        """The chain on its way, by the engine."""
+        return self.chain.path(self.turning_points, start=self._start_travel)
+
+    @cached_property
+    def sequence(self) -> Sequence:
+        """States with all cells at a stop that it passes."""
+        return sequence_of(self.path)
+
+    def to_csv(self, file: str | File) -> None:
+        """Write begin, turns and end as CSV, with their windows (mm, or N)."""
+        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
+        lines = [f"what,drive_{unit},low_{unit},high_{unit}"]
+        rows = [
+            ("begin", self.begin, self.begin, self.begin),
+            *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
+            ("end", self.end, self.low, self.high),
+        ]
+        lines += [
+            f"{what}," + ",".join(f"{value * factor:.9g}" for value in values)
+            for what, *values in rows
+        ]
+        write_atomic(file, "\n".join(lines) + "\n")
+
+    def __str__(self):
+        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
+        points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
+        slack = f", each turn ±{self.slack * factor:.3g} {unit}" if self.turns else ""
+        return f"{self.start} to {self.to}: {points} {unit}{slack}"
+
+    def __repr__(self):
+        return f"Program({self})"
+
+
+class Unreachable(ValueError):
+    """The actuator cannot bring the chain to the state that was asked for.
+
+    Attributes:
+        proved: whether that is certain, or only that a search found no way.
+    """
+
+    def __init__(self, text: str, *, proved: bool):
+        super().__init__(text)
+        self.proved = proved
