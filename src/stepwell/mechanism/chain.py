@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
+    from stepwell.design import Margin, Tolerances, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Path
 
@@ -147,6 +148,63 @@ class Chain:
         from stepwell import sequences
 
         return sequences.program(self, to, start=start, progress=progress)
+
+    def margin(
+        self, *, reach: float = 0.020, progress: Callable[[int, int], None] | None = None
+    ) -> Margin:
+        """How far each anchor and each stiffness may change before the sequence does.
+
+        Args:
+            reach: farthest displacement of an anchor that is looked at [m].
+            progress: called with (done, total) changes.
+
+        Returns:
+            The margin: exact where the closed form is proved to hold, else searched.
+
+        Raises:
+            ValueError: `reach` is not above 0.
+        """
+        from stepwell import design
+
+        return design.margin(self, reach=reach, progress=progress)
+
+    def yields(
+        self,
+        tolerances: Tolerances,
+        *,
+        n: int = 100_000,
+        seed: int = 0,
+        wanted: str | None = None,
+        sensitivity: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Yield:
+        """Make the chain n times at random within its tolerances and count those that work.
+
+        Args:
+            tolerances: how far the parts may be from the drawing.
+            n: how many to make.
+            seed: which ones.
+            wanted: the full cycle that counts as success; what the drawing does by default.
+            sensitivity: also ask which part's tolerance counts.
+            progress: called with (done, n).
+
+        Returns:
+            The share that works, its confidence interval, and what the others do.
+
+        Raises:
+            ValueError: numbers out of range, or a sequence that is no full cycle of this chain.
+        """
+        from stepwell import design
+
+        return design.yields(
+            self,
+            tolerances,
+            n=n,
+            seed=seed,
+            wanted=wanted,
+            sensitivity=sensitivity,
+            progress=progress,
+        )
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""

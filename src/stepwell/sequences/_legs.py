@@ -17,7 +17,8 @@ class Part:
     @property
     def reversed(self) -> "Part":
         """The same run from b to a."""
-        return Part(self.state, self.drive[::-1], self.force[::-1], self.travel[::-1])
+        (a, b), (f, g), (s, t) = self.drive, self.force, self.travel
+        return Part(self.state, (b, a), (g, f), (t, s))
 
     def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Part":
         """The run with another end."""
@@ -68,8 +69,8 @@ def legs_of(path: Path) -> list[Leg]:
                     moving[cell] = "-"
             state = "".join(moving)
             if state != parts[-1].state:
-                begin, pull = (stretch.drive[0],) * 2, (stretch.force[0],) * 2
-                parts.append(Part(state, begin, pull, (travels, travels)))
+                at, pull = stretch.drive[0], stretch.force[0]
+                parts.append(Part(state, (at, at), (pull, pull), (travels, travels)))
             travels = _after(travels, stretch)
         parts[-1] = parts[-1].until(drive, force, travels)
         if state_of(travels, full) != parts[-1].state:

@@ -13,7 +13,7 @@ from stepwell.sequences._asked import checked_state
 from stepwell.sequences._branches import Branches, Travels
 from stepwell.sequences._grope import grope
 from stepwell.sequences._legs import legs_of
-from stepwell.sequences._relays import Relays, curves_apart, relays, shortest
+from stepwell.sequences._relays import Relays, leaders_win, relays, shortest
 from stepwell.sequences.program import Program, Turn, Unreachable
 from stepwell.statics import path
 
@@ -92,7 +92,7 @@ def _by_fields(
     ):
         return None
     plan = shortest(fields, start, to)
-    proved = by_force or curves_apart(chain, fields)
+    proved = by_force or leaders_win(chain, fields)
     if plan.blocked is not None:
         if not proved:
             return None

@@ -8,13 +8,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.mechanism import Chain
-from stepwell.statics.concave import certify, end_forces, simple
+from stepwell.mechanism import Cell, Chain
+from stepwell.statics.concave import certify, end_forces, simple, travel_at
 
 Floats = NDArray[np.float64]
 
 # Samples of two curves, until they are so dense that a difference between the curves shows.
-_LOOKS = (65, 1025, 16385)
+_LOOKS = (17, 257, 4097)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,27 +52,39 @@ def relays(chain: Chain) -> Relays | None:
     return Relays(up, down, max(full) - min(full) <= 1e-12 * max(full))
 
 
-def curves_apart(chain: Chain, fields: Relays) -> bool:
-    """Whether F_i(s) > F_j(s) all the way for every i that j precedes: proved for falling forces.
+def leaders_win(chain: Chain, fields: Relays) -> bool:
+    """Whether in every snap the cell whose release begins it is the one left in transit: proved.
 
-    On a stretch from a to b the least F_i is F_i(b) and the largest F_j is F_j(a).
+    Loading j snaps with the full cell i of largest B; at most D, what j lacks to its stop, is
+    given back, and i wins if F_i > F_k from S - D/2 to S for every other k it might race.
+    Unloading mirrors it. Sampled ever finer: on a stretch from a to b the least falling F_i is
+    F_i(b) and the largest F_k is F_k(a).
+
+    Source: theory page, "Sorting" ("When i does win").
     """
-    pairs = [(i, j) for i in range(len(chain)) for j in range(len(chain)) if fields.precedes(j, i)]
-    forces: dict[tuple[int, int], Floats] = {}
-
-    def sampled(cell: int, looks: int) -> Floats:
-        if (cell, looks) not in forces:
-            it = chain.cells[cell]
-            forces[cell, looks] = it.force(it.angle(np.linspace(0, it.full_travel, looks)))
-        return forces[cell, looks]
-
-    for i, j in pairs:
-        for looks in _LOOKS:
-            if np.all(sampled(i, looks)[1:] > sampled(j, looks)[:-1]):
-                break
-        else:
-            return False
+    cells = [numbers for cell in chain.cells if (numbers := simple(cell)) is not None]
+    full = chain.cells[0].full_travel
+    up, down = fields.up, fields.down
+    for i, leader in enumerate(chain.cells):
+        follows = [j for j in range(len(cells)) if up[j] > up[i] and down[j] < down[i]]
+        given = max((full - travel_at(cells[j], down[i]) for j in follows), default=0.0)
+        taken = max((travel_at(cells[j], up[i]) for j in follows), default=0.0)
+        for k, other in enumerate(chain.cells):
+            races = down[k] < down[i] and given > 0
+            if races and not _above(leader, other, full - given / 2, full):
+                return False
+            if up[k] > up[i] and taken > 0 and not _above(other, leader, 0.0, taken / 2):
+                return False
     return True
+
+
+def _above(one: Cell, other: Cell, left: float, right: float) -> bool:
+    """Whether the falling force of one cell is above the other's from left to right: proved."""
+    for looks in _LOOKS:
+        travel = np.linspace(left, right, looks)
+        if np.all(one.force(one.angle(travel))[1:] > other.force(other.angle(travel))[:-1]):
+            return True
+    return False
 
 
 @dataclass(frozen=True)

@@ -470,7 +470,9 @@ def _drift(
     drive = drive_of(before, force, alpha, beta)
     ends = pieces.right[on] if direction > 0 else pieces.left[on]
     room = np.min(np.abs(ends - before[moved]))
-    reached = alpha > 0.0 and direction * (target - drive) < alpha * len(moved) * room
+    # A target within rounding of the end of the piece is that end.
+    span = alpha * (len(moved) * room - 1e-13 * np.sum(laws.full))
+    reached = alpha > 0.0 and direction * (target - drive) < span
     if reached:
         room = direction * (target - drive) / (alpha * len(moved))
     friction_work = 0.0

@@ -1,0 +1,69 @@
+"""Full cycles as text and as two orders of cells."""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.sequences import Sequence
+
+Ints = NDArray[np.int64]
+
+
+def full_cycle(wanted: str, cells: int) -> str:
+    """A full cycle of so many cells without its spaces.
+
+    Raises:
+        ValueError: a text that is none.
+    """
+    states = wanted.replace(" ", "").split(">")
+    one_by_one = list(range(cells))
+    example = f"for example {short(sorted_cycle(one_by_one, one_by_one))!r}"
+    for state in states:
+        if len(state) != cells or not set(state) <= {"0", "1"}:
+            raise ValueError(
+                f"wanted = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
+                f"or 1, one a cell, inner first, with > between states; {example}."
+            )
+    if states[0] != "0" * cells or states[-1] != "0" * cells or "1" * cells not in states:
+        raise ValueError(
+            f"wanted = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
+            f"passes the state with all at 1; {example}."
+        )
+    if any(a == b for a, b in pairwise(states)):
+        raise ValueError(
+            f"wanted = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
+            f"{example}."
+        )
+    return ">".join(states)
+
+
+def orders(wanted: str) -> Ints | None:
+    """(2, N) the cells in order of loading and of unloading; None unless each moves once a way."""
+    states = wanted.split(">")
+    cells = len(states[0])
+    if len(states) != 2 * cells + 1 or states[cells] != "1" * cells:
+        return None
+    moved: list[int] = []
+    for a, b in pairwise(states):
+        changed = [i for i in range(cells) if a[i] != b[i]]
+        if len(changed) != 1:
+            return None
+        moved += changed
+    return np.array(moved).reshape(2, cells)
+
+
+def sorted_cycle(loading: list[int], unloading: list[int]) -> str:
+    """The cycle in which the cells load and unload one by one in these orders."""
+    return str(Sequence("0" * len(loading), tuple((cell,) for cell in loading + unloading)))
+
+
+def numbered_cycle(number: int, cells: int) -> str:
+    """The cycle whose two orders are the digits of a number in base `cells`."""
+    digits = [number // cells**place % cells for place in reversed(range(2 * cells))]
+    return sorted_cycle(digits[:cells], digits[cells:])
+
+
+def short(sequence: str) -> str:
+    """A sequence that fits on a line."""
+    return sequence if len(sequence) <= 80 else f"{sequence[:60]}..."

@@ -1,0 +1,315 @@
+"""Stroke programs: they do what they say, none is shorter, and what cannot be is proved."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings, strategies as st
+
+import stepwell as sw
+from chains import concave_chain
+from oracle import OracleCell, follow
+from stepwell.sequences import Unreachable
+from stepwell.sequences._branches import Branches
+from stepwell.sequences._plan import _by_fields
+from stepwell.sequences._relays import leaders_win, relays, shortest
+
+
+def straight(*d_x: float) -> sw.Chain:
+    """Cells of the paper's band, anchored d_x [mm] apart."""
+    return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (x / 1e3, 0.0))) for x in d_x])
+
+
+LEG = straight(20, 30)
+NESTED = straight(10, 20, 30)
+
+
+def states(n: int) -> list[str]:
+    return ["".join(bits) for bits in itertools.product("01", repeat=n)]
+
+
+def is_ideal(state: str, up: np.ndarray, down: np.ndarray) -> bool:
+    """Every cell that goes up before and comes down after one at 1 is at 1: written anew here."""
+    return not any(
+        state[j] == "1" and state[i] == "0" and up[i] < up[j] and down[i] < down[j]
+        for i in range(len(state))
+        for j in range(len(state))
+    )
+
+
+def falls(values: tuple[float, ...]) -> bool:
+    return all(a > b for a, b in itertools.pairwise(values))
+
+
+def test_turning_back_past_the_snap_is_the_program_from_10_to_01():
+    program = LEG.program("01", start="10")
+    assert program.strokes == 2 and program.shortest
+    snap = next(e.stroke for e in LEG.path([0, 0.040]).events if e.kind is sw.EventKind.SNAP)
+    (turn,) = program.turns
+    assert (turn.low, turn.high) == pytest.approx((snap, 0.040), abs=1e-12)
+    assert turn.drive == pytest.approx((snap + 0.040) / 2, abs=1e-12)
+    assert program.turning_points == pytest.approx((0.020, turn.drive, 0.020), abs=1e-12)
+    assert str(program.sequence) == "10>01"
+
+
+@pytest.mark.parametrize("actuator", [math.inf, 200.0, 60.0, 0.0])
+def test_every_state_of_three_nested_cells_is_reached_in_at_most_three_strokes(actuator):
+    chain = replace(NESTED, actuator_stiffness=actuator)
+    for to in states(3):
+        program = chain.program(to)
+        assert program.sequence[-1] == to
+        assert program.strokes <= 3
+
+
+@pytest.mark.parametrize("actuator", [math.inf, 80.0, 0.0])
+def test_turning_anywhere_within_all_windows_at_once_ends_in_the_same_state(actuator):
+    chain = replace(straight(10, 15, 22, 30), actuator_stiffness=actuator)
+    random = np.random.default_rng(5)
+    for to in ("0101", "0010", "1010", "1001"):
+        program = chain.program(to)
+        for _ in range(10):
+            turns = [random.uniform(turn.low, turn.high) for turn in program.turns]
+            path = chain.path([program.begin, *turns, program.end])
+            assert "".join("1" if s > 0.010 else "0" for s in path.end) == to
+
+
+def test_turning_just_outside_a_window_ends_elsewhere_or_needs_another_branch():
+    program = straight(10, 20, 30).program("010")
+    (turn,) = program.turns
+    for wrong in (turn.low - 1e-6, turn.high + 1e-6):
+        path = NESTED.path([0.0, wrong, program.end])
+        assert "".join("1" if s > 0.010 else "0" for s in path.end) != "010"
+
+
+@settings(max_examples=25)
+@given(seed=st.integers(0, 10_000), cells=st.integers(2, 4))
+def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_reachability(
+    seed, cells
+):
+    chain = concave_chain(np.random.default_rng(seed), cells)
+    fields = relays(chain)
+    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    for to in states(cells):
+        if is_ideal(to, fields.up, fields.down):
+            assert chain.program(to).sequence[-1] == to
+        else:
+            with pytest.raises(Unreachable) as caught:
+                chain.program(to)
+            assert caught.value.proved
+
+
+@settings(max_examples=25)
+@given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
+def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cells):
+    chain = concave_chain(np.random.default_rng(seed), cells)
+    fields = relays(chain)
+    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    down = fields.down[np.argsort(fields.up)]
+    wanted = [
+        sum(falls(c) for c in itertools.combinations(down.tolist(), m)) for m in range(cells + 1)
+    ]
+    found = [0] * (cells + 1)
+    for to in states(cells):
+        if is_ideal(to, fields.up, fields.down):
+            found[chain.program(to).strokes] += 1
+    assert found == wanted
+
+
+@settings(max_examples=40)
+@given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
+def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(seed, cells):
+    random = np.random.default_rng(seed)
+    chain = concave_chain(random, cells)
+    fields = relays(chain)
+    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    ideals = [s for s in states(cells) if is_ideal(s, fields.up, fields.down)]
+    start, to = random.choice(ideals, 2)
+    branches = Branches(chain)
+    place = branches.vertex(str(start))
+    assert place is not None
+    planned = _by_fields(branches, str(start), str(to), place)
+    searched = chain.program(str(to), start=str(start))
+    assert planned is not None and planned.shortest
+    assert planned.strokes == searched.strokes
+    assert planned.path.end.tolist() == searched.path.end.tolist()
+
+
+def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
+    # An independent search, state by state, over every field between two switching fields.
+    random = np.random.default_rng(1)
+    for _ in range(30):
+        n = int(random.integers(2, 6))
+        fields = np.sort(random.permutation(2 * n).reshape(n, 2) * 1.0, axis=1)
+        down, up = fields.T
+        distance = breadth_first(up, down)
+        relay = _Fields(up, down)
+        for (start, to), strokes in distance.items():
+            assert len(shortest(relay, start, to).states) == strokes, (start, to, up, down)
+
+
+class _Fields:
+    """Stands in for Relays without a chain."""
+
+    def __init__(self, up, down):
+        self.up, self.down = up, down
+
+    def precedes(self, i, j):
+        return self.up[i] < self.up[j] and self.down[i] < self.down[j]
+
+
+def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int]:
+    n = len(up)
+    found: dict[tuple[str, str], int] = {}
+    stable = [
+        s
+        for s in states(n)
+        if max((down[i] for i in range(n) if s[i] == "1"), default=-1)
+        <= min((up[i] for i in range(n) if s[i] == "0"), default=99)
+    ]
+    for start in stable:
+        level, strokes = {(start, 0)}, 0
+        seen = {start}
+        found[start, start] = 0
+        while level:
+            strokes += 1
+            following: set[tuple[str, int]] = set()
+            for state, direction in level:
+                for way in (+1, -1):
+                    if way == direction:
+                        continue
+                    for field in np.arange(-1, 2 * n) + 0.5:
+                        now = "".join(
+                            ("1" if way > 0 and up[i] < field else state[i])
+                            if state[i] == "0"
+                            else ("0" if way < 0 and down[i] > field else "1")
+                            for i in range(n)
+                        )
+                        if now not in seen:
+                            found[start, now] = strokes
+                        following.add((now, way))
+            level = {(s, d) for s, d in following if s not in seen}
+            seen |= {s for s, _ in following}
+    return {pair: strokes for pair, strokes in found.items() if pair[1] in stable}
+
+
+def test_a_state_that_only_a_hand_can_set_is_proved_out_of_reach_with_the_reason():
+    chain = straight(10, 20)
+    stiff = sw.Chain(
+        [sw.Cell(sw.Band((0, 0), (0.020, 0.0))), sw.Cell(sw.Band((0, 0), (0.02, 0.01)))]
+    )
+    with pytest.raises(Unreachable, match=r"goes to 1 before .* and back to 0 after it") as caught:
+        stiff.program("01")
+    assert caught.value.proved
+    # From there it may leave, and it cannot come back.
+    assert stiff.program("11", start="01").strokes == 1
+    assert chain.program("01").strokes == 2
+
+
+def test_curves_that_cross_let_a_chain_reach_more_than_the_order_of_its_forces_says():
+    # Two full cells race in a snap, and the one that goes up first and down last is left in
+    # transit although the other let go: theory page, "Stroke programs".
+    bands = [
+        ((0.0079977, -0.0064441), 23.626, 0.000637),
+        ((0.0068974, -0.0048330), 51.507, 0.008059),
+        ((0.028523, -0.000837), 44.233, 0.013069),
+    ]
+    chain = sw.Chain([sw.Cell(sw.Band((0, 0), d, k, rest)) for d, k, rest in bands])
+    fields = relays(chain)
+    assert fields is not None and not leaders_win(chain, fields)
+    assert not is_ideal("011", fields.up, fields.down)
+    program = chain.program("011")
+    assert program.sequence[-1] == "011"
+    # The independent follower goes there too.
+    cells = [
+        OracleCell(c.lever, c.limit, [(*b, k, rest, 0, 0, False)])
+        for c, (b, k, rest) in zip(chain.cells, bands, strict=True)
+    ]
+    run = follow(cells, program.turning_points)
+    assert run.sequence.endswith("011")
+
+
+@pytest.mark.parametrize("to", ["001", "010", "101", "011"])
+def test_a_search_with_friction_finds_programs_and_says_that_it_proves_nothing(to):
+    rubbing = sw.Chain([replace(cell, friction=0.01) for cell in NESTED.cells])
+    program = rubbing.program(to)
+    assert program.sequence[-1] == to
+    assert not program.shortest and "friction" in program.method
+    for turn in program.turns:
+        assert turn.low < turn.drive < turn.high
+
+
+def test_with_friction_not_found_is_not_called_impossible():
+    apart = sw.Chain(
+        [sw.Cell(sw.Band((0, 0), d), friction=0.005) for d in ((0.020, 0.0), (0.020, 0.010))]
+    )
+    with pytest.raises(Unreachable, match="no proof") as caught:
+        apart.program("01")
+    assert not caught.value.proved
+
+
+def test_twelve_concave_cells_are_planned_without_looking_at_every_branch():
+    chain = straight(*np.linspace(10, 30, 12))
+    program = chain.program("01" * 6)
+    assert program.sequence[-1] == "01" * 6
+    assert program.strokes == 12 and program.shortest
+
+
+def test_four_cells_of_any_kind_are_searched_exhaustively():
+    slack = sw.Cell(sw.Band((0, 0), (0.004, 0.006), rest_length=0.016))
+    stiffening = sw.Cell(sw.Band((0, 0), (0.018, -0.004), law=sw.Cubic(-20.0, 800.0)))
+    loaded = sw.Cell(sw.Band((0, 0), (0.025, 0.002)), load=sw.Load.constant(0.05))
+    chain = sw.Chain([slack, stiffening, loaded, sw.Cell(sw.Band((0, 0), (0.012, 0.0)))])
+    branches = Branches(chain)
+    numbers = branches.all_from([branches.at((0.0,) * 4, 0.0)])
+    reached = {state for number in numbers for state in branches[number].vertices}
+    for to in states(4):
+        if to in reached:
+            assert chain.program(to).sequence[-1] == to
+        else:
+            with pytest.raises(Unreachable):
+                chain.program(to)
+    assert len(reached) == 16
+
+
+def test_going_nowhere_is_a_program_without_strokes():
+    program = LEG.program("10", start="10")
+    assert program.strokes == 0 and program.turning_points == pytest.approx((0.020,))
+    assert program.sequence.states == ("10",)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"to": "0"}, "to = '0': must be 2 characters 0 or 1"),
+        ({"to": "0x"}, "must be 2 characters 0 or 1"),
+        ({"to": "01", "start": "222"}, "start = '222'"),
+    ],
+)
+def test_a_wrong_state_is_refused_with_what_is_allowed(given, words):
+    with pytest.raises(ValueError, match=words):
+        LEG.program(**given)
+
+
+def test_a_state_in_which_no_chain_could_stand_is_refused_with_both_forces():
+    # The first cell wants to be at 1 and the second, monostable at 0, back at 0.
+    eager = sw.Cell(sw.Band((0, 0), (0.020, -0.020)))
+    lazy = sw.Cell(sw.Band((0, 0), (0.020, 0.020)))
+    with pytest.raises(Unreachable, match="is no equilibrium") as caught:
+        sw.Chain([eager, lazy]).program("01")
+    assert caught.value.proved
+    with pytest.raises(ValueError, match="start: 01 is no equilibrium"):
+        sw.Chain([eager, lazy]).program("00", start="01")
+
+
+def test_a_program_prints_and_exports_its_windows_in_millimetres(tmp_path):
+    program = NESTED.program("010")
+    assert str(program).startswith("000 to 010: 0 → 44.23 → 20 mm")
+    program.to_csv(tmp_path / "program.csv")
+    rows = (tmp_path / "program.csv").read_text().splitlines()
+    assert rows[0] == "what,drive_mm,low_mm,high_mm"
+    assert [row.split(",")[0] for row in rows[1:]] == ["begin", "turn 1", "end"]
+    force = replace(NESTED, actuator_stiffness=0.0).program("010")
+    force.to_csv(tmp_path / "force.csv")
+    assert (tmp_path / "force.csv").read_text().startswith("what,drive_N,")
