@@ -207,8 +207,9 @@ def _by_branches(
             push(_Way(exit_.branch, way.direction, exit_.snap.drive[1], way.turns, can_turn=True))
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(
-        f"no program leads from {start} to {to}: all {len(looked)} branches that can be reached "
-        f"from {start} were followed to both ends, and they hold {', '.join(states)} only. "
+        f"no program leads from {start} to {to}: every branch that can be reached from {start} "
+        f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
+        f"only. "
         f"{_why(branches.chain, to)}".strip(),
         proved=not branches.ties,
     )

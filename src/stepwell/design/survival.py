@@ -1,0 +1,121 @@
+"""Whether a stroke program still ends where it should when the mechanism is not as drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from stepwell.design._draws import Draws
+from stepwell.design.tolerances import Tolerances
+from stepwell.mechanism import Chain
+from stepwell.statics import StaticsError
+
+
+@dataclass(frozen=True, eq=False)
+class Survival:
+    """How many of n mechanisms, made at random within tolerances, a program brings to its end.
+
+    Attributes:
+        chain: the drawing.
+        turning_points: drives of the program [m], or [N] under force control.
+        start, ends: states at its beginning and at its end.
+        tolerances: how far the parts may be from the drawing.
+        n, seed: how many mechanisms, and which.
+        successes: how many end with every cell on the side that `ends` says.
+    """
+
+    chain: Chain = field(repr=False)
+    turning_points: tuple[float, ...]
+    start: str
+    ends: str
+    tolerances: Tolerances
+    n: int
+    seed: int
+    successes: int
+
+    @property
+    def share(self) -> float:
+        """Successes over n: the estimate of the probability."""
+        return self.successes / self.n
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
+        from scipy.stats import binomtest
+
+        found = binomtest(self.successes, self.n).proportion_ci(0.95, "exact")
+        return float(found.low), float(found.high)
+
+    def __repr__(self):
+        low, high = self.interval
+        return (
+            f"Survival({self.start} to {self.ends}: {100 * self.share:.1f} % of {self.n}, "
+            f"{100 * low:.1f} % to {100 * high:.1f} %, {self.tolerances!r})"
+        )
+
+
+def survival(
+    chain: Chain,
+    turning_points: Sequence[float],
+    ends: str,
+    tolerances: Tolerances,
+    *,
+    start: str | None = None,
+    n: int = 500,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Survival:
+    """Make a mechanism n times at random and run the same stroke program on each.
+
+    Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
+    where the program says, or as far as the mechanism lets it.
+
+    Args:
+        chain: the drawing.
+        turning_points: as for `Chain.path`; of a Program its `turning_points`.
+        ends: the state wanted at the end, such as "010".
+        tolerances: how far the parts may be from the drawing.
+        start: the state at the beginning; all cells at 0 by default.
+        n: how many mechanisms to make.
+        seed: which ones; the same seed gives the same mechanisms as `yields`.
+        progress: called with (done, n).
+
+    Returns:
+        The share that ends right. One that cannot be built or followed does not.
+
+    Raises:
+        ValueError: a state that this chain cannot have, or n below 1.
+    """
+    start = "0" * len(chain) if start is None else start
+    for name, state in (("start", start), ("ends", ends)):
+        if len(state) != len(chain) or set(state) - {"0", "1"}:
+            raise ValueError(
+                f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
+            )
+    if n < 1:
+        raise ValueError(f"n = {n}: must be 1 or more.")
+    draws = Draws(chain, tolerances, seed)
+    points = tuple(float(point) for point in turning_points)
+    successes = 0
+    for number in range(n):
+        if progress is not None:
+            progress(number, n)
+        try:
+            successes += _ends_right(draws.sample(number), points, start, ends)
+        except (ValueError, StaticsError):
+            continue
+    if progress is not None:
+        progress(n, n)
+    return Survival(chain, points, start, ends, tolerances, n, seed, successes)
+
+
+def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
+    full = [cell.full_travel for cell in made.cells]
+    if math.isinf(made.actuator_stiffness):
+        # Its stops are not quite where they were drawn.
+        stroke = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
+        points = (stroke, *(min(point, made.full_stroke) for point in points[1:]))
+    end = made.path(points, start=start).end
+    return all((s > f / 2) == (c == "1") for s, f, c in zip(end, full, ends, strict=True))
