@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
-    from stepwell.design import Margin, Tolerances, Yield
+    from stepwell.design import Margin, Reprogramming, Tolerances, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Path
 
@@ -205,6 +205,34 @@ class Chain:
             sensitivity=sensitivity,
             progress=progress,
         )
+
+    def reprogram(
+        self,
+        target: str | None,
+        by: str,
+        *,
+        along: Sequence[float] | None = None,
+        one_way: bool = False,
+        reach: float = 0.020,
+    ) -> Reprogramming:
+        """The smallest displacement of one anchor after which the chain does what is wanted.
+
+        Args:
+            target: a full cycle such as "00>01>11>10>00", or None for any other than now.
+            by: the anchor, such as "inner.p".
+            along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
+            one_way: only in the sense of `along`, not against it.
+            reach: largest displacement that is looked at [m].
+
+        Returns:
+            The displacement, the design just past it, and what has to push the anchor.
+
+        Raises:
+            ValueError: a target that is no full cycle of this chain, or no anchor of that name.
+        """
+        from stepwell import design
+
+        return design.reprogram(self, target, by, along=along, one_way=one_way, reach=reach)
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""

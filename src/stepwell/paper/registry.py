@@ -3,6 +3,7 @@
 import os
 
 from stepwell.paper import (
+    _antennas,
     _cells,
     _map,
     _measured,
@@ -37,5 +38,6 @@ def claims(
         *_measured.claims(data),
         *_robot.CLAIMS,
         *_steering.CLAIMS,
+        *_antennas.CLAIMS,
         *(_steering.MANY_RUNS if everything else ()),
     )

@@ -1,0 +1,199 @@
+"""A parameter has a name, a value and a unit, and turning it turns nothing else."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, strategies as st
+
+import stepwell as sw
+from chains import any_chain
+from stepwell.design.knobs import Knob, knob, knobs
+
+
+def cell(x: float, y: float, **parts) -> sw.Cell:
+    return sw.Cell(sw.Band((-0.010, 0.0), (x * 1e-3, y * 1e-3)), **parts)
+
+
+PAIR = sw.Chain((cell(10, 0), cell(20, 0)))
+
+# Values that every parameter can have, by its unit.
+VALUES = {
+    "m": st.floats(0.001, 0.030),
+    "N/m": st.floats(1.0, 100.0),
+    "rad": st.floats(0.3, 1.2),
+    "N": st.floats(0.0, 0.2),
+}
+
+
+@st.composite
+def turned(draw) -> tuple[sw.Chain, Knob, float | tuple[float, float]]:
+    """A chain of any kind, one of its parameters and another value for it."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    chain = any_chain(rng, draw(st.integers(1, 4)))
+    one = draw(st.sampled_from(knobs(chain)))
+    numbers = VALUES[one.unit]
+    value = draw(st.tuples(numbers, numbers)) if one.is_anchor else draw(numbers)
+    return chain, one, value
+
+
+@given(turned())
+def test_what_is_turned_to_a_value_reads_that_value_and_turns_back(case):
+    chain, one, value = case
+    try:
+        design = one.turned(chain, value)
+    except ValueError:
+        # The ends of a band would meet, or there is no rest length to scale.
+        assume(False)
+        raise
+    assert one.read(design) == value
+    assert one.turned(chain, one.read(chain)) == chain
+    back = one.turned(design, one.read(chain))
+    assert one.read(back) == one.read(chain)
+
+
+@given(turned())
+def test_turning_one_parameter_leaves_all_others(case):
+    chain, one, value = case
+    try:
+        design = one.turned(chain, value)
+    except ValueError:
+        assume(False)
+        raise
+    for other in knobs(chain):
+        same_anchor = other.cell == one.cell and other.part[0] == one.part[0] in "pq"
+        overlaps = same_anchor and (other.is_anchor or one.is_anchor or other.part == one.part)
+        if other != one and not overlaps:
+            assert other.read(design) == other.read(chain)
+
+
+@given(turned())
+def test_every_parameter_is_found_by_its_name_and_by_its_number(case):
+    chain, one, _ = case
+    assert knob(chain, one.name) == one
+    if one.cell is not None:
+        assert knob(chain, f"{one.cell}.{one.part}") == one
+
+
+def test_the_values_and_units_of_the_papers_pair():
+    shown = {one.name: (one.read(PAIR), one.unit) for one in knobs(PAIR)}
+    assert shown["outer.q"] == ((0.020, 0.0), "m")
+    assert shown["outer.q.x"] == (0.020, "m")
+    assert shown["inner.p.x"] == (-0.010, "m")
+    assert shown["inner.stiffness"] == (28.5, "N/m")
+    assert shown["inner.rest_length"] == (0.010, "m")
+    assert shown["inner.lever"] == (pytest.approx(0.01414, abs=1e-5), "m")
+    assert shown["inner.limit"] == (math.pi / 4, "rad")
+    assert shown["inner.friction"] == (0.0, "N")
+    assert shown["actuator_stiffness"] == (math.inf, "N/m")
+    assert len(shown) == 2 * 11 + 1
+
+
+def test_several_bands_are_shifted_alike_and_scaled_alike():
+    bands = (
+        sw.Band((0.0, 0.0), (0.010, 0.0), stiffness=20.0, rest_length=0.004),
+        sw.Band((0.001, 0.0), (0.012, 0.003), stiffness=30.0, rest_length=0.006),
+    )
+    chain = sw.Chain((sw.Cell(bands),))
+    moved = knob(chain, "0.q").turned(chain, (0.011, -0.002)).cells[0].bands
+    np.testing.assert_allclose([band.q for band in moved], [(0.011, -0.002), (0.013, 0.001)])
+    assert [band.p for band in moved] == [band.p for band in bands]
+    stiff = knob(chain, "0.stiffness").turned(chain, 10.0).cells[0].bands
+    assert [band.stiffness for band in stiff] == [10.0, 15.0]
+    long = knob(chain, "0.rest_length").turned(chain, 0.002).cells[0].bands
+    assert [band.rest_length for band in long] == pytest.approx([0.002, 0.003])
+
+
+def test_a_first_band_without_rest_length_cannot_scale_the_others():
+    bands = (
+        sw.Band((0.0, 0.0), (0.010, 0.0), rest_length=0.0),
+        sw.Band((0.0, 0.0), (0.012, 0.003)),
+    )
+    chain = sw.Chain((sw.Cell(bands),))
+    with pytest.raises(ValueError, match="put a band with a rest length first"):
+        knob(chain, "0.rest_length").turned(chain, 0.002)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("iner.p", "inner.p"),
+        ("outer.qx", "outer.q.x"),
+        ("outer.stifness", "outer.stiffness"),
+        ("actuator", "actuator_stiffness"),
+        ("0.restlength", "0.rest_length"),
+        ("outer.restlength", "outer.rest_length"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_nearest_one(name, meant):
+    with pytest.raises(ValueError, match=f"parameter {name!r}.*Did you mean {meant!r}") as refused:
+        knob(PAIR, name)
+    assert "'inner' or 0, 'outer' or 1" in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["", "2.p", "zzz", "inner", "-1.q"])
+def test_what_is_near_nothing_is_refused_with_all_that_is_allowed(name):
+    with pytest.raises(ValueError, match=r"must be 'actuator_stiffness' or '<cell>.<what>'"):
+        knob(PAIR, name)
+
+
+def test_names_with_dots_and_numbers_mean_the_cell_of_that_name_first():
+    chain = sw.Chain((cell(10, 0, name="1"), cell(15, 0, name="leg.2"), cell(20, 0)))
+    assert knob(chain, "1.q").cell == 0
+    assert knob(chain, "leg.2.q.x").cell == 1
+    assert knob(chain, "cell 3.stiffness").cell == 2
+    assert knob(chain, "2.stiffness").name == "cell 3.stiffness"
+
+
+def test_two_cells_of_one_name_are_told_apart_by_number():
+    chain = sw.Chain((cell(10, 0, name="leg"), cell(15, 0, name="leg")))
+    with pytest.raises(ValueError, match=r"2 cells are called 'leg'.*'0.p'"):
+        knob(chain, "leg.p")
+    assert [one.name for one in knobs(chain)][:2] == ["0.p", "0.q"]
+    assert knob(chain, "1.p").name == "1.p"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("inner.stiffness", 0.0, "must be > 0"),
+        ("inner.stiffness", "stiff", r"must be a number \[N/m\]"),
+        ("inner.friction", math.nan, r"must be a number \[N\]"),
+        ("inner.limit", 1.6, "must be < π/2"),
+        ("inner.q", 0.010, r"must be a place \(x, y\)"),
+        ("inner.q.x", math.inf, "must be finite"),
+        ("actuator_stiffness", -1.0, "must be >= 0"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused(name, value, words):
+    with pytest.raises(ValueError, match=words):
+        knob(PAIR, name).turned(PAIR, value)
+
+
+def test_the_actuators_stiffness_may_be_infinite():
+    soft = knob(PAIR, "actuator_stiffness").turned(PAIR, 30.0)
+    assert soft.actuator_stiffness == 30.0
+    assert knob(soft, "actuator_stiffness").turned(soft, math.inf) == PAIR
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("inner.stiffness", [20.0], "2 or more finite numbers"),
+        ("inner.stiffness", [[1.0, 2.0]], r"shape \(1, 2\)"),
+        ("inner.stiffness", [20.0, math.inf], r"\[N/m\]"),
+        ("inner.stiffness", [20.0, 20.0], "must rise"),
+        ("inner.q", [0.0, 0.010], "take inner.q.x or inner.q.y"),
+    ],
+)
+def test_values_of_an_axis_rise_and_are_finite(name, values, words):
+    with pytest.raises(ValueError, match=words):
+        knob(PAIR, name).values(values, 2)
+
+
+def test_a_title_and_the_other_cells_are_kept():
+    chain = replace(PAIR, title="leg")
+    design = knob(chain, "outer.friction").turned(chain, 0.1)
+    assert design.title == "leg"
+    assert design.cells[0] is chain.cells[0]
