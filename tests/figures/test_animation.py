@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from PIL.GifImagePlugin import GifImageFile
 
+from figures.drawn import lines, points
 from stepwell import figures, files
-from stepwell.figures._animation import _timeline
+from stepwell.figures._animation import _Scene, _timeline
 
 
 def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):
@@ -61,6 +62,48 @@ def test_the_actuator_moves_at_constant_speed_between_snaps():
     moving = speed[speed > 1e-12]
     assert np.median(moving) == pytest.approx(moving.max(), rel=1e-6)
     assert len(moving) > 0.8 * len(speed)
+
+
+@pytest.mark.parametrize("name", ["paper-forward", "three-wave", "force-control"])
+def test_a_program_moves_too_with_its_plan_below(tmp_path, name):
+    chain = files.preset(name)
+    program = chain.program("01" if len(chain) == 2 else "010", start="1" + "0" * (len(chain) - 1))
+    sizes = []
+    for result in (chain.cycle(), program, program.path):
+        file = figures.animation(result, tmp_path / "a.gif", seconds=1, fps=5)
+        with GifImageFile(file) as movie:
+            sizes.append(movie.size)
+            assert movie.n_frames > 3
+            assert movie.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
+    cycle, planned, bare = sizes
+    assert planned == bare
+    assert planned[0] == cycle[0]
+    assert planned[1] > cycle[1]
+
+
+def test_the_plan_shows_windows_and_where_the_actuator_is():
+    program = files.preset("paper-forward").program("01", start="10")
+    scene = _Scene(program, program.path)
+    frames = _timeline(program.path, 4.0, 80)
+    assert scene.plan is not None
+    (bar,) = lines(scene.figure, "windows")
+    (turn,) = program.turns
+    assert points(bar)[:, 1] == pytest.approx([turn.low * 1e3, turn.high * 1e3])
+    states = []
+    for frame in frames:
+        scene.shoot(frame)
+        x, y = points(scene.plan)[0]
+        turned = (turn.drive - program.begin) * 1e3
+        expected = program.begin * 1e3 + (x if x <= turned else 2 * turned - x)
+        assert y == pytest.approx(expected, abs=1e-9)
+        states.append(scene.state.get_text())
+    assert states[0] == "state 10"
+    assert states[-1] in ("state 01", "state -1")
+
+
+def test_a_cycle_has_no_plan():
+    cycle = files.preset("paper-forward").cycle()
+    assert _Scene(cycle, cycle.path).plan is None
 
 
 def test_progress_counts_every_frame(tmp_path):

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell._write import write_atomic
@@ -20,13 +21,14 @@ from stepwell.figures._drawing import Drawing
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._landscape import landscape
 from stepwell.figures._linkage import Linkage
+from stepwell.figures._plan import Window, draw_plan, limits, plan_of, windows_of
 from stepwell.figures._reading import MM, path_of, snaps_of
 from stepwell.figures._style import BLACK, INK, YELLOW, blank, cell_colours, place, styled
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
 
-    from stepwell.sequences import Cycle
+    from stepwell.sequences import Cycle, Program
     from stepwell.statics import Path
 
 Array = NDArray[np.float64]
@@ -36,11 +38,15 @@ _SNAP_SECONDS = 0.5
 _REST_SECONDS = 0.3
 _DPI = 110.0
 _COLOURS = 96
+# Height of the plan of strokes [mm].
+_PLAN = 38.0
+# A cell this near a stop is seen there.
+_AT = 1e-3
 
 
 @styled
 def animation(
-    result: Cycle | Path,
+    result: Cycle | Path | Program,
     file: str | os.PathLike[str],
     *,
     seconds: float = 8.0,
@@ -51,10 +57,11 @@ def animation(
 
     The actuator moves at constant speed and rests at its turning points. A snap happens at
     fixed stroke; what is shown of it is a smooth motion between its two ends, slowed down and
-    marked, because the model says where it ends and not how fast it gets there.
+    marked, because the model says where it ends and not how fast it gets there. A path or a
+    program has its plan of strokes below, a program with the windows of its turns.
 
     Args:
-        result: a cycle or a path, of up to 12 cells.
+        result: a cycle, a path or a stroke program, of up to 12 cells.
         file: where to; written whole or not at all.
         seconds: how long one round lasts.
         fps: frames a second, up to 50; rounded to what a GIF can tell, 100 over a whole number.
@@ -115,6 +122,8 @@ class _Frame(NamedTuple):
     travels: Array
     force: float
     snap: bool
+    drive: float
+    way: float
 
 
 def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
@@ -122,6 +131,7 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
     snaps = snaps_of(path)
     drive = np.asarray(path.drive, float)
     moving = np.abs(np.diff(drive))
+    way = np.concatenate([[0.0], np.cumsum(moving)])
     turns = np.flatnonzero(np.diff(np.sign(path.direction)))
     # Snaps and rests never take more than half of the time.
     pauses = _SNAP_SECONDS * len(snaps) + _REST_SECONDS * (len(turns) + 1)
@@ -141,17 +151,24 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
         snap = i in jumps
         if snap:
             part = part * part * (3.0 - 2.0 * part)
-        travels = path.travel[i] + part * (path.travel[j] - path.travel[i])
-        force = path.force[i] + part * (path.force[j] - path.force[i])
-        frames.append(_Frame(travels, float(force), snap))
+        travels, force, u, w = (
+            column[i] + part * (column[j] - column[i])
+            for column in (path.travel, path.force, drive, way)
+        )
+        frames.append(_Frame(travels, float(force), snap, float(u), float(w)))
     return frames
 
 
 class _Scene:
     """One figure of which only the moving parts are drawn again."""
 
-    def __init__(self, result: Cycle | Path, path: Path):
+    def __init__(self, result: Cycle | Path | Program, path: Path):
+        from stepwell.sequences import Cycle, Program
+
         self.chain = path.chain
+        # A cycle goes up and down once; all else has a plan worth showing.
+        below = 0.0 if isinstance(result, Cycle) else _PLAN
+        windows = windows_of(result) if isinstance(result, Program) else []
         self.linkage = Linkage(self.chain)
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         edges = np.array([self.linkage.pose(t).bounds for t in samples])
@@ -167,11 +184,15 @@ class _Scene:
             drawn = min(60.0, high * 156.0 / wide)
             size, stage = (160.0, 88.0 + drawn), (2.0, 71.0, 156.0, drawn)
             plot = (16.0, 12.0, 140.0, 48.0)
+        size = (size[0], size[1] + below)
+        stage = (stage[0], stage[1] + below, *stage[2:])
+        plot = (plot[0], plot[1] + below, *plot[2:])
         self.figure: Figure = blank(*size)
         self.figure.set_dpi(_DPI)
         self.two = len(self.chain) == 2
         self.plot = place(self.figure, *plot)
-        (landscape if self.two else force_stroke)(result, ax=self.plot)
+        (landscape if self.two else force_stroke)(path, ax=self.plot)
+        self.plan = self._draw_plan(path, windows, plot[0] + plot[2]) if below else None
 
         ax: Axes = place(self.figure, *stage)
         ax.set_axis_off()
@@ -199,18 +220,26 @@ class _Scene:
             color=BLACK,
             bbox={"boxstyle": "round,pad=0.2", "facecolor": YELLOW, "linewidth": 0},
         )
+        self.state = self.figure.text(
+            (6.0 if beside else 98.0) / w, line - 7.0 * beside / h, "", fontsize=9
+        )
         x = 6.0
         for name, colour in zip(self.chain.names, cell_colours(len(self.chain)), strict=True):
             text = self.figure.text(
-                x / w, (5.0 if beside else h - 13.0) / h, name, color=colour, fontweight="bold"
+                x / w,
+                (5.0 + below if beside else h - 13.0) / h,
+                name,
+                color=colour,
+                fontweight="bold",
             )
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0
         (self.halo,) = self.plot.plot([], [], "o", markersize=15, color=YELLOW, zorder=10)
         (self.dot,) = self.plot.plot(
             [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11
         )
+        dots = (self.halo, self.dot) if self.plan is None else (self.halo, self.dot, self.plan)
         self.moving = (
-            *self.drawing.artists, self.stroke, self.force, self.word, self.halo, self.dot,
+            *self.drawing.artists, self.stroke, self.force, self.state, self.word, *dots,
         )  # fmt: skip
         for artist in self.moving:
             artist.set_animated(True)
@@ -220,6 +249,24 @@ class _Scene:
         canvas.draw()
         # Everything that stands still, drawn once.
         self.still = canvas.copy_from_bbox(self.figure.bbox)
+
+    def _draw_plan(self, path: Path, windows: list[Window], right: float) -> Line2D:
+        """The strokes ahead and behind, and a dot for the present."""
+        ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
+        plan = plan_of(path)
+        ax.set_xlim(limits(plan.way, 0.03))
+        draw_plan(ax, plan, windows, 0.1)
+        ax.set_ylabel(plan.name)
+        ax.set_xlabel(f"Way covered by the actuator [{plan.unit}]")
+        (dot,) = ax.plot(
+            [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11, gid="now"
+        )
+        return dot
+
+    def _state(self, travels: Array) -> str:
+        full = np.array([cell.full_travel for cell in self.chain.cells])
+        share = travels / full
+        return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
 
     def shoot(self, frame: _Frame) -> Picture:
         """The picture at one instant."""
@@ -236,6 +283,10 @@ class _Scene:
         )
         self.dot.set_data([x], [y])
         self.halo.set_data([x], [y])
+        if self.plan is not None:
+            scale = 1.0 if self.chain.actuator_stiffness == 0 else MM
+            self.plan.set_data([frame.way * scale], [frame.drive * scale])
+            self.state.set_text(f"state {self._state(frame.travels)}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)
         self.canvas.restore_region(self.still)

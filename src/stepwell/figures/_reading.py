@@ -12,7 +12,7 @@ from stepwell.mechanism import Chain
 from stepwell.statics import Path
 
 if TYPE_CHECKING:
-    from stepwell.sequences import Cycle
+    from stepwell.sequences import Cycle, Program
 
 MM = 1e3
 MJ = 1e3
@@ -35,8 +35,8 @@ class Snap(NamedTuple):
     cells: tuple[int, ...]
 
 
-def path_of(result: Cycle | Path) -> Path:
-    """The path of a cycle, or the path itself."""
+def path_of(result: Cycle | Path | Program) -> Path:
+    """The path of a cycle or of a program, or the path itself."""
     return result if isinstance(result, Path) else result.path
 
 

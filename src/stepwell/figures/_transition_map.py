@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
 from stepwell.figures._labels import Label, beside
 from stepwell.figures._reading import MM
+from stepwell.figures._regions import name_regions
 from stepwell.figures._style import (
     BLACK,
     COLUMN,
@@ -115,7 +115,10 @@ def transition_map(
     nameless: list[str] = []
     for name, value in zip(names, values, strict=True):
         if name in PATHWAY and np.any(codes == value):
-            written = _name_regions(ax, x, y, (codes == value) & free, name)
+            words = _words(name)
+            forms = (words, _IN_TWO_LINES.get(name, words))
+            inside = (codes == value) & free
+            written = name_regions(ax, x, y, inside, forms, pale(PATHWAY[name]))
             nameless += [] if written else [name]
             taken += written
     marks: list[Label] = []
@@ -145,53 +148,6 @@ def transition_map(
 
 def _is_stability_edge(boundary: Boundary) -> bool:
     return boundary.kind.name == "BISTABLE"
-
-
-def _name_regions(
-    ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64], inside: NDArray[np.bool_], name: str
-) -> list[Bbox]:
-    """Write the pathway's name in every region that has room for it."""
-    from scipy import ndimage
-
-    number, count = cast("tuple[NDArray[np.intp], int]", ndimage.label(inside))
-    written: list[Bbox] = []
-    frame = ax.get_window_extent()
-    per_x, per_y = frame.width / len(x), frame.height / len(y)
-    for region in range(1, count + 1):
-        part = np.pad(number == region, 1)
-        words = _words(name)
-        for form in (words, _IN_TWO_LINES.get(name, words)):
-            text = ax.text(
-                0,
-                0,
-                form,
-                ha="center",
-                va="center",
-                fontweight="bold",
-                fontsize=7,
-                linespacing=0.95,
-            )
-            box = text.get_window_extent()
-            # Text is wider than high: a region's best place is where that shape fits best.
-            depth = np.asarray(
-                ndimage.distance_transform_edt(
-                    part, sampling=(per_y / box.height, per_x / box.width)
-                )
-            )
-            row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
-            if float(depth[row, column]) >= 0.55:
-                text.set_position((float(x[column - 1]), float(y[row - 1])))
-                text.set_bbox(
-                    {
-                        "boxstyle": "square,pad=0.15",
-                        "facecolor": pale(PATHWAY[name]),
-                        "linewidth": 0,
-                    }
-                )
-                written.append(text.get_window_extent())
-                break
-            text.remove()
-    return written
 
 
 def _words(name: str) -> str:

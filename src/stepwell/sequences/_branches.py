@@ -168,8 +168,12 @@ class Branches:
         states = [part.state for part in branch.parts]
         for number in self._where.get(states[0], ()):
             other = self._branches[number]
-            ends = (branch.low - other.low, branch.high - other.high)
-            if states == [p.state for p in other.parts] and max(map(abs, ends)) <= self.slip:
+            # Slack cells that share a motion differ in nothing but the places within a branch.
+            if states == [p.state for p in other.parts] and all(
+                abs(a - b) <= self.slip
+                for part, like in zip(branch.parts, other.parts, strict=True)
+                for a, b in zip(part.drive, like.drive, strict=True)
+            ):
                 return number
         return None
 

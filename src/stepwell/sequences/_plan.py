@@ -209,8 +209,7 @@ def _by_branches(
     raise Unreachable(
         f"no program leads from {start} to {to}: every branch that can be reached from {start} "
         f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
-        f"only. "
-        f"{_why(branches.chain, to)}".strip(),
+        f"only. {_why(branches, to)}".strip(),
         proved=not branches.ties,
     )
 
@@ -241,8 +240,12 @@ def _end(branches: Branches, way: _Way, to: str) -> tuple[float, float] | None:
     return None
 
 
-def _why(chain: Chain, to: str) -> str:
-    """The order of fields that forbids a state, where there is one."""
+def _why(branches: Branches, to: str) -> str:
+    """The order of fields that forbids a state, where there is one; or why nothing is proved."""
+    if branches.ties:
+        tie = next(iter(branches.ties))
+        return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
+    chain = branches.chain
     fields: Relays | None = relays(chain)
     if fields is None:
         return ""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import cached_property
 from itertools import pairwise, product
+from typing import TYPE_CHECKING
 
 import networkx as nx
 
@@ -14,6 +17,9 @@ from stepwell.sequences._legs import state_of
 from stepwell.sequences._relays import relays
 from stepwell.sequences.node import Node, Transition, TransitionKind
 from stepwell.statics import Tie
+
+if TYPE_CHECKING:
+    from stepwell.sequences.reading import Reading
 
 # The longest chain whose 2^N vertices are all looked at one by one by the engine.
 MOST_CELLS = 10
@@ -37,9 +43,27 @@ class TransitionGraph(nx.DiGraph):
     """
 
     @property
-    def chain(self) -> Chain:
-        """What it is the graph of, with the actuator that drives it."""
+    def chain(self) -> Chain | None:
+        """What it is the graph of, with the actuator that drives it.
+
+        None where the graph was read from a file or made from switching fields.
+        """
         return self.graph["chain"]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each cell is called, inner first."""
+        return self.graph["names"]
+
+    @property
+    def cells(self) -> int:
+        """How many cells there are."""
+        return len(self.names)
+
+    @property
+    def actuator(self) -> str:
+        """What drives it: "stroke", "force", "spring of 53 N/m" or "field"."""
+        return self.graph["actuator"]
 
     @property
     def ties(self) -> tuple[Tie, ...]:
@@ -58,8 +82,15 @@ class TransitionGraph(nx.DiGraph):
 
     @property
     def unit(self) -> str:
-        """Unit of drives: N under force control, else m."""
-        return "N" if self.chain.actuator_stiffness == 0 else "m"
+        """Unit of drives: N under force control, m under others, "" for bare numbers."""
+        return self.graph["unit"]
+
+    @cached_property
+    def reading(self) -> Reading:
+        """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
+        from stepwell.sequences.reading import read
+
+        return read(self)
 
     def node(self, label: str) -> Node:
         """The node of that label."""
@@ -85,7 +116,7 @@ class TransitionGraph(nx.DiGraph):
         Args:
             start: its label; all cells at 0 by default.
         """
-        start = "0" * len(self.chain) if start is None else start
+        start = "0" * self.cells if start is None else start
         if start not in self:
             return frozenset()
         return frozenset(nx.descendants(self, start) | {start})
@@ -97,7 +128,7 @@ class TransitionGraph(nx.DiGraph):
             for t in transitions
         )
         return (
-            f"TransitionGraph({len(self.chain)} cells, {len(self.vertices)} vertices, "
+            f"TransitionGraph({self.cells} cells, {len(self.vertices)} vertices, "
             f"{len(self)} nodes, {snaps} snaps)"
         )
 
@@ -198,12 +229,20 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             )
             _add(found, names[number, k], names[way.branch, target], snap)
     found.graph.update(
-        chain=chain,
+        **about(chain),
         ties=tuple(branches.ties),
         start=start,
         method="every branch followed to both ends by the engine",
     )
     return nx.freeze(found)
+
+
+def about(chain: Chain) -> dict[str, object]:
+    """What a graph says of the chain that it is of."""
+    stiffness = chain.actuator_stiffness
+    actuator = {0.0: "force", math.inf: "stroke"}.get(stiffness, f"spring of {stiffness:.6g} N/m")
+    unit = "N" if stiffness == 0 else "m"
+    return {"chain": chain, "names": chain.names, "actuator": actuator, "unit": unit}
 
 
 def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:

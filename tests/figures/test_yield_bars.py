@@ -1,0 +1,91 @@
+"""Yields: bars as long as the shares, the interval on the wanted one, parts by what they cause."""
+
+import numpy as np
+import pytest
+
+from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.shapes import boxes
+from stepwell import design, figures, files
+from stepwell.design import Tolerances
+from stepwell.figures._words import sequence_words, shortened, wrapped
+
+LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design.yields(files.preset("paper-forward"), LOOSE, n=20_000, sensitivity=True)
+
+
+def test_bars_are_as_long_as_the_shares(found):
+    bars = boxes(figures.yield_bars(found), "outcomes")
+    shares = [found.share, *(count / found.n for count in found.outcomes.values())]
+    assert [bar.get_width() for bar in bars] == pytest.approx([100 * share for share in shares])
+    assert sum(bar.get_width() for bar in bars) == pytest.approx(100.0)
+
+
+def test_the_interval_is_drawn_and_told(found):
+    figure = figures.yield_bars(found)
+    (interval,) = lines(figure, "interval")
+    assert points(interval)[:, 0] == pytest.approx(100 * np.array(found.interval))
+    low, high = (f"{100 * bound:.1f} %" for bound in found.interval)
+    assert f"{100 * found.share:.1f} % ({low} to {high}) as wanted" in says(figure)
+
+
+def test_parts_are_sorted_by_what_their_tolerance_causes(found):
+    figure = figures.yield_bars(found)
+    table = found.sensitivities
+    order = [i for i in np.argsort(-table.total, kind="stable") if table.total[i] >= 0.01]
+    names = [label.get_text() for label in figure.axes[1].get_yticklabels()]
+    assert names == [table.parameters[i] for i in order]
+    total = [bar.get_width() for bar in boxes(figure, "total")]
+    alone = [bar.get_width() for bar in boxes(figure, "first order")]
+    assert total == pytest.approx(table.total[order])
+    assert alone == pytest.approx(np.maximum(table.first_order[order], 0.0))
+
+
+def test_words_stay_apart_and_on_the_page(found):
+    shuffle = design.yields(files.preset("four-shuffle"), LOOSE, n=20_000, sensitivity=True)
+    plain = design.yields(files.preset("three-wave"), Tolerances(anchor=0.0003), n=1000)
+    for result, width in ((found, 180.0), (shuffle, 180.0), (plain, 85.0)):
+        figure = figures.yield_bars(result)
+        assert collisions(figure) == []
+        assert cut_off(figure) == []
+        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+        assert 25.4 * figure.get_size_inches()[0] == pytest.approx(width)
+
+
+def test_rare_outcomes_are_counted_together(found):
+    shuffle = design.yields(files.preset("four-shuffle"), LOOSE, n=20_000)
+    figure = figures.yield_bars(shuffle)
+    assert f"{len(shuffle.outcomes) - 6} other outcomes" in says(figure)
+    assert sum(bar.get_width() for bar in boxes(figure, "outcomes")) == pytest.approx(100.0)
+
+
+def test_axes_say_what_is_counted(found):
+    left, right = figures.yield_bars(found).axes
+    assert left.get_xlabel() == "Share of 20\N{THIN SPACE}000 built mechanisms [%]"
+    assert right.get_xlabel() == "Share of the variance of the smallest gap"
+
+
+def test_a_share_near_one_does_not_look_certain():
+    nearly = design.yields(
+        files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), n=20_000
+    )
+    assert 0.99 < nearly.share < 1.0
+    (told,) = [word for word in says(figures.yield_bars(nearly)) if word.endswith("as wanted")]
+    assert told.startswith("99.")
+
+
+def test_long_sequences_are_told_by_what_moves():
+    assert sequence_words("00>10>11>01>00", 50) == "00>10>11>01>00"
+    assert sequence_words("000>100>111>011>000", 10) == "loads 1 2+3, unloads 1 2+3"
+    assert sequence_words("cannot be built", 5) == "cannot be built"
+
+
+def test_texts_are_broken_and_shortened():
+    assert wrapped("00>10>11>01>00", 6) == ["00>10>", "11>01>", "00"]
+    assert shortened("one", 5) == "one"
+    assert shortened("a long name", 6) == "a lon…"
+    assert shortened("a long name", 6, 2) == "a long\nname"
+    assert shortened("unbreakable", 6) == "unbre…"
