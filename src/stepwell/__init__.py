@@ -7,10 +7,17 @@ from stepwell._version import __version__
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
 
 if TYPE_CHECKING:
-    from stepwell.design import Margin, margin, transition_map
+    from stepwell.design import Margin, Tolerances, Yield, design, margin, transition_map
     from stepwell.files import load, preset, presets, save
     from stepwell.robot import Arena, Robot
-    from stepwell.sequences import Cycle, Pathway, Sequence
+    from stepwell.sequences import (
+        Cycle,
+        Pathway,
+        Program,
+        Sequence,
+        TransitionGraph,
+        Unreachable,
+    )
     from stepwell.statics import Event, EventKind, Path
 
 # Rooms open when a name is first asked for, so that `import stepwell` costs NumPy and no more.
@@ -22,8 +29,13 @@ _DOORS = {
     "Margin": "design",
     "Path": "statics",
     "Pathway": "sequences",
+    "Program": "sequences",
     "Robot": "robot",
     "Sequence": "sequences",
+    "Tolerances": "design",
+    "TransitionGraph": "sequences",
+    "Unreachable": "sequences",
+    "Yield": "design",
     "load": "files",
     "margin": "design",
     "preset": "files",
@@ -46,10 +58,16 @@ __all__ = [
     "Margin",
     "Path",
     "Pathway",
+    "Program",
     "Robot",
     "Sequence",
     "Table",
+    "Tolerances",
+    "TransitionGraph",
+    "Unreachable",
+    "Yield",
     "__version__",
+    "design",
     "load",
     "margin",
     "preset",
@@ -60,6 +78,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "design":
+        # The room itself, which can be called: once it is open, Python puts it under this name.
+        return import_module("stepwell.design")
     if name in _DOORS:
         return getattr(import_module(f"stepwell.{_DOORS[name]}"), name)
     raise AttributeError(f"module 'stepwell' has no attribute {name!r}")

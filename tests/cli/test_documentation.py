@@ -11,9 +11,10 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
-from stepwell import files, lab
+from stepwell import design, files, lab
 from stepwell.cli import app
 from stepwell.design import boundaries
+from stepwell.design.inverse import Impossible, design as inverse
 from stepwell.files._arena_schema import TABLES as ARENA_TABLES
 from stepwell.files._keys import field_of, written
 from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
@@ -21,6 +22,7 @@ from stepwell.files._schema import TABLES
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import record as paper_record
+from stepwell.sequences import Unreachable
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)
@@ -32,8 +34,8 @@ def page(name: str) -> str:
     return (DOCS / f"{name}.md").read_text("utf-8")
 
 
-# What these hold goes by the names of laws, parameters or samples.
-BY_NAME = {"values", "each", "correlations"}
+# What these hold goes by the names of laws, parameters, samples or sequences.
+BY_NAME = {"values", "each", "correlations", "shares"}
 
 
 def keys_of(value) -> set[str]:
@@ -154,6 +156,33 @@ def lab_records() -> list[dict[str, Any]]:
     ]
 
 
+def motion_records() -> list[dict[str, Any]]:
+    """What the commands about programs, graphs and designs print, with every name in it."""
+    forward, wave = sw.preset("paper-forward"), sw.preset("three-wave")
+    axes = ("outer.q.x", [0.0, 0.01, 0.02]), ("inner.stiffness", [20.0, 30.0, 40.0])
+    spread = design.Tolerances(anchor=0.002, stiffness=0.1)
+    found = forward.program("01")
+    graphs = (wave.graph(), wave.graph("force"), sw.preset("countdown").graph())
+    with pytest.raises(Unreachable) as unreachable:
+        sw.preset("used-before").program("01")
+    with pytest.raises(Impossible) as impossible:
+        inverse("00>01>11>10>00", holes=0.04)
+    return [
+        *(files.graph_record(graph) for graph in graphs),
+        files.program_record(found),
+        files.program_record(sw.preset("force-control").program("01")),
+        files.unreachable_record(forward, None, "01", unreachable.value),
+        files.design_record(inverse("00>01>11>10>00", n=100)),
+        files.impossible_record(impossible.value),
+        files.yield_record(design.yields(forward, spread, n=500, sensitivity=True)),
+        files.survival_record(design.survival(forward, found.turning_points, "01", spread, n=3)),
+        files.reprogram_record(design.reprogram(forward, None, "inner.p")),
+        files.parameter_map_record(
+            design.parameter_map(forward, *axes), design.parameter_boundaries(forward, *axes)
+        ),
+    ]
+
+
 def test_every_name_of_the_json_is_documented():
     text = page("commands")
     chain = sw.preset("paper-forward")
@@ -162,6 +191,7 @@ def test_every_name_of_the_json_is_documented():
     shown, curves = sw.transition_map(chain, 1, x=x, y=y), boundaries(chain, 1, x=x, y=y)
     records = [
         *lab_records(),
+        *motion_records(),
         files.run_record(chain.cycle(), sw.margin(chain)),
         files.run_record(forced, sw.margin(forced.chain)),
         files.map_record(shown, curves),
@@ -169,7 +199,9 @@ def test_every_name_of_the_json_is_documented():
     ]
     names = {name for record in records for name in keys_of(record)} - {"unsolved"}
     for name in sorted(names):
-        assert f"`{name}`" in text or f'"{name}"' in text, name
+        # Drives that are forces end in _N, as the page says once for all of them.
+        told = (name, re.sub("_N$", "_mm", name))
+        assert any(f"`{one}`" in text or f'"{one}"' in text for one in told), name
 
 
 @pytest.mark.shown
@@ -206,7 +238,7 @@ def test_every_design_on_the_page_that_is_not_called_wrong_loads():
 
 def test_the_everything_example_uses_every_kind_of_key():
     (body,) = (b for _, t, b in FENCE.findall(page("design-files")) if t == "everything.toml")
-    left_out = {"bands", "band", "cell", "chain", "shape_mm"}
+    left_out = {"bands", "band", "cell", "chain", "shape_mm", "turning_points_N"}
     for keys in TABLES.values():
         for key in set(keys.model_fields) - left_out:
             assert key in body, key

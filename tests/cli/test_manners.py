@@ -92,7 +92,7 @@ def test_every_help_page_ends_with_the_exit_codes(stepwell_help, command):
 def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
     # Not pydantic: some versions of Typer use it themselves.
     heavy = {"numba", "scipy", "xarray", "matplotlib", "rich"}
-    for arguments in (["--help"], ["run", "--help"], ["--version"]):
+    for arguments in (["--help"], ["run", "--help"], ["design", "--help"], ["--version"]):
         script = (
             f"import sys\nsys.argv[1:] = {arguments}\n"
             "from stepwell.cli import main\ntry:\n    main()\nfinally:\n"

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import xarray as xr
 
 import stepwell as sw
 from stepwell.cli._grid import Grid, cell_of, grid, marks
+from stepwell.design import parameter_map
 
 SMALL = ("--x", "0:20:41", "--y", "-15:15:41")
 
@@ -96,6 +98,90 @@ def test_bands_with_anchors_of_their_own_have_no_single_place_on_the_map():
     ],
 )
 def test_wrong_options_end_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("map", "forward.toml", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+def test_any_two_parameters_span_a_map(stepwell, tmp_path):
+    axes = ("--across", "outer.q.x=0:20:11", "--up", "inner.stiffness=20:40:9")
+    result = stepwell("map", "forward.toml", *axes, "--out", "out", "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    out = tmp_path / "out"
+    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
+    assert {file.name for file in out.iterdir()} == names
+    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
+    assert record == json.loads((out / "map.json").read_text())
+    assert record["schema"] == "stepwell.parameter-map/1"
+    assert record["across"] == {
+        "parameter": "outer.q.x",
+        "unit": "mm",
+        "from": 0,
+        "to": 20,
+        "count": 11,
+        "design": 20,
+    }
+    assert record["up"]["design"] == pytest.approx(28.5)
+    assert sum(record["shares"].values()) == pytest.approx(1.0)
+    again = xr.load_dataset(out / "map.nc")
+    xs, ys = np.linspace(0, 0.02, 11), np.linspace(20, 40, 9)
+    chain = sw.preset("paper-forward")
+    assert again.equals(parameter_map(chain, ("outer.q.x", xs), ("inner.stiffness", ys)))
+
+
+def test_the_boundary_of_two_parameters_is_where_forces_are_equal(stepwell, tmp_path):
+    axes = ("--across", "outer.q.x=0:20:5", "--up", "inner.stiffness=20:40:5")
+    stepwell("map", "forward.toml", *axes, "--out", "out")
+    inner, outer = sw.preset("paper-forward").cells
+    with open(tmp_path / "out" / "boundaries.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 20
+    for row in rows:
+        stiff = replace(inner.bands[0], stiffness=float(row["inner.stiffness_N_per_m"]))
+        moved = outer.with_anchors(q=(float(row["outer.q.x_mm"]) / 1e3, 0.0))
+        assert replace(inner, band=stiff).force_0 == pytest.approx(moved.force_0, abs=1e-7)
+
+
+def test_angles_are_in_degrees_and_ratios_may_be_equal(stepwell):
+    axes = ("--across", "inner.limit=40:50:3", "--up", "actuator_stiffness=10:1000:3:log")
+    record = json.loads(stepwell("map", "forward.toml", *axes, "--json").stdout)
+    assert (record["across"]["unit"], record["across"]["from"]) == ("deg", pytest.approx(40))
+    assert record["across"]["design"] == pytest.approx(45)
+    assert (record["up"]["unit"], record["up"]["to"]) == ("N/m", pytest.approx(1000))
+    assert record["up"]["design"] is None
+    text = stepwell("map", "forward.toml", *axes).stdout
+    assert "Across inner.limit 40 to 50 deg, 3 values; up actuator_stiffness 10 to 1000" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--across", "outer.q.x=0:20:5"), "--across: needs --up NAME=FROM:TO:COUNT too."),
+        (("--up", "outer.q.x=0:20:5"), "--up: needs --across NAME=FROM:TO:COUNT too."),
+        (("--across", "outer.q.x"), "'outer.q.x': must be NAME=FROM:TO:COUNT"),
+        (("--across", "outer.q.x=0:20:1"), "the count must be from 2 to 5000."),
+        (("--across", "outer.q.x=20:0:5"), "must rise"),
+        (("--across", "outer.q.x=0:20:5:log"), "must start above 0 for equal ratios."),
+    ],
+)
+def test_a_wrong_parameter_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("map", "forward.toml", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+@pytest.mark.parametrize(
+    ("across", "options", "message"),
+    [
+        ("outer.qx=0:20:5", (), "Did you mean 'outer.q.x'?"),
+        ("outer.q=0:20:5", (), "take outer.q.x or outer.q.y."),
+        ("inner.stiffness=20:40:5", (), "take two parameters."),
+        ("outer.lever=-5:5:5", (), "lever"),
+        ("outer.q.x=0:20:5", ("--cell", "inner"), "cannot stand with --cell, --x or --y."),
+    ],
+)
+def test_two_parameters_have_to_go_together(stepwell, across, options, message):
+    arguments = ("--across", across, "--up", "inner.stiffness=20:40:5", *options)
     result = stepwell("map", "forward.toml", *arguments)
     assert result.exit_code == 2
     assert message in result.output

@@ -13,7 +13,10 @@ from PIL import Image
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
 
-PAGES = ["README.md", "docs/index.md", "docs/tutorial.md", "docs/theory.md", "docs/robot-theory.md"]
+PAGES = [
+    *("README.md", "docs/index.md", "docs/tutorial.md", "docs/gallery.md"),
+    *("docs/theory.md", "docs/robot-theory.md"),
+]
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
@@ -34,7 +37,8 @@ def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "page", ["docs/tutorial.md", "docs/theory.md", "docs/robot-theory.md", *HOW_TO]
+    "page",
+    ["docs/tutorial.md", "docs/gallery.md", "docs/theory.md", "docs/robot-theory.md", *HOW_TO],
 )
 def test_every_decimal_number_in_a_sentence_is_checked(page):
     assert unchecked(read(page)) == []

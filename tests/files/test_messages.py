@@ -51,7 +51,7 @@ def answer(text: str) -> str:
         ("chain = 3", "forward.toml: chain = 3: must be a table, as in [chain]."),
         (
             f"robot = 1\n[chain]\n{CELL}",
-            "forward.toml: robot: unknown key. Known here: title, chain.",
+            "forward.toml: robot: unknown key. Known here: title, chain, program.",
         ),
         # keys in the wrong table or unit
         (
@@ -232,7 +232,7 @@ def test_every_misspelt_key_is_recognised():
         for key in keys.model_fields:
             near = key + key[-1]
             before = "[chain]\n" + CELL if table.startswith("chain.cell") else ""
-            place = {"": "", "chain": "[chain]\n", "chain.band": "[chain.band]\n"}.get(table, "")
+            place = f"[{table}]\n" if table in ("chain", "chain.band", "program") else ""
             if table == "chain.cell.band":
                 text = f"{before}band = {{ {near} = 1 }}"
             elif table == "chain.cell.bands":

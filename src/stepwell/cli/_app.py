@@ -11,17 +11,22 @@ import typer
 from stepwell._version import __version__
 from stepwell.cli import (
     animate,
+    design,
     export,
+    graph,
     lab,
     map,
     maze,
     new,
     paper,
     presets,
+    program,
+    reprogram,
     robot,
     run,
     view,
     walk,
+    yield_,
 )
 from stepwell.cli._outcomes import EXIT_CODES, Commands
 from stepwell.cli._show import styled
@@ -35,7 +40,19 @@ app = typer.Typer(
     epilog=EXIT_CODES,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run.run, map.map_, new.new, presets.presets, animate.animate, paper.paper):
+for command in (
+    run.run,
+    map.map_,
+    graph.graph,
+    program.program,
+    design.design,
+    yield_.yield_,
+    reprogram.reprogram,
+    new.new,
+    presets.presets,
+    animate.animate,
+    paper.paper,
+):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
 for command in (walk.walk, maze.maze, export.export, view.view):

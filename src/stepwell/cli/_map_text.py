@@ -6,7 +6,44 @@ from stepwell.cli._show import number, show_lines, show_table
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.map_record` returns."""
+    """Print what `files.map_record` or `files.parameter_map_record` returns."""
+    if "across" in record:
+        _of_parameters(record)
+    else:
+        _of_anchor(record)
+
+
+def _of_parameters(record: dict[str, Any]) -> None:
+    def axis(name: str) -> str:
+        one = record[name]
+        ends = f"{number(one['from'])} to {number(one['to'])} {one['unit']}"
+        return f"{one['parameter']} {ends}, {one['count']} values"
+
+    show_lines(record["title"], "", f"Across {axis('across')}; up {axis('up')}")
+    show_table(
+        "Sequences",
+        ["sequence", "share of the map"],
+        [[name, f"{100 * share:.1f} %"] for name, share in record["shares"].items() if share],
+    )
+    show_lines(
+        "",
+        f"{record['closed_form_designs']} designs in closed form, {record['engine_designs']} by "
+        f"the engine; {record['degenerate_designs']} sit on a boundary.",
+    )
+    if not record["boundaries"]:
+        return
+    show_table(
+        "Boundaries",
+        ["what changes", "points", "how"],
+        [
+            [boundary["changes"], str(boundary["points"]), boundary["method"]]
+            for boundary in record["boundaries"]
+        ],
+        left=(0, 2),
+    )
+
+
+def _of_anchor(record: dict[str, Any]) -> None:
     x, y = record["x_mm"], record["y_mm"]
     show_lines(
         record["title"],

@@ -1,14 +1,17 @@
 """What an error means to whoever called the command: a line of advice and an exit code."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-OK, FAILED, WRONG_INPUT = 0, 1, 2
+OK, FAILED, WRONG_INPUT, NO = 0, 1, 2, 3
 EXIT_CODES = (
     "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
-    "or a wrong input file, 130 interrupted."
+    "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
+    "interrupted."
 )
 
 
@@ -33,10 +36,13 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     """Exit code and message of an error that the user can do something about, else None."""
     from stepwell.files import DesignError
     from stepwell.lab import LabError
+    from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
 
     if isinstance(error, DesignError | LabError):
         return WRONG_INPUT, str(error)
+    if isinstance(error, Unreachable):
+        return NO, str(error)
     if isinstance(error, StaticsError):
         return FAILED, str(error)
     # A package that an extra brings; any other missing module is a bug of ours.
@@ -53,3 +59,20 @@ def stopped(why: str) -> None:
     if why:
         typer.echo(why, err=True)
         raise typer.Exit(FAILED)
+
+
+@contextmanager
+def usable(what: str, *answers: type[ValueError]) -> Iterator[None]:
+    """Turn what the work cannot do with an argument into wrong usage, but not its answers."""
+    try:
+        yield
+    except ValueError as error:
+        if isinstance(error, answers) or outcome(error) is not None:
+            raise
+        raise typer.BadParameter(str(error), param_hint=what) from None
+
+
+def answered(yes: bool) -> None:
+    """End with an exit code of its own where what was asked for cannot be had."""
+    if not yes:
+        raise typer.Exit(NO)

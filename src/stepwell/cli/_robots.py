@@ -1,13 +1,13 @@
-"""What the robot's commands share: their arguments, and a wrong one said in a line."""
+"""Arguments that the robot's commands share."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from stepwell.cli._outcomes import usable as usable
 
 Robot = Annotated[
     str,
@@ -26,16 +26,3 @@ def named(robot: str) -> str:
 
     short = robot in files.presets() and not Path(robot).exists()
     return f"preset:{robot}" if short else robot
-
-
-@contextmanager
-def usable(what: str) -> Iterator[None]:
-    """Turn what the simulation cannot do with an argument into wrong usage."""
-    from stepwell.files import DesignError
-
-    try:
-        yield
-    except DesignError:
-        raise
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint=what) from None

@@ -6,6 +6,8 @@ from stepwell.cli._show import number, show_lines, show_table, signed
 
 # Longer tables help nobody on a screen; --json and --out have everything.
 MOST_ROWS = 40
+# The states of a longer chain are too long to be read.
+MOST_CELLS = 12
 
 
 def show(record: dict[str, Any]) -> None:
@@ -13,7 +15,7 @@ def show(record: dict[str, Any]) -> None:
     names = [cell["name"] for cell in record["cells"]]
     show_lines(*_head(record, names))
     _cells(record["cells"])
-    _events(record["events"], names)
+    show_events(record["events"], names)
     _margin(record["margin"], names)
     if record["ties"]:
         show_lines("", "Too close to call", *record["ties"])
@@ -25,7 +27,7 @@ def _head(record: dict[str, Any], names: list[str]) -> list[str]:
         return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
 
     found = {
-        "Sequence": record["sequence"] if len(names) <= 12 else None,
+        "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
         "Pathway": (record["pathway"] or "").replace("_", " "),
         "Loading": order(record["loading_order"]),
         "Unloading": order(record["unloading_order"]),
@@ -70,7 +72,8 @@ def _cells(cells: list[dict[str, Any]]) -> None:
     )
 
 
-def _events(events: list[dict[str, Any]], names: list[str]) -> None:
+def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
+    """Print a table of switches and snaps."""
     show_table(
         "Switches and snaps",
         ["while", "event", "stroke [mm]", "cells [mm of travel]", "force [N]", "released [mJ]"],

@@ -3,9 +3,12 @@
 import json
 import os
 import sys
+import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
+
+_WIDTH = 100
 
 
 def styled() -> bool:
@@ -30,6 +33,18 @@ def show_written(folder: Path | None, names: Sequence[str]) -> None:
 def show_lines(*lines: str) -> None:
     """Print lines as they are."""
     sys.stdout.write("".join(f"{line}\n" for line in lines))
+
+
+def show_text(*paragraphs: str) -> None:
+    """Print long sentences as paragraphs, each after an empty line."""
+    for text in paragraphs:
+        show_lines("", *wrapped(text))
+
+
+def wrapped(text: str) -> list[str]:
+    """A long sentence in lines, as a sentence begins."""
+    begun = text[:1].upper() + text[1:]
+    return textwrap.wrap(begun, _WIDTH, break_on_hyphens=False, break_long_words=False)
 
 
 def show_table(

@@ -1,32 +1,63 @@
 """`stepwell animate`: the mechanism in motion."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stepwell.cli._options import Design
+from stepwell.cli._programs import From, To
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle, Program
 
 _Gif = Annotated[Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")]
 _Seconds = Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5, max=120)]
 _Fps = Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)]
+_Program = Annotated[
+    bool,
+    typer.Option(
+        "--program",
+        help="Play the design's own program, or one planned to --to, instead of a full cycle.",
+    ),
+]
 
 
 def animate(
-    design: Design, out: _Gif = Path("cycle.gif"), seconds: _Seconds = 8.0, fps: _Fps = 20.0
+    design: Design,
+    out: _Gif = Path("cycle.gif"),
+    seconds: _Seconds = 8.0,
+    fps: _Fps = 20.0,
+    program: _Program = False,
+    start: From = None,
+    to: To = None,
 ) -> None:
     """Write a design in motion as a GIF.
 
     Snaps included, with the energy landscape of two cells, or the force of more, beside it.
     """
-    from stepwell import figures, files
+    from stepwell import figures
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_lines
 
-    cycle = files.load_chain(design).cycle()
+    result = _motion(design, program, start, to)
     try:
         with progress("frames") as tell:
-            figures.animation(cycle, out, seconds=seconds, fps=fps, progress=tell)
+            figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     show_lines(f"Wrote {out}")
+
+
+def _motion(design: str, program: bool, start: str | None, to: str | None) -> "Cycle | Program":
+    """What is to be seen."""
+    from stepwell import files
+    from stepwell.cli._programs import own, planned
+
+    if not program:
+        if start or to:
+            raise typer.BadParameter("needs --program.", param_hint="--to" if to else "--from")
+        return files.load_chain(design).cycle()
+    if start or to:
+        return planned(files.load_chain(design), start, to)
+    return own(files.read(design), design)

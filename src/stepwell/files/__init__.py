@@ -3,8 +3,24 @@
 from stepwell.files._errors import DesignError
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
 from stepwell.files.atomic import staged_folder, write_atomic
-from stepwell.files.bundle import write_map, write_run
-from stepwell.files.design import loads, loads_chain, loads_robot
+from stepwell.files.bundle import write_map, write_parameter_map, write_run
+from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
+from stepwell.files.design_bundle import (
+    write_design,
+    write_reprogramming,
+    write_survival,
+    write_yield,
+)
+from stepwell.files.design_record import (
+    design_record,
+    impossible_record,
+    reprogram_record,
+    survival_record,
+    yield_record,
+)
+from stepwell.files.graph import checked_suffix, write_graph
+from stepwell.files.graph_record import graph_record
+from stepwell.files.map_record import parameter_map_record
 from stepwell.files.measured import (
     write_band,
     write_calibration,
@@ -12,56 +28,81 @@ from stepwell.files.measured import (
     write_readings,
 )
 from stepwell.files.parameters import Parameter, parameters, vary
+from stepwell.files.program import WrittenProgram, arrival
+from stepwell.files.program_bundle import write_program
+from stepwell.files.program_record import program_record, unreachable_record
 from stepwell.files.provenance import Given, provenance
 from stepwell.files.record import force_scale, map_record, run_record
 from stepwell.files.report import report
 from stepwell.files.robot_bundle import write_maze, write_robot, write_sweep, write_walk
 from stepwell.files.robot_record import maze_record, robot_record, sweep_record, walk_record
 from stepwell.files.shipped import preset, preset_text, presets
-from stepwell.files.source import load, load_chain, load_robot, read
-from stepwell.files.write import dumps, save
+from stepwell.files.source import load, load_chain, load_program, load_robot, read
+from stepwell.files.write import dumps, save, with_program
 
 __all__ = [
     "DesignError",
     "Given",
     "Parameter",
+    "WrittenProgram",
     "arena_text",
     "arenas",
+    "arrival",
+    "checked_suffix",
+    "design_record",
     "dumps",
     "force_scale",
+    "graph_record",
+    "impossible_record",
     "load",
     "load_arena",
     "load_chain",
+    "load_program",
     "load_robot",
     "loads",
     "loads_arena",
     "loads_chain",
+    "loads_program",
     "loads_robot",
     "map_record",
     "maze_record",
+    "parameter_map_record",
     "parameters",
     "preset",
     "preset_text",
     "presets",
+    "program_record",
     "provenance",
     "read",
     "report",
+    "reprogram_record",
     "robot_record",
     "run_record",
     "save",
     "staged_folder",
+    "survival_record",
     "sweep_record",
+    "unreachable_record",
     "vary",
     "walk_record",
+    "with_program",
     "write_atomic",
     "write_band",
     "write_calibration",
     "write_comparison",
+    "write_design",
+    "write_graph",
     "write_map",
     "write_maze",
-    "write_robot",
+    "write_parameter_map",
+    "write_program",
     "write_readings",
+    "write_reprogramming",
+    "write_robot",
     "write_run",
+    "write_survival",
     "write_sweep",
     "write_walk",
+    "write_yield",
+    "yield_record",
 ]

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 # twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
 LENGTH = (Decimal("-1e6"), Decimal("1e6"))
 ROW_STEP_MM = Decimal("1e-6")
+MOST_TURNS = 10_000
 
 
 def refuse(problem: str, key: str = "") -> NoReturn:
@@ -94,6 +95,21 @@ def _line(value: Any) -> str:
     return value
 
 
+def _state(value: Any) -> str:
+    if not isinstance(value, str) or not value or set(value) - {"0", "1"}:
+        refuse('must be 0 or 1 for each cell in quotes, inner first, as in "010".')
+    return value
+
+
+def _drives(value: Any) -> tuple[Decimal, ...]:
+    if not isinstance(value, list) or not 0 < len(value) <= MOST_TURNS:
+        refuse(f"must be a list of 1 to {MOST_TURNS} numbers, as in [0, 45, 20].")
+    try:
+        return tuple(number(v, *LENGTH, "") for v in value)
+    except (TypeError, ValueError):
+        refuse("must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
+
+
 def _switch(value: Any) -> bool:
     if not isinstance(value, bool):
         refuse("must be true or false, without quotes.")
@@ -114,6 +130,8 @@ Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
 LoadRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_load_rows)]
+State = Annotated[str, PlainValidator(_state)]
+Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
 
 
 class Keys(BaseModel):
@@ -222,11 +240,29 @@ class ChainKeys(SharedKeys):
         return self
 
 
+class ProgramKeys(Keys):
+    """What the actuator is to do, and what for."""
+
+    start: State | None = None
+    turning_points_mm: Drives | None = None
+    turning_points_N: Drives | None = None
+    ends: State | None = None
+
+    @model_validator(mode="after")
+    def _one_list(self) -> ProgramKeys:
+        if self.turning_points_mm is None and self.turning_points_N is None:
+            refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
+        if self.turning_points_mm is not None and self.turning_points_N is not None:
+            refuse("cannot stand with turning_points_mm: keep one of them.", "turning_points_N")
+        return self
+
+
 class FileKeys(Keys):
     """A whole design file."""
 
     title: Line = ""
     chain: ChainKeys
+    program: ProgramKeys | None = None
 
 
 Tables = Mapping[str, type[Keys]]
@@ -237,4 +273,9 @@ CHAIN_TABLES: Tables = {
     "chain.cell.band": BandKeys,
     "chain.cell.bands": PlacedBandKeys,
 }
-TABLES: Tables = {"": FileKeys, "chain": ChainKeys, **CHAIN_TABLES}
+TABLES: Tables = {
+    "": FileKeys,
+    "chain": ChainKeys,
+    **CHAIN_TABLES,
+    "program": ProgramKeys,
+}

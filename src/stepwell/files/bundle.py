@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
 from stepwell.files.atomic import staged_folder, write_atomic
+from stepwell.files.map_record import parameter_boundary_rows, parameter_map_record
 from stepwell.files.record import boundary_rows, map_record, run_record
 from stepwell.files.report import report
 from stepwell.files.write import dumps
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from stepwell.design import Boundary, Margin
+    from stepwell.design import Boundary, Margin, ParameterBoundary
     from stepwell.sequences import Cycle
 
 # Beyond this a drawing is too small to see, and the figures room refuses it.
@@ -101,6 +102,51 @@ def write_map(
         steps.next()
         save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
         return names(draft)
+
+
+def write_parameter_map(
+    dataset: xarray.Dataset,
+    boundaries: tuple[ParameterBoundary, ...],
+    folder: str | os.PathLike[str],
+    *,
+    design: tuple[float, float] | None = None,
+    progress: Progress | None = None,
+) -> tuple[str, ...]:
+    """Write a map over two parameters into a folder, all of it or nothing.
+
+    Args:
+        dataset: what `design.parameter_map` returns.
+        boundaries: what `design.parameter_boundaries` returns for the same parameters.
+        folder: made if missing; files of the same names are replaced, others stay.
+        design: the two parameters of the design itself, in SI, to be marked.
+        progress: called with (done, total) files.
+
+    Returns:
+        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    with staged_folder(folder) as draft:
+        steps = Steps(progress, 5)
+        dataset.to_netcdf(draft / "map.nc", engine="scipy")
+        steps.next()
+        write_json(draft / "map.json", parameter_map_record(dataset, boundaries, design))
+        steps.next()
+        write_atomic(draft / "boundaries.csv", parameter_boundary_rows(boundaries))
+        steps.next()
+        inside = {"this design": design} if design and _shows(dataset, design) else None
+        drawn = figures.parameter_map(dataset, boundaries, inside)
+        save_figures({"map": drawn}, draft, steps)
+        return names(draft)
+
+
+def _shows(dataset: xarray.Dataset, design: tuple[float, float]) -> bool:
+    """Whether a map holds a design."""
+    axes = zip((dataset["x"], dataset["y"]), design, strict=True)
+    return all(float(axis[0]) <= value <= float(axis[-1]) for axis, value in axes)
 
 
 def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:

@@ -1,4 +1,4 @@
-"""The text of a design file in, a chain or a robot out."""
+"""The text of a design file in; a chain, its program or a robot out."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from stepwell.files._errors import DesignError
 from stepwell.files._robot import robot
 from stepwell.files._toml import parsed
 from stepwell.files._wording import worded
+from stepwell.files.program import WrittenProgram, written
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
@@ -33,15 +34,7 @@ def loads(text: str, name: str = "design") -> Any:
         DesignError: the text is no TOML, or asks for what no mechanism can be; its own text
             has one line for every problem.
     """
-    tables = parsed(text, name, _EMPTY)
-    is_robot = robot_schema.is_robot(tables)
-    try:
-        if is_robot:
-            return robot(robot_schema.RobotKeys.model_validate(tables), name)
-        return _chain(schema.FileKeys.model_validate(tables), name)
-    except ValidationError as error:
-        known = robot_schema.TABLES if is_robot else schema.TABLES
-        raise DesignError(name, worded(error, known)) from None
+    return _read(text, name)[0]
 
 
 def loads_chain(text: str, name: str = "design") -> Chain:
@@ -57,12 +50,23 @@ def loads_chain(text: str, name: str = "design") -> Chain:
     Raises:
         DesignError: as `loads`, or the text describes a robot.
     """
-    design = loads(text, name)
-    if isinstance(design, Chain):
-        return design
-    raise DesignError(
-        name, ["is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."]
-    )
+    return _read_chain(text, name)[0]
+
+
+def loads_program(text: str, name: str = "design") -> WrittenProgram | None:
+    """The program of the actuator that the design file of a chain holds.
+
+    Args:
+        text: TOML.
+        name: what messages call it.
+
+    Returns:
+        The program, in SI; None where there is no table [program].
+
+    Raises:
+        DesignError: as `loads_chain`.
+    """
+    return _read_chain(text, name)[1]
 
 
 def loads_robot(text: str, name: str = "design") -> Robot:
@@ -90,7 +94,28 @@ def loads_robot(text: str, name: str = "design") -> Robot:
     )
 
 
-def _chain(keys: schema.FileKeys, name: str) -> Chain:
+def _read_chain(text: str, name: str) -> tuple[Chain, WrittenProgram | None]:
+    design, program = _read(text, name)
+    if isinstance(design, Chain):
+        return design, program
+    raise DesignError(
+        name, ["is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."]
+    )
+
+
+def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
+    tables = parsed(text, name, _EMPTY)
+    is_robot = robot_schema.is_robot(tables)
+    try:
+        if is_robot:
+            return robot(robot_schema.RobotKeys.model_validate(tables), name), None
+        return _chain(schema.FileKeys.model_validate(tables), name)
+    except ValidationError as error:
+        known = robot_schema.TABLES if is_robot else schema.TABLES
+        raise DesignError(name, worded(error, known)) from None
+
+
+def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:
     chain = keys.chain
     shared = Shared(chain.lever_mm, chain.limit_deg, chain.band.given())
     problems: list[str] = []
@@ -98,4 +123,8 @@ def _chain(keys: schema.FileKeys, name: str) -> Chain:
     if problems:
         raise DesignError(name, problems)
     actuator = float(chain.actuator_stiffness_N_per_m)
-    return Chain(tuple(cell for cell in cells if cell), actuator, keys.title)
+    made = Chain(tuple(cell for cell in cells if cell), actuator, keys.title)
+    program = None if keys.program is None else written(keys.program, made, problems)
+    if problems:
+        raise DesignError(name, problems)
+    return made, program

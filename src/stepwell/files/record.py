@@ -44,13 +44,13 @@ def run_record(cycle: Cycle, margin: Margin) -> dict[str, Any]:
         "schema": RUN_SCHEMA,
         "stepwell": __version__,
         "title": chain.title,
-        "actuator": _actuator(chain),
+        "actuator": actuator_record(chain),
         "cells": [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)],
         "sequence": str(cycle.sequence) if spelled else None,
         "pathway": cycle.pathway.name.lower() if cycle.pathway else None,
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
-        "events": [_event(event, chain) for event in cycle.events],
+        "events": [event_record(event, chain) for event in cycle.events],
         "dissipated_mJ": finite(cycle.dissipated, 1e3),
         "peak_force_N": finite(cycle.peak_force),
         "full_stroke_mm": finite(chain.full_stroke, 1e3),
@@ -131,7 +131,13 @@ def finite(value: float, factor: float = 1.0) -> float | None:
     return scaled if math.isfinite(scaled) else None
 
 
-def _actuator(chain: Chain) -> dict[str, Any]:
+def told_drive(chain: Chain) -> tuple[str, float]:
+    """Unit in which users are told the drive of a chain, and how many of it make one in SI."""
+    return ("N", 1.0) if chain.actuator_stiffness == 0 else ("mm", 1e3)
+
+
+def actuator_record(chain: Chain) -> dict[str, Any]:
+    """What the actuator of a chain prescribes, and its stiffness."""
     stiffness = chain.actuator_stiffness
     control = "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
     return {"control": control, "stiffness_N_per_m": finite(stiffness)}
@@ -152,7 +158,8 @@ def _cell(cell: Cell, name: str) -> dict[str, Any]:
     }
 
 
-def _event(event: Event, chain: Chain) -> dict[str, Any]:
+def event_record(event: Event, chain: Chain) -> dict[str, Any]:
+    """A switch or a snap of a chain."""
     by_force = chain.actuator_stiffness == 0
     return {
         "kind": event.kind.name.lower(),

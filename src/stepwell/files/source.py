@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from stepwell.files._errors import DesignError
-from stepwell.files.design import loads, loads_chain, loads_robot
+from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
+from stepwell.files.program import WrittenProgram
 from stepwell.files.shipped import preset_text, presets
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -49,6 +50,21 @@ def load_chain(design: str | os.PathLike[str]) -> Chain:
         DesignError: as for `load`, or the file describes a robot.
     """
     return loads_chain(read(design), os.fspath(design))
+
+
+def load_program(design: str | os.PathLike[str]) -> WrittenProgram | None:
+    """The program of the actuator that the design file of a chain holds.
+
+    Args:
+        design: as for `load`.
+
+    Returns:
+        The program, in SI; None where the file has no table [program].
+
+    Raises:
+        DesignError: as for `load`, or the file describes a robot.
+    """
+    return loads_program(read(design), os.fspath(design))
 
 
 def load_robot(design: str | os.PathLike[str]) -> Robot:

@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 import os
+import re
 
 from stepwell.files._arena_text import arena_text_of
 from stepwell.files._chain_text import chain_text
+from stepwell.files._errors import DesignError
 from stepwell.files._robot_text import robot_text
 from stepwell.files.arena import loads_arena
 from stepwell.files.atomic import write_atomic
-from stepwell.files.design import loads
+from stepwell.files.design import loads, loads_chain, loads_program
+from stepwell.files.program import WrittenProgram
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
 
+# The table from its head to the next one or to what is said above that; checked afterwards.
+_PROGRAM = re.compile(
+    r"^\[ *program *\].*?(?=^(?:#[^\n]*\n|\n)*\[[a-z\[]|\Z)", re.MULTILINE | re.DOTALL
+)
 
-def save(design: Chain | Robot | Arena, path: str | os.PathLike[str]) -> None:
+
+def save(
+    design: Chain | Robot | Arena,
+    path: str | os.PathLike[str],
+    *,
+    program: WrittenProgram | None = None,
+) -> None:
     """Write a chain, a robot or an arena as its file, whole or not at all.
 
     Args:
         design: any chain, robot or arena.
         path: where to, as TOML; an existing file is replaced.
+        program: of a chain's actuator, for a table [program].
 
     Raises:
         ValueError: the design lies outside what its file may hold, or an arena is to be a map.
@@ -27,22 +41,25 @@ def save(design: Chain | Robot | Arena, path: str | os.PathLike[str]) -> None:
     """
     if isinstance(design, Arena) and os.fspath(path).endswith(".txt"):
         raise ValueError(f"{os.fspath(path)}: an arena is written as TOML: let it end in .toml.")
-    write_atomic(path, dumps(design))
+    write_atomic(path, dumps(design, program=program))
 
 
-def dumps(design: Chain | Robot | Arena) -> str:
+def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = None) -> str:
     """The file of a chain, a robot or an arena; reading it gives an equal one, to the last bit.
 
     Args:
         design: any chain, robot or arena.
+        program: of a chain's actuator, for a table [program].
 
     Returns:
         TOML: what cells and legs share first, then each of them, innermost first.
 
     Raises:
         ValueError: the design lies outside what its file may hold, such as a name of two lines
-            or a lever of a thousand kilometres.
+            or a lever of a thousand kilometres; or it is no chain and has a program.
     """
+    if program is not None and not isinstance(design, Chain):
+        raise ValueError("program: only the design file of a chain holds one; leave it out.")
     if isinstance(design, Arena):
         text = arena_text_of(design)
         again = loads_arena(text, "this arena, written as a file")
@@ -50,8 +67,32 @@ def dumps(design: Chain | Robot | Arena) -> str:
         text = robot_text(design)
         again = loads(text, "this robot, written as a design file")
     else:
-        text = chain_text(design)
+        text = chain_text(design) + ("" if program is None else f"\n{program.text(design)}")
         again = loads(text, "this chain, written as a design file")
     if again != design:
         raise ValueError(f"{design!r} did not survive being written: please report this design.")
     return text
+
+
+def with_program(text: str, program: WrittenProgram) -> str:
+    """The design file of a chain with another table [program], and all else as it was.
+
+    Args:
+        text: of the file, with its comments.
+        program: what is to stand there.
+
+    Returns:
+        TOML.
+
+    Raises:
+        DesignError: the text is no chain's design file.
+    """
+    chain = loads_chain(text)
+    kept = _PROGRAM.sub("", text.replace("\r\n", "\n")).rstrip("\n")
+    changed = f"{kept}\n\n{program.text(chain)}"
+    try:
+        same = loads_chain(changed) == chain and loads_program(changed) == program
+    except DesignError:
+        same = False
+    # A table that stood there in another form, such as program = { ... } on one line.
+    return changed if same else dumps(chain, program=program)

@@ -8,6 +8,7 @@ from stepwell.paper import (
     _map,
     _measured,
     _misprints,
+    _more_cells,
     _order,
     _pathways,
     _robot,
@@ -39,5 +40,6 @@ def claims(
         *_robot.CLAIMS,
         *_steering.CLAIMS,
         *_antennas.CLAIMS,
+        *_more_cells.CLAIMS,
         *(_steering.MANY_RUNS if everything else ()),
     )

@@ -1,0 +1,60 @@
+"""The result of `stepwell design` as people read it."""
+
+from typing import Any
+
+from stepwell.cli import _yield_text
+from stepwell.cli._run_text import MOST_CELLS
+from stepwell.cli._show import number, show_lines, show_table, show_text, wrapped
+
+# A list of more states than these helps nobody.
+MOST_STATES = 16
+
+
+def show(record: dict[str, Any]) -> None:
+    """Print what `files.design_record` or `files.impossible_record` returns."""
+    if not record["possible"]:
+        show_lines(*wrapped(record["reason"]))
+        return
+    cells = record["cells"]
+    names = [cell["name"] for cell in cells]
+    show_lines(
+        *_states(record, len(cells)),
+        *(line for line in _yield_text.lines(record["yield"], names) if line[:6] != "Wanted"),
+        *_robustness(record["robustness"], names),
+    )
+    show_table(
+        "Cells, innermost first",
+        ["cell", "q [mm]", "p [mm]", "k [N/m]", "l0 [mm]", "lever [mm]", "F0 [N]", "F1 [N]"],
+        [
+            [
+                cell["name"],
+                *(", ".join(number(round(v, 3), 6) for v in cell[key]) for key in _ANCHORS),
+                *(number(cell[key]) for key in _NUMBERS),
+            ]
+            for cell in cells
+        ],
+    )
+    show_text(record["reason"], record["assumptions"])
+
+
+def _states(record: dict[str, Any], cells: int) -> list[str]:
+    states = record["states"]
+    if cells > MOST_CELLS:
+        return [f"In reach  {len(states)} states"]
+    more = f" and {len(states) - MOST_STATES} more" if len(states) > MOST_STATES else ""
+    listed = f"{len(states)} states: {', '.join(states[:MOST_STATES])}{more}"
+    return [f"Sequence  {record['sequence']}", f"In reach  {listed}"]
+
+
+_ANCHORS = ("q_mm", "p_mm")
+_NUMBERS = ("stiffness_N_per_m", "rest_length_mm", "lever_mm", "F0_N", "F1_N")
+
+
+def _robustness(found: dict[str, Any] | None, names: list[str]) -> list[str]:
+    if found is None:
+        return []
+    text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
+    if found["meet"] is not None:
+        first, second = (names[cell] for cell in found["meet"])
+        text += f"; then {first} and {second} change places while {found['while']}"
+    return [f"Worst     {text}"]

@@ -1,0 +1,63 @@
+"""How far a built mechanism may be from its drawing, as commands are told."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from stepwell.design import Tolerances
+
+Anchor = Annotated[
+    float,
+    typer.Option(
+        "--anchor", metavar="MM", help="Every anchor lies within this radius [mm].", min=0
+    ),
+]
+StiffnessSpread = Annotated[
+    float,
+    typer.Option(
+        metavar="PERCENT", help="Standard deviation of a band's stiffness [%].", min=0, max=24.9
+    ),
+]
+RestLengthSpread = Annotated[
+    float,
+    typer.Option(
+        metavar="PERCENT", help="Standard deviation of a band's rest length [%].", min=0, max=24.9
+    ),
+]
+LeverTolerance = Annotated[
+    float,
+    typer.Option(metavar="MM", help="Every cell's lever is off by up to this [mm].", min=0),
+]
+Friction = Annotated[
+    float,
+    typer.Option(metavar="N", help="Every cell has up to this more friction [N].", min=0),
+]
+Samples = Annotated[
+    int,
+    typer.Option(metavar="N", help="How many mechanisms are made at random.", min=1, max=10**9),
+]
+SomeSamples = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help="How many mechanisms are made at random; 100000, or 500 with --program.",
+        show_default=False,
+        min=1,
+        max=10**9,
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Which ones: the same seed, the same mechanisms.", min=0)]
+
+
+def tolerances(
+    anchor: float, stiffness: float, rest_length: float, lever: float, friction: float
+) -> Tolerances:
+    """The tolerances of these options: mm, %, %, mm, N."""
+    from stepwell.cli._outcomes import usable
+    from stepwell.design import Tolerances
+
+    with usable("tolerances"):
+        return Tolerances(anchor / 1e3, stiffness / 1e2, rest_length / 1e2, lever / 1e3, friction)

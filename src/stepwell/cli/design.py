@@ -1,0 +1,146 @@
+"""`stepwell design`: where the bands have to go for a wanted motion."""
+
+import math
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from stepwell.cli import _tolerances as given
+from stepwell.cli._drive import NewDrive, stiffness_of
+from stepwell.cli._options import Json, Out
+from stepwell.cli._wishes import Span, span
+
+# The paper's box.
+ACROSS, UP = Span(0, 20), Span(-15, 15)
+_Target = Annotated[
+    str,
+    typer.Argument(
+        metavar="TARGET",
+        help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or all:N "
+        "for N cells with all their states.",
+        show_default=False,
+    ),
+]
+_Side = Annotated[
+    Span, typer.Option(parser=span, metavar="FROM:TO", help="Where anchors q may be [mm].")
+]
+_Holes = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        help="Anchors only in holes this far apart, from the lower left corner on [mm].",
+        min=0.01,
+    ),
+]
+_Band = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--band",
+        metavar="NAME|K:LENGTH[:SPREAD]",
+        help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
+    ),
+]
+_Lever = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--lever",
+        metavar="MM",
+        help="A lever there is [mm]; may be given again. The paper's by default.",
+    ),
+]
+_Mixed = Annotated[
+    bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
+]
+
+
+class Objective(StrEnum):
+    """What is made as large as possible."""
+
+    YIELD = "yield"
+    WORST = "worst"
+
+
+_Objective = Annotated[
+    Objective,
+    typer.Option(
+        help="Make the yield largest, or the distance by which all anchors may be off at once.",
+    ),
+]
+_Force = Annotated[
+    float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
+]
+
+
+def design(
+    target: _Target,
+    x: _Side = ACROSS,
+    y: _Side = UP,
+    holes: _Holes = None,
+    bands: _Band = None,
+    levers: _Lever = None,
+    mixed_levers: _Mixed = False,
+    objective: _Objective = Objective.YIELD,
+    force_limit: _Force = None,
+    drive: NewDrive = None,
+    anchor: given.Anchor = 0.3,
+    stiffness_spread: given.StiffnessSpread = 5.0,
+    rest_length_spread: given.RestLengthSpread = 0.0,
+    lever_tolerance: given.LeverTolerance = 0.0,
+    friction: given.Friction = 0.0,
+    samples: given.Samples = 100_000,
+    seed: given.Seed = 0,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Find anchors for a wanted cycle, or for a wanted set of states.
+
+    You get the anchors, checked by the engine, how many mechanisms built with these
+    tolerances will do it, and which two cells go wrong first; or the certificate that nothing
+    allowed does it. With --out, the design file, a figure of the forces that a cell can have,
+    and the result as JSON are written into a folder.
+    """
+    from stepwell import files
+    from stepwell.cli import _design_text
+    from stepwell.cli._outcomes import answered, usable
+    from stepwell.cli._progress import progress
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.cli._wishes import stock, wish
+    from stepwell.design.inverse import PAPER_LEVER, Impossible, design
+    from stepwell.design.region import AnchorBox
+
+    wanted = wish(target)
+    spread = given.tolerances(
+        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+    )
+    names: tuple[str, ...] = ()
+    try:
+        with usable("TARGET", Impossible), progress("design") as tell:
+            found = design(
+                **wanted,
+                within=AnchorBox(x.start / 1e3, x.stop / 1e3, y.start / 1e3, y.stop / 1e3),
+                holes=None if holes is None else holes / 1e3,
+                bands=[stock(text) for text in bands or ["paper"]],
+                lever=[lever / 1e3 for lever in levers] if levers else PAPER_LEVER,
+                equal_levers=not mixed_levers,
+                tolerances=spread,
+                objective=objective.value,
+                most_force=math.inf if force_limit is None else force_limit,
+                actuator_stiffness=stiffness_of(drive),
+                n=samples,
+                seed=seed,
+                progress=tell,
+            )
+    except Impossible as why:
+        record, out = files.impossible_record(why), None
+    else:
+        record = files.design_record(found)
+        if out is not None:
+            with progress("writing") as tell:
+                names = files.write_design(found, out, progress=tell)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _design_text.show(record)
+        show_written(out, names)
+    answered(record["possible"])

@@ -1,0 +1,102 @@
+"""`stepwell reprogram`: how far an anchor has to be moved to change what a chain does."""
+
+import math
+from typing import Annotated, NamedTuple
+
+import typer
+
+from stepwell.cli._options import Design, Json, Out
+
+_By = Annotated[
+    str,
+    typer.Option(
+        "--by",
+        metavar="ANCHOR",
+        help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
+        ".q on its outer one, as in inner.p.",
+        show_default=False,
+    ),
+]
+_Target = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SEQUENCE",
+        help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
+        show_default=False,
+    ),
+]
+
+
+class Direction(NamedTuple):
+    """A direction in the plane of an anchor, of any length."""
+
+    x: float
+    y: float
+
+
+def along(text: str) -> Direction:
+    """X:Y, or an angle in degrees from the x axis, as a direction."""
+    try:
+        parts = [float(part) for part in text.split(":")]
+        angle = math.radians(parts[0])
+        x, y = parts if len(parts) > 1 else (math.cos(angle), math.sin(angle))
+    except (OverflowError, ValueError):
+        x, y = math.nan, math.nan
+    if not 0 < math.hypot(x, y) < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be X:Y, as in -1:0, or degrees, as in 180.")
+    return Direction(x, y)
+
+
+_Along = Annotated[
+    Direction | None,
+    typer.Option(
+        "--along",
+        parser=along,
+        metavar="X:Y|DEGREES",
+        help="The line that the anchor keeps to; anywhere in the plane by default.",
+        show_default=False,
+    ),
+]
+_OneWay = Annotated[
+    bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+]
+_Reach = Annotated[
+    float, typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6)
+]
+
+
+def reprogram(
+    design: Design,
+    by: _By,
+    target: _Target = None,
+    line: _Along = None,
+    one_way: _OneWay = False,
+    reach: _Reach = 20.0,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Find the smallest displacement of an anchor that changes what a chain does.
+
+    You get the displacement, the sequence just past it, and the force that has to push the
+    anchor on the way: what an antenna must deliver. With --out, the design past the change,
+    the way as CSV and the result as JSON are written into a folder.
+    """
+    from stepwell import files
+    from stepwell.cli import _reprogram_text
+    from stepwell.cli._outcomes import answered, usable
+    from stepwell.cli._show import show_json, show_written
+    from stepwell.design import reprogram
+
+    if one_way and line is None:
+        raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
+    chain = files.load_chain(design)
+    with usable(design):
+        found = reprogram(chain, target, by, along=line, one_way=one_way, reach=reach / 1e3)
+    record = files.reprogram_record(found)
+    names = files.write_reprogramming(found, out) if out is not None else ()
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _reprogram_text.show(record)
+        show_written(out, names)
+    answered(record["possible"])

@@ -1,0 +1,150 @@
+"""Everything about a design that was found, or judged, in one folder."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
+from stepwell.files.atomic import staged_folder, write_atomic
+from stepwell.files.design_record import (
+    design_record,
+    reprogram_record,
+    survival_record,
+    yield_record,
+)
+from stepwell.files.write import dumps
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stepwell.design import Reprogramming, Survival, Yield
+    from stepwell.design.inverse import Design
+
+# Mechanisms that are drawn around the drawing, and cells that fit into a figure.
+_CLOUD, _DRAWABLE_CELLS = 600, 16
+
+
+def write_design(
+    found: Design, folder: str | os.PathLike[str], *, progress: Progress | None = None
+) -> tuple[str, ...]:
+    """Write a design that was found into a folder, all of it or nothing.
+
+    Args:
+        found: what `design.design` returns.
+        folder: made if missing; files of the same names are replaced, others stay.
+        progress: called with (done, total) files.
+
+    Returns:
+        The names of the files: design.toml, design.json, yield.csv, force-plane.png and
+        force-plane.svg.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    with staged_folder(folder) as draft:
+        steps = Steps(progress, 5)
+        write_atomic(draft / "design.toml", dumps(found.chain))
+        steps.next()
+        write_json(draft / "design.json", design_record(found))
+        steps.next()
+        found.yield_.to_csv(draft / "yield.csv")
+        steps.next()
+        drilled = found.holes is not None
+        plane = figures.force_plane(
+            found.chain,
+            loading=found.loading,
+            unloading=found.unloading,
+            region=() if drilled else found.region,
+            places=np.concatenate(found.region) if drilled else None,
+            clouds=found.yield_.end_forces(_CLOUD),
+        )
+        save_figures({"force-plane": plane}, draft, steps)
+        return names(draft)
+
+
+def write_yield(
+    found: Yield,
+    folder: str | os.PathLike[str],
+    *,
+    design: str | None = None,
+    progress: Progress | None = None,
+) -> tuple[str, ...]:
+    """Write how many built mechanisms do what is wanted into a folder, all of it or nothing.
+
+    Args:
+        found: what `design.yields` returns.
+        folder: made if missing; files of the same names are replaced, others stay.
+        design: text of the design file, to keep beside the results; written anew by default.
+        progress: called with (done, total) files.
+
+    Returns:
+        The names of the files: design.toml, yield.json, yield.csv, and yield and, for up to 16
+        cells, force-plane as .png and .svg.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    drawn: dict[str, Figure] = {"yield": figures.yield_bars(found)}
+    if len(found.chain) <= _DRAWABLE_CELLS:
+        drawn["force-plane"] = figures.force_plane(found.chain, clouds=found.end_forces(_CLOUD))
+    with staged_folder(folder) as draft:
+        steps = Steps(progress, 3 + 2 * len(drawn))
+        write_atomic(draft / "design.toml", design or dumps(found.chain))
+        steps.next()
+        write_json(draft / "yield.json", yield_record(found))
+        steps.next()
+        found.to_csv(draft / "yield.csv")
+        steps.next()
+        save_figures(drawn, draft, steps)
+        return names(draft)
+
+
+def write_survival(
+    found: Survival, folder: str | os.PathLike[str], *, design: str | None = None
+) -> tuple[str, ...]:
+    """Write how many built mechanisms a program works on into a folder, all of it or nothing.
+
+    Args:
+        found: what `design.survival` returns.
+        folder: made if missing; files of the same names are replaced, others stay.
+        design: text of the design file, to keep beside the result; written anew by default.
+
+    Returns:
+        The names of the files: design.toml and survival.json.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    with staged_folder(folder) as draft:
+        write_atomic(draft / "design.toml", design or dumps(found.chain))
+        write_json(draft / "survival.json", survival_record(found))
+        return names(draft)
+
+
+def write_reprogramming(found: Reprogramming, folder: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Write the smallest displacement of an anchor into a folder, all of it or nothing.
+
+    Args:
+        found: what `design.reprogram` returns.
+        folder: made if missing; files of the same names are replaced, others stay.
+
+    Returns:
+        The names of the files: reprogram.json; where something was found, way.csv and
+        design.toml, the design just past the change.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    with staged_folder(folder) as draft:
+        write_json(draft / "reprogram.json", reprogram_record(found))
+        if found.chain_after is not None:
+            write_atomic(draft / "design.toml", dumps(found.chain_after))
+            found.to_csv(draft / "way.csv")
+        return names(draft)

@@ -1,0 +1,239 @@
+"""Designs found, and how surely they work, as plain numbers with the unit in every name."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stepwell._version import __version__
+from stepwell.files.record import actuator_record, finite, told_drive
+from stepwell.mechanism import Chain
+
+if TYPE_CHECKING:
+    from stepwell.design import Reprogramming, Survival, Tolerances, Yield
+    from stepwell.design.inverse import Design, Impossible
+    from stepwell.design.robustness import Robustness
+
+DESIGN_SCHEMA = "stepwell.design/1"
+YIELD_SCHEMA = "stepwell.yield/1"
+SURVIVAL_SCHEMA = "stepwell.survival/1"
+REPROGRAM_SCHEMA = "stepwell.reprogram/1"
+
+
+def yield_record(found: Yield) -> dict[str, Any]:
+    """How many built mechanisms do what is wanted, as JSON can hold it.
+
+    Args:
+        found: what `design.yields` returns.
+
+    Returns:
+        The record that docs/commands.md describes.
+    """
+    return {
+        "schema": YIELD_SCHEMA,
+        "stepwell": __version__,
+        "title": found.chain.title,
+        "cells": list(found.chain.names),
+        **_yield(found),
+    }
+
+
+def survival_record(found: Survival) -> dict[str, Any]:
+    """How many built mechanisms a stroke program brings where it should, as JSON can hold it.
+
+    Args:
+        found: what `design.survival` returns.
+
+    Returns:
+        The record that docs/commands.md describes; turning points in mm, or in N under force
+        control.
+    """
+    chain = found.chain
+    unit, factor = told_drive(chain)
+    low, high = found.interval
+    return {
+        "schema": SURVIVAL_SCHEMA,
+        "stepwell": __version__,
+        "title": chain.title,
+        "cells": list(chain.names),
+        "from": found.start,
+        "to": found.ends,
+        f"turning_points_{unit}": [finite(point, factor) for point in found.turning_points],
+        "share": finite(found.share),
+        "share_low": finite(low),
+        "share_high": finite(high),
+        "samples": found.n,
+        "seed": found.seed,
+        "successes": found.successes,
+        "tolerances": _tolerances(found.tolerances),
+    }
+
+
+def design_record(found: Design) -> dict[str, Any]:
+    """A design that does what is wanted, as JSON can hold it.
+
+    Args:
+        found: what `design.design` returns.
+
+    Returns:
+        The record that docs/commands.md describes, in mm and N.
+    """
+    chain = found.chain
+    return {
+        **_head(chain.title, possible=True, proved=found.proved),
+        "reason": found.method,
+        "sequence": found.sequence,
+        "loading_order": list(found.loading),
+        "unloading_order": list(found.unloading),
+        "states": list(found.states),
+        "actuator": actuator_record(chain),
+        "cells": _cells(chain),
+        "holes_mm": None if found.holes is None else finite(found.holes, 1e3),
+        "candidates": found.candidates,
+        "robustness": None if found.robustness is None else _robustness(found.robustness),
+        "yield": _yield(found.yield_),
+        "assumptions": found.assumptions,
+    }
+
+
+def impossible_record(why: Impossible) -> dict[str, Any]:
+    """That nothing allowed does what is wanted, as JSON can hold it.
+
+    Args:
+        why: what `design.design` raised.
+
+    Returns:
+        The record that docs/commands.md describes.
+    """
+    return {
+        **_head("", possible=False, proved=why.proved),
+        "reason": str(why),
+        "largest_gap_N": finite(why.largest_gap),
+        "gap_needed_N": finite(why.gap_needed),
+    }
+
+
+def reprogram_record(found: Reprogramming) -> dict[str, Any]:
+    """The smallest displacement of an anchor that does it, as JSON can hold it.
+
+    Args:
+        found: what `design.reprogram` returns.
+
+    Returns:
+        The record that docs/commands.md describes, in mm, N and mJ.
+    """
+    push = found.push
+    rows = zip(push.fraction, push.force_0, push.force_1, push.peak, strict=True)
+    return {
+        "schema": REPROGRAM_SCHEMA,
+        "stepwell": __version__,
+        "title": found.chain.title,
+        "by": found.by,
+        "target": found.target,
+        "possible": math.isfinite(found.distance),
+        "before": found.before,
+        "after": found.after or None,
+        "distance_mm": finite(found.distance, 1e3),
+        "displacement_mm": [finite(part, 1e3) for part in found.displacement],
+        "place_mm": [finite(part, 1e3) for part in found.place],
+        "reach_mm": finite(found.reach, 1e3),
+        "method": found.method,
+        "resolution": found.resolution,
+        "largest_force_N": finite(push.largest),
+        "work_at_0_mJ": finite(push.work_0, 1e3),
+        "work_at_1_mJ": finite(push.work_1, 1e3),
+        "way": [
+            {
+                "fraction": finite(part),
+                "at_mm": [finite(part * move + 0.0, 1e3) for move in found.displacement],
+                "force_at_0_N": finite(force_0),
+                "force_at_1_N": finite(force_1),
+                "largest_force_N": finite(peak),
+            }
+            for part, force_0, force_1, peak in rows
+        ],
+    }
+
+
+def _head(title: str, *, possible: bool, proved: bool) -> dict[str, Any]:
+    return {
+        "schema": DESIGN_SCHEMA,
+        "stepwell": __version__,
+        "title": title,
+        "possible": possible,
+        "proved": proved,
+    }
+
+
+def _cells(chain: Chain) -> list[dict[str, Any]]:
+    """What has to be built; every cell has one band."""
+    return [
+        {
+            "name": name,
+            "p_mm": [finite(v, 1e3) for v in cell.bands[0].p],
+            "q_mm": [finite(v, 1e3) for v in cell.bands[0].q],
+            "stiffness_N_per_m": finite(cell.bands[0].stiffness),
+            "rest_length_mm": finite(cell.bands[0].rest_length, 1e3),
+            "lever_mm": finite(cell.lever, 1e3),
+            "limit_deg": finite(math.degrees(cell.limit)),
+            "F0_N": finite(cell.force_0),
+            "F1_N": finite(cell.force_1),
+        }
+        for name, cell in zip(chain.names, chain.cells, strict=True)
+    ]
+
+
+def _robustness(found: Robustness) -> dict[str, Any]:
+    meeting = found.meeting
+    return {
+        "radius_mm": finite(found.radius, 1e3),
+        "limit": found.limit,
+        "meet": None if meeting is None else [meeting.first, meeting.second],
+        "while": None if meeting is None else meeting.way,
+    }
+
+
+def _yield(found: Yield) -> dict[str, Any]:
+    low, high = found.interval
+    critical, table = found.critical, found.sensitivities
+    return {
+        "wanted": found.wanted,
+        "share": finite(found.share),
+        "share_low": finite(low),
+        "share_high": finite(high),
+        "samples": found.n,
+        "seed": found.seed,
+        "successes": found.successes,
+        "tolerances": _tolerances(found.tolerances),
+        "outcomes": [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
+        "critical": None
+        if critical is None
+        else {
+            "first": critical.first,
+            "second": critical.second,
+            "while": critical.way,
+            "share": finite(critical.share),
+            "narrowest": finite(critical.narrowest),
+        },
+        "by_engine": found.by_engine,
+        "assumptions": found.assumptions,
+        "gap_deviation_N": None if table is None else finite(table.deviation),
+        "sensitivities": None
+        if table is None
+        else [
+            {"part": part, "first_order": finite(first), "total": finite(total)}
+            for part, first, total in zip(
+                table.parameters, table.first_order, table.total, strict=True
+            )
+        ],
+    }
+
+
+def _tolerances(tolerances: Tolerances) -> dict[str, float | None]:
+    return {
+        "anchor_mm": finite(tolerances.anchor, 1e3),
+        "stiffness_percent": finite(tolerances.stiffness, 1e2),
+        "rest_length_percent": finite(tolerances.rest_length, 1e2),
+        "lever_mm": finite(tolerances.lever, 1e3),
+        "friction_N": finite(tolerances.friction),
+    }

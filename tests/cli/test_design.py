@@ -1,0 +1,131 @@
+"""`stepwell design`: anchors found, certificates, files, refusals."""
+
+import json
+
+import pytest
+import typer
+
+import stepwell as sw
+from stepwell.cli._wishes import Span, span, stock, wish
+from stepwell.design import Tolerances, yields
+from stepwell.design.stock import Stock
+
+BACK = "00>01>11>10>00"
+FEW = ("--samples", 2000)
+
+
+def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
+    result = stepwell("design", BACK, *FEW, "--out", "out")
+    assert result.exit_code == 0
+    assert f"Sequence  {BACK}" in result.stdout.splitlines()
+    names = {"design.toml", "design.json", "yield.csv", "force-plane.png", "force-plane.svg"}
+    assert {file.name for file in (tmp_path / "out").iterdir()} == names
+    assert str(sw.load("out/design.toml").cycle().sequence) == BACK
+    assert f"Sequence    {BACK}" in stepwell("run", "out/design.toml").stdout.splitlines()
+
+
+def test_json_alone_says_everything(stepwell, tmp_path):
+    result = stepwell("design", "all:3", *FEW, "--holes", 5, "--out", "out", "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    chain = sw.load("out/design.toml")
+    assert record["schema"] == "stepwell.design/1"
+    assert record["possible"]
+    assert record["proved"]
+    assert len(record["states"]) == 8
+    assert all(v % 5 == 0 for cell in record["cells"] for v in cell["q_mm"])
+    for cell, told in zip(chain.cells, record["cells"], strict=True):
+        assert told["F0_N"] == pytest.approx(cell.force_0)
+        assert told["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
+    again = yields(chain, Tolerances(0.0003, 0.05), n=2000)
+    assert record["yield"]["share"] == again.share
+    assert len(record.pop("files")) == 5
+    assert record == json.loads((tmp_path / "out" / "design.json").read_text())
+
+
+def test_a_set_of_states_is_reached_and_no_other(stepwell):
+    record = json.loads(stepwell("design", "00,10,11", *FEW, "--json").stdout)
+    assert set(record["states"]) == {"00", "10", "11"}
+
+
+def test_the_largest_displacement_of_all_anchors_may_be_the_objective(stepwell):
+    by = {
+        objective: json.loads(
+            stepwell("design", "all:2", *FEW, "--objective", objective, "--json").stdout
+        )["robustness"]["radius_mm"]
+        for objective in ("yield", "worst")
+    }
+    assert by["worst"] >= by["yield"]
+
+
+def test_bands_levers_box_and_actuator_are_as_asked(stepwell):
+    options = (
+        *("--x", "5:18", "--y", "-3:3", "--band", "47:22", "--band", "robot"),
+        *("--lever", 13, "--drive", 500, "--force-limit", 1),
+    )
+    record = json.loads(stepwell("design", BACK, *FEW, *options, "--json").stdout)
+    assert record["actuator"] == {"control": "spring", "stiffness_N_per_m": 500}
+    for cell in record["cells"]:
+        x, y = cell["q_mm"]
+        assert 5 <= x <= 18
+        assert -3 <= y <= 3
+        assert (cell["stiffness_N_per_m"], cell["rest_length_mm"]) in {(47, 22), (30, 10)}
+        assert cell["lever_mm"] == pytest.approx(13)
+        assert max(abs(cell["F0_N"]), abs(cell["F1_N"])) <= 1
+
+
+def test_what_cannot_be_had_is_certified_and_ends_in_code_3(stepwell, tmp_path):
+    result = stepwell("design", BACK, "--holes", 40, "--out", "out")
+    assert result.exit_code == 3
+    assert "impossible" in result.stdout
+    assert not (tmp_path / "out").exists()
+    result = stepwell("design", BACK, "--holes", 40, "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    assert result.exit_code == 3
+    assert not record["possible"]
+    assert record["proved"]
+    assert record["gap_needed_N"] > 0
+
+
+def test_a_target_is_a_cycle_a_list_of_states_or_all_of_them():
+    assert wish("00>10>11>01>00") == {"sequence": "00>10>11>01>00"}
+    assert wish("00, 10,11") == {"states": ["00", "10", "11"]}
+    assert wish("all:12") == {"states": "all", "cells": 12}
+    with pytest.raises(typer.BadParameter, match="must be a cycle as in"):
+        wish("all")
+
+
+def test_a_band_is_named_or_measured():
+    assert stock("paper") == Stock(28.5, 0.010, name="paper")
+    assert stock("30:12") == Stock(30.0, 0.012)
+    assert stock("30:12:7") == Stock(30.0, 0.012, 0.07)
+
+
+def test_a_span_rises():
+    assert span("-15:1.5") == Span(-15.0, 1.5)
+    assert str(Span(-15, 15)) == "-15:15"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("forward",),
+            "'forward': must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or",
+        ),
+        (("00>11>00",), "'00>11>00'"),
+        (("all:0",), "cells = 0"),
+        (("00,1",), "as long as each other"),
+        (("all:2", "--x", "20:0"), "'20:0': must rise"),
+        (("all:2", "--y", "low"), "'low': must be FROM:TO in mm, as in 0:20."),
+        (("all:2", "--band", "rubber"), "'rubber': must be paper, robot, antennas, or K:LENGTH"),
+        (("all:2", "--band", "-3:10"), "stiffness = -3.0 N/m: must be > 0 and finite."),
+        (("all:2", "--objective", "best"), "best"),
+        (("all:2", "--force-limit", 0), "must be > 0"),
+        (("all:2", "--holes", 0), "0"),
+        (("all:2", "--drive", "soft"), "'soft': must be stroke, force"),
+    ],
+)
+def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("design", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output.replace("\n", " ")

@@ -1,0 +1,108 @@
+"""`stepwell graph`: its reading, its files, its refusals."""
+
+import json
+
+import networkx as nx
+import pytest
+
+import stepwell as sw
+from stepwell.sequences.exchange import from_json
+
+
+def test_it_prints_the_reading_of_the_graph(stepwell):
+    result = stepwell("graph", "preset:three-wave")
+    assert result.exit_code == 0
+    title, empty, *rest = result.stdout.splitlines()
+    assert (title, empty) == (sw.presets()["three-wave"], "")
+    assert rest == str(sw.preset("three-wave").graph().reading).splitlines()
+
+
+def test_json_alone_says_everything(stepwell):
+    result = stepwell("graph", "preset:used-before", "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    assert record["schema"] == "stepwell.graph/1"
+    assert record["actuator"] == "stroke"
+    assert record["cells"] == ["seal", "lid"]
+    assert (record["vertices"], record["branches"]) == (4, 2)
+    assert [v for v in record["main_loop"]["up"] if "-" not in v] == ["00", "10", "11"]
+    assert record["main_loop"]["high_mm"] == pytest.approx(40)
+    assert record["garden_of_eden"] == record["unreachable"] == ["01"]
+    assert record["return_point_memory"] == {"holds": True}
+    assert {way["to"] for latch in record["latches"] for way in latch["ways"]} == {"-0", "1-"}
+
+
+def test_a_failure_of_return_point_memory_comes_with_its_turning_points(stepwell):
+    record = json.loads(stepwell("graph", "preset:three-wave", "--json").stdout)
+    memory = record["return_point_memory"]
+    turns = [point / 1e3 for point in memory["turning_points_mm"]]
+    chain = sw.preset("three-wave")
+    ends = [chain.path(turns[:k]).end for k in (2, 4)]
+    shown = ["".join(_letter(s) for s in end) for end in ends]
+    assert turns[1] == turns[3]
+    assert shown == [memory["first"], memory["later"]]
+
+
+def _letter(travel: float) -> str:
+    return "0" if travel < 1e-9 else "1" if travel > 0.020 - 1e-9 else "-"
+
+
+@pytest.mark.parametrize(
+    ("drive", "unit", "actuator"),
+    [("force", "N", "force"), ("stroke", "mm", "stroke"), ("53", "mm", "spring of 53 N/m")],
+)
+def test_another_actuator_drives_the_same_chain(stepwell, drive, unit, actuator):
+    record = json.loads(stepwell("graph", "forward.toml", "--drive", drive, "--json").stdout)
+    assert record["actuator"] == actuator
+    assert f"high_{unit}" in record["main_loop"]
+
+
+def test_from_one_state_only_what_can_be_reached_is_there(stepwell):
+    record = json.loads(stepwell("graph", "preset:used-before", "--start", "00", "--json").stdout)
+    assert record["vertices"] == 3
+    assert record["garden_of_eden"] is None
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf", ".graphml", ".dot", ".json"])
+def test_the_suffix_says_how_it_is_written(stepwell, tmp_path, suffix):
+    file = tmp_path / f"wave{suffix}"
+    result = stepwell("graph", "preset:three-wave", "-o", f"wave{suffix}")
+    assert (result.exit_code, result.stdout.splitlines()[-1]) == (0, f"Wrote wave{suffix}")
+    begins = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF", ".dot": b"digraph"}
+    assert file.read_bytes().startswith(begins.get(suffix, b""))
+    graph = sw.preset("three-wave").graph()
+    if suffix == ".graphml":
+        assert set(nx.read_graphml(file)) == set(graph)
+    if suffix == ".json":
+        assert set(from_json(file.read_text("utf-8")).edges) == set(graph.edges)
+
+
+def test_json_names_the_file_that_was_written(stepwell):
+    record = json.loads(stepwell("graph", "forward.toml", "-o", "g.dot", "--json").stdout)
+    assert record["files"] == ["g.dot"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("forward.toml", "-o", "g.gif"), "g.gif: must end in .svg, .png, .pdf for a figure, or"),
+        (("forward.toml", "--drive", "soft"), "'soft': must be stroke, force, or the actuator's"),
+        (("forward.toml", "--drive", "-3"), "'-3': must be stroke, force"),
+        (("forward.toml", "--start", "0"), "must be 2 characters 0 or 1, inner cell first."),
+        (("preset:friction",), "inner has friction 0.02 N"),
+        (("preset:robot-forward",), "is a robot, and this needs a chain"),
+    ],
+)
+def test_wrong_input_ends_in_code_2_and_writes_nothing(stepwell, tmp_path, arguments, message):
+    result = stepwell("graph", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+    assert {file.name for file in tmp_path.iterdir()} == {"forward.toml"}
+
+
+def test_too_many_states_for_a_figure_are_refused_with_a_way_out(stepwell, tmp_path):
+    cells = "".join(f"[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [{3 * i}, 0]\n" for i in range(7))
+    (tmp_path / "seven.toml").write_text(f"[chain]\nactuator_stiffness_N_per_m = 0\n{cells}")
+    result = stepwell("graph", "seven.toml", "-o", "seven.svg")
+    assert result.exit_code == 2
+    assert "128 states" in result.output
+    assert stepwell("graph", "seven.toml", "-o", "seven.dot").exit_code == 0

@@ -1,0 +1,151 @@
+"""`stepwell program`: found, proved to be none, played, written, refused."""
+
+import csv
+import json
+
+import pytest
+
+import stepwell as sw
+from stepwell import files
+
+OUT = {"design.toml", "program.csv", "program.json", "program.png", "program.svg"}
+
+
+def test_it_prints_the_turning_points_their_windows_and_the_states_passed(stepwell):
+    result = stepwell("program", "forward.toml", "--from", "10", "--to", "01")
+    found = sw.load("forward.toml").program("01", start="10")
+    (turn,) = found.turns
+    assert result.exit_code == 0
+    lines = result.stdout.splitlines()
+    assert "Program   10 to 01: 2 strokes" in lines
+    assert "Turns at  20 → 38.62 → 20 mm" in lines
+    assert f"States    {found.sequence}" in lines
+    assert any(
+        line.split()[:4] == ["1", *(f"{v * 1e3:.6g}" for v in (turn.drive, turn.low, turn.high))]
+        for line in lines
+    )
+
+
+def test_the_start_is_all_cells_at_0_by_default(stepwell):
+    record = json.loads(stepwell("program", "forward.toml", "--to", "01", "--json").stdout)
+    assert (record["from"], record["to"]) == ("00", "01")
+
+
+def test_json_alone_says_everything(stepwell):
+    result = stepwell("program", "forward.toml", "--to", "01", "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    found = sw.load("forward.toml").program("01")
+    assert record["schema"] == "stepwell.program/1"
+    assert record["turning_points_mm"] == [point * 1e3 for point in found.turning_points]
+    assert record["turns"][0]["low_mm"] == found.turns[0].low * 1e3
+    assert record["slack_mm"] == pytest.approx(found.slack * 1e3)
+    assert record["arrives"] == "01"
+    assert record["does_it"]
+    assert record["proved"]
+    assert [event["kind"] for event in record["events"]] == ["switch", "snap", "switch"]
+    assert record["files"] == []
+
+
+def test_under_force_control_drives_are_forces(stepwell):
+    record = json.loads(stepwell("program", "preset:force-control", "--to", "01", "--json").stdout)
+    found = sw.preset("force-control").program("01")
+    assert record["turning_points_N"] == list(found.turning_points)
+    assert "turning_points_mm" not in record
+    text = stepwell("program", "preset:force-control", "--to", "01").stdout
+    assert "at [N]" in text
+
+
+def test_a_state_out_of_reach_is_proved_and_ends_in_code_3(stepwell, tmp_path):
+    arguments = ("program", "preset:used-before", "--to", "01", "--out", "out")
+    result = stepwell(*arguments)
+    assert result.exit_code == 3
+    assert "No program leads from 00 to 01" in result.stdout
+    assert not (tmp_path / "out").exists()
+    result = stepwell(*arguments, "--json")
+    record = json.loads(result.stdout)
+    assert result.exit_code == 3
+    assert not record["does_it"]
+    assert record["proved"]
+    assert record["arrives"] is None
+    assert "turning_points_mm" not in record
+
+
+def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(stepwell, tmp_path):
+    result = stepwell("program", "forward.toml", "--to", "01", "--out", "out", "--json")
+    record = json.loads(result.stdout)
+    out = tmp_path / "out"
+    assert {file.name for file in out.iterdir()} == OUT
+    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in OUT}
+    assert record == json.loads((out / "program.json").read_text())
+    with open(out / "program.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["what"] for row in rows] == ["begin", "turn 1", "end"]
+    assert float(rows[1]["low_mm"]) == pytest.approx(record["turns"][0]["low_mm"])
+    text = (out / "design.toml").read_text("utf-8")
+    assert text.startswith(files.preset_text("paper-forward").rstrip("\n"))
+    assert files.loads_chain(text) == sw.load("forward.toml")
+
+
+def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
+    stepwell("program", "preset:three-wave", "--to", "001", "--out", "out")
+    result = stepwell("program", "out/design.toml", "--json", "--out", "again")
+    record = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert (record["from"], record["to"], record["arrives"]) == ("000", "001", "001")
+    assert record["reason"] == "as the design file gives it"
+    assert not record["proved"]
+    assert {file.name for file in (tmp_path / "again").iterdir()} == OUT
+
+
+def test_a_program_that_does_not_keep_its_promise_says_so_and_ends_in_code_3(stepwell, tmp_path):
+    wrong = files.WrittenProgram("00", (0.0, 0.030, 0.020), "01")
+    files.save(sw.load("forward.toml"), tmp_path / "wrong.toml", program=wrong)
+    result = stepwell("program", "wrong.toml")
+    assert result.exit_code == 3
+    assert "Program   00 to 01: ends in 10 after 2 strokes" in result.stdout
+
+
+def test_a_program_without_a_promise_only_says_where_it_ends(stepwell, tmp_path):
+    written = files.WrittenProgram("00", (0.0, 0.030))
+    files.save(sw.load("forward.toml"), tmp_path / "half.toml", program=written)
+    result = stepwell("program", "half.toml")
+    assert result.exit_code == 0
+    assert "Program   00 to 1-: 1 stroke" in result.stdout
+
+
+def test_the_slack_of_a_turn_off_the_middle_is_to_the_nearer_end(stepwell, tmp_path):
+    written = files.WrittenProgram("00", (0.0, 0.039, 0.020), "01")
+    files.save(sw.load("forward.toml"), tmp_path / "late.toml", program=written)
+    record = json.loads(stepwell("program", "late.toml", "--json").stdout)
+    assert record["slack_mm"] == pytest.approx(40 - 39)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("forward.toml",), "forward.toml: has no table [program]: pass --to STATE to plan one."),
+        (("forward.toml", "--from", "10"), "--from: needs --to STATE, the state to end in."),
+        (("forward.toml", "--to", "012"), "'012': must be 2 characters 0 or 1, inner cell first."),
+        (("forward.toml", "--from", "1", "--to", "01"), "--from: '1': must be 2 characters"),
+        (("preset:robot-forward", "--to", "01"), "is a robot, and this needs a chain"),
+    ],
+)
+def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("program", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+def test_a_start_that_cannot_stand_is_wrong_input(stepwell, tmp_path):
+    cell = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = {}\n"
+    text = "[chain]\n" + cell.format("[0, 15]") + cell.format("[0, -15]")
+    (tmp_path / "up.toml").write_text(text)
+    result = stepwell("program", "up.toml", "--from", "10", "--to", "11")
+    assert result.exit_code == 2
+    assert "is no equilibrium" in result.output
+    (tmp_path / "own.toml").write_text(
+        f'{text}\n[program]\nstart = "10"\nturning_points_mm = [20, 40]\n'
+    )
+    result = stepwell("program", "own.toml")
+    assert result.exit_code == 2
+    assert result.output.startswith("own.toml: program: start is no equilibrium")

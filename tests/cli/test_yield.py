@@ -1,0 +1,127 @@
+"""`stepwell yield`: shares, files, programs, refusals."""
+
+import csv
+import json
+
+import pytest
+
+import stepwell as sw
+from stepwell.design import Tolerances, survival, yields
+
+ROUGH = ("--anchor", 2, "--stiffness-spread", 10, "--samples", 20_000)
+
+
+def test_the_share_its_interval_and_the_critical_pair_are_printed(stepwell):
+    result = stepwell("yield", "forward.toml", *ROUGH)
+    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), n=20_000)
+    low, high = (100 * share for share in found.interval)
+    lines = result.stdout.splitlines()
+    assert result.exit_code == 0
+    assert (
+        f"Yield     {100 * found.share:.4f} %, with 95 % confidence {low:.4f} % to {high:.4f} %"
+        in lines
+    )
+    assert "Made      20000 mechanisms with anchors ±2 mm, stiffness ±10 %" in lines
+    assert found.critical is not None
+    first, second = found.critical.names
+    assert any(line.startswith(f"Critical  {first} before {second}") for line in lines)
+    for outcome in found.outcomes:
+        assert any(line.startswith(f"{outcome} ") for line in lines)
+
+
+def test_json_alone_says_everything(stepwell):
+    result = stepwell("yield", "forward.toml", *ROUGH, "--json")
+    record = json.loads(result.stdout, parse_constant=pytest.fail)
+    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), n=20_000)
+    assert record["schema"] == "stepwell.yield/1"
+    assert record["share"] == found.share
+    assert (record["share_low"], record["share_high"]) == found.interval
+    assert {one["outcome"]: one["count"] for one in record["outcomes"]} == found.outcomes
+    assert record["tolerances"]["anchor_mm"] == 2
+    assert record["tolerances"]["stiffness_percent"] == 10
+    assert record["sensitivities"] is None
+    assert record["files"] == []
+
+
+def test_every_tolerance_has_its_option(stepwell):
+    options = ("--rest-length-spread", 4, "--lever-tolerance", 0.5, "--friction", 0.02)
+    result = stepwell("yield", "forward.toml", *ROUGH, *options, "--seed", 3, "--json")
+    record = json.loads(result.stdout)
+    given = Tolerances(0.002, 0.1, 0.04, 0.0005, 0.02)
+    found = yields(sw.load("forward.toml"), given, n=20_000, seed=3)
+    assert record["share"] == found.share
+    assert "rest length ±4 %, levers ±0.5 mm, friction up to 0.02 N" in stepwell(
+        "yield", "forward.toml", *ROUGH, *options
+    ).stdout.replace("\n", " ")
+
+
+def test_another_cycle_may_be_wanted(stepwell):
+    options = ("--wanted", "00>01>11>10>00", "--samples", 1000, "--json")
+    assert json.loads(stepwell("yield", "forward.toml", *options).stdout)["share"] == 0
+
+
+def test_sensitivities_are_sorted_and_never_below_zero(stepwell):
+    text = stepwell("yield", "forward.toml", *ROUGH, "--sensitivity").stdout
+    table = text.split("with others\n")[2].split("\n\n")[0]
+    rows = [line.split() for line in table.splitlines()]
+    assert {row[0] for row in rows} == {
+        *("inner.d", "outer.d"),
+        *("inner.stiffness", "outer.stiffness"),
+    }
+    totals = [float(row[2]) for row in rows]
+    assert totals == sorted(totals, reverse=True)
+    assert min(float(cell) for row in rows for cell in row[1:]) >= 0
+
+
+def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
+    result = stepwell("yield", "forward.toml", *ROUGH, "--out", "out", "--json")
+    record = json.loads(result.stdout)
+    out = tmp_path / "out"
+    names = {"design.toml", "yield.json", "yield.csv"}
+    names |= {f"{name}.{kind}" for name in ("yield", "force-plane") for kind in ("png", "svg")}
+    assert {file.name for file in out.iterdir()} == names
+    assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
+    assert record == json.loads((out / "yield.json").read_text())
+    assert (out / "design.toml").read_text() == (tmp_path / "forward.toml").read_text()
+    with open(out / "yield.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(int(row["count"]) for row in rows) == 20_000
+
+
+def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tmp_path):
+    options = ("--program", "--anchor", 3, "--samples", 30, "--json", "--out", "out")
+    record = json.loads(stepwell("yield", "preset:finger-selector", *options).stdout)
+    found = survival(
+        sw.preset("finger-selector"),
+        (0.0, 0.060, 0.020),
+        "00100",
+        Tolerances(anchor=0.003, stiffness=0.05),
+        n=30,
+    )
+    assert record["schema"] == "stepwell.survival/1"
+    assert record["successes"] == found.successes
+    assert 0 < found.successes < 30
+    assert record["turning_points_mm"] == [0, 60, 20]
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"design.toml", "survival.json"}
+    text = stepwell("yield", "preset:finger-selector", *options[:-3]).stdout
+    assert "Wanted    00000 to 00100 by the program" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--anchor", -1), "--anchor"),
+        (("--stiffness-spread", 25), "--stiffness-spread"),
+        (("--samples", 0), "--samples"),
+        (("--anchor", "inf"), "anchor = inf [m]: must be >= 0 and finite."),
+        (("--wanted", "00>11"), "00>11"),
+        (("--wanted", "000>111"), "000>111"),
+        (("--program",), "forward.toml: has no table [program]"),
+        (("--program", "--sensitivity"), "--sensitivity: cannot stand with --program."),
+        (("--lever-tolerance", 20), "must be smaller than the shortest lever"),
+    ],
+)
+def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):
+    result = stepwell("yield", "forward.toml", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output

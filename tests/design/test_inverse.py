@@ -1,0 +1,727 @@
+"""A design is a promise: it does what was wanted, from what was allowed, and none is better."""
+
+import math
+from collections.abc import Callable, Iterable
+from itertools import combinations, pairwise, permutations, product
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from hypothesis.extra.numpy import arrays
+
+import stepwell as sw
+from conftest import examples
+from stepwell import sequences
+from stepwell.design import _attempt, _candidates, _holes, _orders, _place
+from stepwell.design.designed import Design
+from stepwell.design.impossible import Impossible
+from stepwell.design.inverse import PAPER_LEVER, USUAL, design
+from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
+from stepwell.design.robustness import robustness
+from stepwell.design.stock import PAPER_BAND, Stock
+from stepwell.design.tolerances import Tolerances
+from stepwell.design.yields import yields
+
+PAIRS = [(a, b) for a in permutations(range(3)) for b in permutations(range(3))]
+NESTED = "000>100>110>111>011>001>000"
+FEW = 200  # mechanisms, where a yield is not what is tested
+
+
+def cycle(loading: Iterable[int], unloading: Iterable[int]) -> str:
+    """The sequence in which cells load and unload in these orders, written independently."""
+    loading, unloading = list(loading), list(unloading)
+    state = ["0"] * len(loading)
+    states = ["".join(state)]
+    for order, to in ((loading, "1"), (unloading, "0")):
+        for cell in order:
+            state[cell] = to
+            states.append("".join(state))
+    return ">".join(states)
+
+
+def paper_cell(x: float, y: float) -> sw.Cell:
+    return sw.Cell(sw.Band((-0.010, 0.0), (x, y)))
+
+
+def refuses_nothing(made: Design, wanted: str) -> None:
+    """The engine, asked anew, finds the wanted sequence without a tie."""
+    found = made.chain.cycle()
+    assert str(found.sequence) == made.sequence == wanted
+    assert not found.degenerate
+
+
+# Found and verified ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("loading", "unloading"), PAIRS)
+def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_band(
+    loading, unloading
+):
+    wanted = cycle(loading, unloading)
+    made = design(wanted, n=FEW)
+    refuses_nothing(made, wanted)
+    assert np.all(PAPER_BOX.holds(made.anchors))
+    for cell in made.chain.cells:
+        (band,) = cell.bands
+        assert (band.stiffness, band.rest_length, band.p) == (28.5, 0.010, (-0.010, 0.0))
+        assert (cell.lever, cell.limit) == (PAPER_LEVER, math.pi / 4)
+    assert made.yield_.wanted == wanted
+    assert made.yield_.share == 1.0
+
+
+@pytest.mark.parametrize("cells", [1, 2, 4, 5, 6, 8])
+def test_random_cycles_of_more_cells_are_found(cells):
+    rng = np.random.default_rng(cells)
+    for _ in range(examples(3)):
+        loading, unloading = (rng.permutation(cells).tolist() for _ in range(2))
+        wanted = cycle(loading, unloading)
+        made = design(wanted, n=FEW)
+        refuses_nothing(made, wanted)
+        assert (made.loading, made.unloading) == (tuple(loading), tuple(unloading))
+        assert np.all(PAPER_BOX.holds(made.anchors))
+
+
+def test_the_end_forces_stand_in_the_wanted_orders():
+    made = design("0000>0100>0101>1101>1111>0111>0110>0010>0000", n=FEW)
+    assert np.argsort(made.forces[:, 0]).tolist() == [1, 3, 0, 2] == list(made.loading)
+    assert np.argsort(-made.forces[:, 1]).tolist() == [0, 3, 1, 2] == list(made.unloading)
+
+
+def test_which_cell_is_which_does_not_matter_to_where_anchors_go():
+    one = design(cycle((0, 1, 2, 3), (2, 0, 3, 1)), n=1)
+    label = [2, 0, 3, 1]
+    other = design(cycle(label, [label[i] for i in (2, 0, 3, 1)]), n=1)
+    np.testing.assert_allclose(other.anchors[label], one.anchors, atol=1e-9)
+
+
+def test_a_design_is_the_same_every_time():
+    first, second = design(NESTED, n=FEW), design(NESTED, n=FEW)
+    np.testing.assert_array_equal(first.anchors, second.anchors)
+    assert first.yield_.successes == second.yield_.successes
+
+
+# As sure as can be ----------------------------------------------------------------------------
+
+
+ROUGH = Tolerances(anchor=0.0015, stiffness=0.12)
+
+
+@pytest.mark.parametrize(
+    ("loading", "unloading"), [((0, 1, 2), (0, 1, 2)), ((0, 1, 2, 3), (1, 3, 0, 2))]
+)
+def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
+    wanted, n = cycle(loading, unloading), 20_000
+    made = design(wanted, tolerances=ROUGH, n=n)
+    assert 0.5 < made.yield_.share < 0.9999
+    noise = 3 * math.sqrt(made.yield_.share * (1 - made.yield_.share) / n)
+    for i, move in product(range(len(loading)), ((1, 0), (-1, 0), (0, 1), (0, -1))):
+        q = made.anchors.copy()
+        q[i] = PAPER_BOX.clamped(q[i : i + 1] + 0.001 * np.array(move))[0]
+        moved = sw.Chain([paper_cell(*place) for place in q.tolist()])
+        # The same seed makes the same errors, so that only the move counts.
+        other = yields(moved, ROUGH, n=n, wanted=wanted)
+        assert other.share < made.yield_.share + noise
+
+
+def test_a_designed_yield_is_above_those_of_obvious_designs():
+    equal = [(x, 0.0) for x in np.linspace(0, 0.020, 8).tolist()]
+    obvious = sw.Chain([paper_cell(*place) for place in equal])
+    made = design(states="all", cells=8, n=20_000)
+    assert str(obvious.cycle().sequence) == made.sequence
+    assert made.yield_.share > yields(obvious, USUAL, n=20_000).share + 0.05
+
+
+def test_each_objective_wins_by_its_own_measure():
+    sure = design(states="all", cells=6, n=20_000)
+    worst = design(states="all", cells=6, n=20_000, objective="worst")
+    assert sure.yield_.share > worst.yield_.share
+    assert sure.robustness is not None and worst.robustness is not None
+    assert worst.robustness.radius > 1.1 * sure.robustness.radius
+
+
+@pytest.mark.parametrize("x", [(0.01, 9.82, 19.97), (0.0, 20 / 3, 40 / 3, 20.0)])
+def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
+    known = robustness(sw.Chain([paper_cell(mm * 1e-3, 0.0) for mm in x]))
+    made = design(states="all", cells=len(x), objective="worst", n=FEW)
+    assert len(made.states) == 2 ** len(x)
+    assert made.robustness is not None
+    assert made.robustness.radius > known.radius
+    assert made.robustness.radius > {3: 0.00407, 4: 0.00271}[len(x)]
+
+
+def test_a_search_from_anywhere_finds_nothing_more_robust():
+    rng = np.random.default_rng(7)
+    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    rule = _candidates.Rule((-0.010, 0.0), (kind,), USUAL, math.inf, True, PAPER_BOX)
+    for loading, unloading in (((0, 1, 2), (1, 0, 2)), ((0, 1, 2), (2, 1, 0))):
+        orders = _orders.Orders(loading, unloading)
+        made = _attempt.look(rule, orders, (PAPER_BOX,) * 3, None).refined()
+        assert made.best is not None
+        table = made.tables[0]
+        search = _place.Search(rule, orders, (PAPER_BOX,) * 3)
+        for _ in range(examples(3)):
+            start = _place.measured(rule, orders, table.take(rng.integers(len(table.q), size=3)))
+            start, _ = search.settle(start, lambda i, now, table=table: table, 50)
+            other = search.refine(start, 0.001)
+            assert other.smallest < 1.002 * made.best.smallest
+
+
+def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair():
+    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    rule = _candidates.Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, True, PAPER_BOX)
+    table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.005))
+    gaps = rule.gaps(table)
+    ended = 0
+    for a, b in combinations(range(0, len(table.q), 2), 2):
+        pair = sw.Chain([paper_cell(*table.q[i].tolist()) for i in (a, b)])
+        # F0 and F1 may have them in either order.
+        sure = [max(gaps[end, a, b], gaps[end, b, a]) for end in (0, 1)]
+        if min(sure) == -math.inf:
+            continue
+        found = robustness(pair)
+        ended += found.limit == "proof"
+        # What is proved of a disc stops a little short of its edge.
+        assert found.radius == pytest.approx(min(sure), rel=0.1 if found.cell is not None else 1e-5)
+    assert ended > 10
+
+
+def test_small_tolerances_do_not_stop_the_search():
+    # Every chance is 1 to the last digit; the gaps are still made as wide as can be.
+    exact = design(states="all", cells=3, tolerances=Tolerances(), n=1)
+    tiny = design(states="all", cells=3, tolerances=Tolerances(anchor=1e-6), n=1)
+    for made in (exact, tiny):
+        assert made.robustness is not None
+        assert made.robustness.radius > 0.0039
+
+
+def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
+    tolerances = Tolerances(0.0004, 0.04, 0.03, 0.0002, 0.01)
+    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    q = np.array([(0.010, 0.0), (0.003, 0.008), (0.018, -0.012)])
+    rule = _candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
+    found = rule.everything(PAPER_BOX, q)
+    chain = sw.Chain([paper_cell(*place) for place in q.tolist()])
+    made = yields(chain, tolerances, n=4000).end_forces(4000)
+    np.testing.assert_allclose(found.down, np.std(made, axis=0), rtol=0.06)
+    np.testing.assert_array_equal(found.up, found.down)
+    # Friction raises all F0 alike, and lowers all F1.
+    mean = np.mean(made, axis=0) - np.array([0.005, -0.005])
+    np.testing.assert_allclose(found.force, mean, atol=0.003)
+
+
+# Holes: found or proved impossible ------------------------------------------------------------
+
+
+def holes_by_brute_force(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    cells = [paper_cell(x, y) for x, y in q.tolist()]
+    f0, f1 = np.array([c.force_0 for c in cells]), np.array([c.force_1 for c in cells])
+    # States that just stop being stable are not used: the engine reports a tie there.
+    some = (np.abs(f0) > 1e-9) & (np.abs(f1) > 1e-9)
+    return f0[some], f1[some]
+
+
+def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:
+    """Whether three of the holes meet both orders, by trying all of them."""
+    axes = [(-1, 1, 1), (1, -1, 1), (1, 1, -1)]
+    a, b = ([f.reshape(shape) for shape in axes] for f in (f0, f1))
+    hair = 1e-9 * max(np.abs(f0).max(), np.abs(f1).max())
+    good = np.ones((len(f0),) * 3, bool)
+    for i, j in pairwise(loading):
+        good &= a[j] - a[i] > hair
+    for i, j in pairwise(unloading):
+        good &= b[i] - b[j] > hair
+    return bool(good.any())
+
+
+@pytest.mark.parametrize(
+    ("within", "pitch", "possible"),
+    [
+        (PAPER_BOX, 0.005, 36),
+        (PAPER_BOX, 0.010, 36),
+        (AnchorBox(0.0, 0.006, 0.0, 0.006), 0.003, 36),
+        (AnchorBox(0.001, 0.007, 0.0, 0.004), 0.003, 18),
+        (AnchorBox(0.0, 0.020, 0.0, 0.001), 0.005, 6),
+        (AnchorBox(0.0, 0.0001, -0.015, 0.015), 0.005, 6),
+        (AnchorBox(0.0, 0.008, 0.0, 0.008), 0.006, 12),
+        (PAPER_BOX, 0.021, 0),
+    ],
+)
+def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
+    within, pitch, possible
+):
+    f0, f1 = holes_by_brute_force(lattice(within, pitch))
+    count = 0
+    for loading, unloading in PAIRS:
+        wanted = cycle(loading, unloading)
+        there = any_choice(f0, f1, loading, unloading)
+        count += there
+        if there:
+            made = design(wanted, within=within, holes=pitch, n=1)
+            refuses_nothing(made, wanted)
+            assert made.proved
+            steps = (made.anchors - (within.left, within.bottom)) / pitch
+            np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+            assert np.all(within.holds(made.anchors))
+        else:
+            with pytest.raises(Impossible, match="complete search") as refusal:
+                design(wanted, within=within, holes=pitch, n=1)
+            proof = refusal.value
+            assert proof.proved
+            assert proof.largest_gap == 0.0 < proof.gap_needed
+            np.testing.assert_allclose(proof.region[0], np.column_stack([f0, f1]), rtol=1e-12)
+    assert count == possible
+
+
+def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they_fail():
+    # Cell 1 is to have the smallest F0, but all its places give the largest.
+    apart = (AnchorBox(0.018, 0.020, 0.0, 0.001), AnchorBox(0.0, 0.002, 0.0, 0.001))
+    with pytest.raises(Impossible) as refusal:
+        design("00>10>11>01>00", within=apart, holes=0.002, n=1)
+    right, left = (holes_by_brute_force(lattice(region, 0.002)) for region in apart)
+    best = max(
+        min(b0 - a0, a1 - b1)
+        for (a0, a1), (b0, b1) in product(zip(*right, strict=True), zip(*left, strict=True))
+    )
+    assert best < 0
+    assert refusal.value.largest_gap == pytest.approx(best, rel=1e-12)
+    assert len(refusal.value.region) == 2
+
+
+@pytest.mark.parametrize("objective", ["yield", "worst"])
+def test_among_holes_no_choice_is_better_by_the_objective(objective):
+    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    worst = objective == "worst"
+    # The holes at the edge of the proof stay, for the worst case to weigh.
+    rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
+    rule = _candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
+    table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
+    for loading, unloading in PAIRS[:6]:
+        orders = _orders.Orders(loading, unloading)
+        made = _attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
+        assert made.best is not None and made.complete
+        every = [
+            _place.measured(rule, orders, table.take(np.array(picks)))
+            for picks in product(range(len(table.q)), repeat=3)
+        ]
+        if worst:
+            # The radii between neighbours are exact in a placement that is looked at anew.
+            search = _place.Search(rule, orders, (PAPER_BOX,) * 3)
+            good = sorted(every, key=lambda p: p.smallest)[-200:]
+            best = max(search.renewed(p).smallest for p in good)
+            assert search.renewed(made.best).smallest == pytest.approx(best, rel=1e-6)
+        else:
+            best = max(p.quality(False) for p in every if p.smallest > 0)
+            assert made.best.quality(False)[0] == pytest.approx(best[0], rel=1e-9)
+
+
+@given(
+    arrays(float, (2, 5, 5), elements=st.floats(-4, 4).map(lambda v: -np.inf if v < -1 else v)),
+    st.lists(st.booleans(), min_size=15, max_size=15),
+    st.permutations(range(3)),
+    st.permutations(range(3)),
+    st.booleans(),
+)
+def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading, unloading, add):
+    allowed = np.array(some).reshape(3, 5)
+    orders = _orders.Orders(tuple(loading), tuple(unloading))
+
+    def worth(picks: tuple[int, ...]) -> float:
+        if not all(allowed[i, c] for i, c in enumerate(picks)):
+            return -math.inf
+        gaps = [
+            gap[end, picks[a], picks[b]]
+            for end, order in enumerate(orders.rising)
+            for a, b in pairwise(order)
+        ]
+        return float(sum(gaps)) if add else float(min(gaps))
+
+    best = max(worth(picks) for picks in product(range(5), repeat=3))
+    found = _holes.best_choice(gap, allowed, orders, add=add)
+    assert found.complete
+    assert found.value == pytest.approx(best, abs=1e-9)
+    assert (len(found.picks) > 0) == (best > -math.inf)
+    if len(found.picks):
+        assert worth(tuple(found.picks.tolist())) == pytest.approx(best, abs=1e-9)
+
+
+def test_a_search_that_gave_up_proves_nothing():
+    rng = np.random.default_rng(0)
+    gap = rng.uniform(0, 1, (2, 12, 12))
+    orders = _orders.Orders((0, 1, 2, 3, 4), (2, 0, 4, 1, 3))
+    found = _holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
+    assert not found.complete
+    assert found.nodes == 7
+
+
+# Sets of states -------------------------------------------------------------------------------
+
+
+def ideals(loading: tuple[int, ...], unloading: tuple[int, ...]) -> set[str]:
+    """States in which every cell at 1 has all at 1 that load before and unload after it."""
+    n = len(loading)
+    needs = [
+        (i, j)
+        for i, j in permutations(range(n), 2)
+        if loading.index(i) < loading.index(j) and unloading.index(i) > unloading.index(j)
+    ]
+    every = ("".join(bits) for bits in product("01", repeat=n))
+    return {s for s in every if all(s[i] == "1" or s[j] == "0" for i, j in needs)}
+
+
+@pytest.mark.parametrize("cells", [2, 3])
+def test_each_set_of_states_of_few_cells_is_had_or_refused_with_the_engine_as_witness(cells):
+    every = ["".join(bits) for bits in product("01", repeat=cells)]
+    orders = list(permutations(range(cells)))
+    possible = {frozenset(ideals(a, b)) for a in orders for b in orders}
+    inner = every[1:-1]
+    for size in range(len(inner) + 1):
+        for middle in combinations(inner, size):
+            wanted = {every[0], every[-1], *middle}
+            if frozenset(wanted) not in possible:
+                with pytest.raises(Impossible) as refusal:
+                    design(states=wanted, n=1)
+                assert refusal.value.proved
+                continue
+            made = design(states=wanted, n=1)
+            assert set(made.states) == wanted
+            for state in every:
+                if state in wanted:
+                    program = sequences.program(made.chain, state)
+                    assert program.to == state
+                else:
+                    with pytest.raises(sequences.Unreachable):
+                        sequences.program(made.chain, state)
+
+
+@given(st.integers(1, 6).flatmap(lambda n: st.tuples(*[st.permutations(range(n))] * 2)))
+def test_whatever_two_orders_reach_is_found_to_need_orders_that_reach_it(pair):
+    loading, unloading = (tuple(order) for order in pair)
+    states = ideals(loading, unloading)
+    assert set(_orders.Orders(loading, unloading).states) == states
+    wish = _orders.of_states(states, None, alike=False)
+    assert all(ideals(o.loading, o.unloading) == states for o in wish.orders)
+    if wish.complete:
+        assert _orders.Orders(loading, unloading) in wish.orders
+
+
+def test_all_orders_of_a_set_of_states_are_tried():
+    every = list(permutations(range(4)))
+    for loading, unloading in product(every[:6], every):
+        states = ideals(loading, unloading)
+        same = {(a, b) for a, b in product(every, every) if ideals(a, b) == states}
+        wish = _orders.of_states(states, None, alike=False)
+        assert wish.complete == (len(same) < 24)
+        if wish.complete:
+            assert {(o.loading, o.unloading) for o in wish.orders} == same
+        alike = _orders.of_states(states, None, alike=True)
+        patterns = {_orders.Orders(a, b).pattern for a, b in same}
+        assert alike.complete
+        assert {o.pattern for o in alike.orders} == patterns
+
+
+@pytest.mark.parametrize(
+    ("states", "reason"),
+    [
+        (["10", "11"], "00 is not among the wanted states"),
+        (["00", "10"], "11 is not among the wanted states"),
+        (["000", "100", "010", "111"], "010 and 100 are wanted, so 110"),
+        (["000", "110", "011", "111"], "011 and 110 are wanted, so 010"),
+        (["000", "110", "111"], "cells 1 and 2 are in the same state"),
+    ],
+)
+def test_states_that_no_chain_reaches_alone_are_refused_with_the_reason(states, reason):
+    with pytest.raises(Impossible, match=reason) as refusal:
+        design(states=states)
+    assert refusal.value.proved
+    assert refusal.value.region == ()
+
+
+def test_a_partial_order_of_dimension_three_is_refused():
+    # The standard example: cell 3 + i needs all of cells 0 to 2 but i (Dushnik & Miller 1941).
+    states = [
+        "".join(bits)
+        for bits in product("01", repeat=6)
+        if all(
+            bits[3 + i] == "0" or all(bits[j] == "1" for j in range(3) if j != i) for i in range(3)
+        )
+    ]
+    with pytest.raises(Impossible, match="dimension above two"):
+        design(states=states)
+
+
+def test_programmable_chains_have_every_pair_of_loops_nested():
+    made = design(states="all", cells=4, n=FEW)
+    assert made.loading == made.unloading
+    by_f0 = made.forces[np.argsort(made.forces[:, 0])]
+    assert np.all(np.diff(by_f0[:, 1]) < 0)
+    assert len(set(made.states)) == 16
+
+
+def test_on_holes_states_are_found_or_proved_impossible_too():
+    made = design(states="all", cells=4, holes=0.005, n=FEW)
+    assert made.proved
+    assert len(made.states) == 16
+    with pytest.raises(Impossible) as refusal:
+        design(states="all", cells=4, holes=0.015, within=AnchorBox(0.0, 0.015, 0.0, 0.015))
+    assert refusal.value.proved
+
+
+# What is allowed ------------------------------------------------------------------------------
+
+
+L_SHAPE = AnchorPolygon(
+    ((0, -0.010), (0.020, -0.010), (0.020, 0), (0.005, 0), (0.005, 0.010), (0, 0.010))
+)
+
+
+@pytest.mark.parametrize("objective", ["yield", "worst"])
+@pytest.mark.parametrize(
+    "within", [L_SHAPE, AnchorPolygon(((0, -0.012), (0.020, -0.002), (0.004, 0.014)))]
+)
+def test_anchors_stay_in_a_polygon(within, objective):
+    made = design(NESTED, within=within, objective=objective, n=FEW)
+    refuses_nothing(made, NESTED)
+    away = np.linalg.norm(within.clamped(made.anchors) - made.anchors, axis=1)
+    assert np.all(away < 1e-6)
+
+
+def test_each_cell_may_have_its_own_region():
+    within = (
+        AnchorBox(0.015, 0.020, -0.002, 0.002),
+        AnchorBox(0.0, 0.020, -0.002, 0.002),
+        AnchorPolygon(((0, -0.015), (0.020, -0.015), (0.020, 0.015))),
+    )
+    made = design(NESTED, within=within, n=FEW)
+    refuses_nothing(made, NESTED)
+    for region, q in zip(within, made.anchors, strict=True):
+        assert np.linalg.norm(region.clamped(q[None])[0] - q) < 1e-6
+    # For states any order will do, and the best one is not that of the cells' numbers.
+    free = design(states="all", cells=3, within=within, n=FEW)
+    assert free.loading[0] != 0
+    assert free.yield_.share > made.yield_.share
+
+
+def test_holes_on_the_edge_of_a_polygon_count_and_are_counted_from_its_lower_left():
+    triangle = AnchorPolygon(((0.001, 0.002), (0.004, 0.002), (0.001, 0.005)))
+    found = np.round(lattice(triangle, 0.001) * 1e3, 6).tolist()
+    assert found == [
+        [1, 2], [2, 2], [3, 2], [4, 2], [1, 3], [2, 3], [3, 3], [1, 4], [2, 4], [1, 5],
+    ]  # fmt: skip
+    assert len(lattice(PAPER_BOX, 0.005)) == 35
+
+
+@given(
+    st.lists(st.tuples(st.floats(0, 1), st.floats(0, 1)), min_size=3, max_size=6, unique=True),
+    arrays(float, (8, 2), elements=st.floats(-0.5, 1.5)),
+)
+def test_the_nearest_place_in_a_polygon_is_in_it_and_none_on_its_sides_is_nearer(corners, q):
+    try:
+        polygon = AnchorPolygon(corners)
+    except ValueError:
+        return
+    near = polygon.clamped(q)
+    away = np.linalg.norm(near - q, axis=1)
+    assert np.all(away[polygon.holds(q)] == 0.0)
+    t = np.linspace(0, 1, 50)[:, None]
+    ends = zip(corners, corners[1:] + corners[:1], strict=True)
+    sides = np.concatenate([(1 - t) * a + t * np.array(b) for a, b in ends])
+    nearest = np.min(np.linalg.norm(sides - q[:, None], axis=2), axis=1)
+    assert np.all(away <= nearest + 1e-12)
+    outside = ~polygon.holds(q)
+    assert np.all(nearest[outside] <= away[outside] + 0.02 * math.sqrt(2))
+
+
+def test_no_end_force_is_beyond_the_actuators():
+    made = design(NESTED, most_force=0.4, n=FEW)
+    refuses_nothing(made, NESTED)
+    assert np.all(np.abs(made.forces) <= 0.4)
+    assert abs(made.chain.cycle().peak_force) <= 0.4 + 1e-9
+    with pytest.raises(Impossible, match="weak enough for the actuator") as refusal:
+        design(NESTED, most_force=0.05, n=FEW)
+    # A lattice is not every place: this is no proof, and among holes it is.
+    assert not refusal.value.proved
+    assert "not found" in str(refusal.value)
+    with pytest.raises(Impossible) as refusal:
+        design(NESTED, most_force=0.05, holes=0.005, n=FEW)
+    assert refusal.value.proved
+
+
+def test_bands_that_fold_back_are_left_out():
+    with pytest.raises(Impossible, match="taut with falling force"):
+        design(NESTED, within=AnchorBox(-0.03, -0.012, 0.0, 0.010))
+
+
+def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
+    from stepwell.statics.concave import certify, simple
+
+    wide = AnchorBox(-0.010, 0.020, -0.015, 0.015)
+    made = design(NESTED, within=wide, tolerances=ROUGH, n=FEW)
+    for cell in made.chain.cells:
+        numbers = simple(cell)
+        assert numbers is not None
+        assert certify(numbers, 2 * ROUGH.anchor)
+
+
+def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
+    loose, tight = Stock(28.5, 0.010, 0.10, "loose"), Stock(28.5, 0.010, 0.01, "tight")
+    made = design(NESTED, bands=(loose, tight), n=FEW)
+    assert made.yield_.tolerances.stiffness == 0.01
+    # With bands of other strength there is more to choose from.
+    one = design(states="all", cells=8, bands=(Stock(),), tolerances=ROUGH, n=5000)
+    three = tuple(Stock(k) for k in (15.0, 28.5, 60.0))
+    several = design(states="all", cells=8, bands=three, tolerances=ROUGH, n=5000)
+    assert {cell.bands[0].stiffness for cell in several.chain.cells} <= {15.0, 28.5, 60.0}
+    assert several.yield_.share > one.yield_.share + 0.1
+
+
+def test_of_several_levers_one_is_chosen_for_all():
+    made = design(NESTED, lever=(0.010, 0.018), n=FEW)
+    assert len({cell.lever for cell in made.chain.cells}) == 1
+    each = [design(NESTED, lever=r, n=FEW) for r in (0.010, 0.018)]
+    assert any(np.array_equal(made.anchors, one.anchors) for one in each)
+    assert "2 combinations" in made.method
+
+
+def test_unequal_levers_are_taken_only_if_the_engine_agrees():
+    mixed = design(NESTED, lever=(0.012, 0.018), equal_levers=False, n=FEW)
+    refuses_nothing(mixed, NESTED)
+    assert len({cell.lever for cell in mixed.chain.cells}) == 2
+    assert mixed.robustness is None
+    # A lever five times as long empties the short one in a snap; the next best is taken.
+    made = design("00>10>11>01>00", lever=(0.004, 0.020), equal_levers=False, n=FEW)
+    refuses_nothing(made, "00>10>11>01>00")
+    assert "seemed better with unequal levers does 00>10>01>11>01>10>00" in made.method
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 5.0, 30.0, 500.0])
+def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
+    made = design("000>010>011>111>110>010>000", actuator_stiffness=stiffness, n=50)
+    assert made.chain.actuator_stiffness == stiffness
+    refuses_nothing(made, "000>010>011>111>110>010>000")
+    assert made.robustness is None
+
+
+def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
+    from stepwell.design import inverse
+
+    real: Callable[..., sequences.Cycle] = inverse.cycle
+    other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
+    monkeypatch.setattr(inverse, "cycle", lambda chain: other)
+    with pytest.raises(Impossible, match="the engine finds 00>10>11>01>00") as refusal:
+        design("00>01>11>10>00", n=1)
+    assert not refusal.value.proved
+    assert len(refusal.value.region) == 1
+
+
+# What is told ---------------------------------------------------------------------------------
+
+
+def test_the_region_holds_the_end_forces_of_all_allowed_anchors_and_no_others():
+    made = design(NESTED, n=FEW)
+    (outline,) = made.region
+    round_it = AnchorPolygon([tuple(point) for point in outline.tolist()[:-1]])
+    rng = np.random.default_rng(0)
+    q = rng.uniform((0, -0.015), (0.020, 0.015), (400, 2))
+    inside = np.column_stack(holes_by_brute_force(q))
+    hair = np.linalg.norm(round_it.clamped(inside) - inside, axis=1)
+    assert np.all(hair < 1e-3)
+    # Half a millimetre outside the box is outside.
+    edge = np.linspace(-0.014, 0.014, 40)
+    beyond = np.column_stack(holes_by_brute_force(np.column_stack([0.0205 + 0 * edge, edge])))
+    assert not np.any(round_it.holds(beyond))
+    assert np.all(round_it.holds(made.forces * 0.999 + 0.001 * inside.mean(axis=0)))
+
+
+def test_a_design_tells_what_was_searched_and_what_it_stands_on():
+    made = design(NESTED, n=FEW)
+    assert "local optimum" in made.method
+    assert not made.proved
+    assert "concave" in made.assumptions and "engine" in made.assumptions
+    assert repr(made).startswith(f"Design({NESTED}: q (")
+    assert made.critical is made.yield_.critical
+    text = str(made)
+    assert "yield 100 % (95 % confidence:" in text
+    assert "all anchors may be off by" in text
+    assert all(f"{name}: q (" in text for name in made.chain.names)
+    assert made.chain.title == f"Designed for {NESTED}"
+
+
+def test_drawn_anchors_are_whole_micrometres():
+    made = design(NESTED, n=1)
+    um = made.anchors * 1e6
+    np.testing.assert_allclose(um, np.round(um), atol=1e-6)
+
+
+def test_progress_never_goes_back_and_arrives():
+    calls: list[tuple[int, int]] = []
+    design(states="all", cells=3, lever=(0.012, 0.014), n=1, progress=lambda *c: calls.append(c))
+    done = [c[0] for c in calls]
+    assert done == sorted(done)
+    assert calls[-1][0] == calls[-1][1]
+    assert len({c[1] for c in calls}) == 1
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({}, "say what is wanted"),
+        ({"sequence": NESTED, "states": ["0", "1"]}, "say what is wanted"),
+        ({"sequence": "00>10>11>01"}, "begins and ends with all cells at 0"),
+        ({"sequence": "00>10>00"}, "passes the state with all at 1"),
+        ({"sequence": "00>1>11>01>00"}, "must be 2 characters 0 or 1"),
+        ({"sequence": "00>10>01>11>01>00"}, "one cell at a time"),
+        ({"sequence": "000>110>111>011>001>000"}, "one cell at a time"),
+        ({"sequence": ""}, "must be"),
+        ({"states": "some"}, 'must be "all" or a list'),
+        ({"states": "all"}, "say how many cells"),
+        ({"states": ["00", "1"]}, "as long as each other"),
+        ({"states": []}, "must be states of 0 and 1"),
+        ({"states": ["00", "10", "11"], "cells": 3}, "leave `cells` out"),
+        ({"sequence": NESTED, "within": ()}, "must be an AnchorBox or an AnchorPolygon"),
+        ({"sequence": NESTED, "within": (PAPER_BOX,) * 2}, "2 regions for 3 cells"),
+        ({"sequence": NESTED, "holes": 0.0}, "pitch = 0.0 m: must be > 0"),
+        ({"sequence": NESTED, "holes": 1e-9}, "must make at most"),
+        ({"sequence": NESTED, "bands": ()}, "must be one Stock or more"),
+        ({"sequence": NESTED, "lever": -0.01}, "must be > 0"),
+        ({"sequence": NESTED, "lever": ()}, "must be > 0"),
+        ({"sequence": NESTED, "limit": 1.6}, "between 0 and π/2"),
+        ({"sequence": NESTED, "p": (0.0, math.nan)}, "must be two finite numbers"),
+        ({"sequence": NESTED, "tolerances": 0.001}, "must be Tolerances"),
+        ({"sequence": NESTED, "objective": "best"}, "must be one of"),
+        ({"sequence": NESTED, "most_force": 0.0}, "most_force = 0.0 N: must be > 0"),
+        ({"sequence": NESTED, "n": 0}, "n = 0"),
+        ({"sequence": NESTED, "actuator_stiffness": -1.0}, "actuator_stiffness"),
+    ],
+)
+def test_a_wish_that_makes_no_sense_is_refused_with_advice(how, words):
+    with pytest.raises(ValueError, match=words) as refusal:
+        design(**how)
+    assert not isinstance(refusal.value, Impossible)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: AnchorBox(0.02, 0.0, 0.0, 0.01),
+        lambda: AnchorBox(0.0, math.inf, 0.0, 0.01),
+        lambda: AnchorPolygon(((0, 0), (1, 1))),
+        lambda: AnchorPolygon(((0, 0), (1, 1), (2, 2))),
+        lambda: AnchorPolygon(((0, 0), (0, 0), (1, 0), (0, 1))),
+        lambda: AnchorPolygon(((0, 0), (1, 0), (0, math.nan))),
+        lambda: AnchorPolygon((1, 2, 3)),  # pyright: ignore[reportArgumentType]
+        lambda: Stock(0.0),
+        lambda: Stock(28.5, -0.01),
+        lambda: Stock(28.5, 0.01, 0.5),
+    ],
+)
+def test_regions_and_bands_that_cannot_be_are_refused(make):
+    with pytest.raises(ValueError, match=r"must"):
+        make()
+
+
+def test_regions_and_bands_print_in_millimetres():
+    assert repr(PAPER_BOX) == "AnchorBox(x 0..20, y -15..15 mm)"
+    triangle = AnchorPolygon(((0, 0), (0.02, 0), (0, 0.01)))
+    assert repr(triangle) == "AnchorPolygon((0, 0), (20, 0), (0, 10) mm)"
+    named = Stock(28.5, 0.010, 0.05, "No. 8")
+    assert repr(named) == "Stock('No. 8', k=28.5 N/m, ℓ0=10 mm, ±5 %)"

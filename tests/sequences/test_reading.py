@@ -1,0 +1,416 @@
+"""A reading names what is there: loops, memory, scrambling, counting, latches."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings, strategies as st
+
+import stepwell as sw
+from chains import any_chain, concave_chain
+from conftest import examples
+from stepwell.sequences import counting as counting_module, reading as reading_module
+from stepwell.sequences.fields import from_switching_fields
+from stepwell.sequences.reading import read
+from stepwell.sequences.transition_graph import TransitionGraph, graph
+from stepwell.statics import StaticsError
+
+SEEDS = st.integers(0, 2**32 - 1)
+DRIVES = st.one_of(st.sampled_from(["stroke", "force"]), st.floats(5, 3000))
+
+
+def straight(*d_x: float) -> sw.Chain:
+    """Cells of the paper's band, anchored d_x [mm] apart."""
+    return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (x / 1e3, 0.0))) for x in d_x])
+
+
+NESTED = straight(10, 20, 30)
+# The first cycle hands what is left in transit from one cell to another, and so does the second.
+COUNTER = straight(10, 11, 16, 30)
+
+
+def drawn(seed: int, cells: int, drive, concave: bool = True) -> TransitionGraph:
+    """The graph of a random chain; the draw is dropped where the engine cannot tell."""
+    rng = np.random.default_rng(seed)
+    chain = concave_chain(rng, cells) if concave else any_chain(rng, cells, friction=False)
+    try:
+        found = graph(chain, drive, start="0" * cells)
+    except StaticsError:
+        assume(False)
+        raise
+    assume(not found.ties)
+    return found
+
+
+def stands(found: TransitionGraph, drives) -> np.ndarray:
+    assert found.chain is not None
+    return np.asarray(found.chain.path(drives).end)
+
+
+def state_of(found: TransitionGraph, travels) -> str:
+    assert found.chain is not None
+    full = [cell.full_travel for cell in found.chain.cells]
+    return "".join(
+        "0" if s == 0 else "1" if s == f else "-" for s, f in zip(travels, full, strict=True)
+    )
+
+
+def hysterons(rule, n: int) -> TransitionGraph:
+    """The graph of switching fields given as rule(state, cell)."""
+    rows = [
+        [rule(state, cell) for cell in range(n)] for state in itertools.product((0, 1), repeat=n)
+    ]
+    return from_switching_fields(np.array(rows, float))
+
+
+# --- loops ----------------------------------------------------------------------------------
+
+
+def test_the_main_loop_is_what_full_strokes_visit():
+    assert str(graph(NESTED).reading.main_loop) == str(NESTED.cycle().sequence)
+    loop = graph(NESTED, "force").reading.main_loop
+    assert loop.up == ("000", "100", "110", "111") and loop.down == ("111", "011", "001", "000")
+    assert loop.vertices == ("000", "100", "110", "111", "011", "001")
+
+
+def test_loops_of_three_nested_relays_written_out_by_hand():
+    # A rises 0, 1, 2; B falls: every pair of loops is nested, so all eight states are reached.
+    found = hysterons(lambda state, i: -1 - i if state[i] else 1 + i, 3).reading
+    assert found.sub_loops is not None
+    assert {str(loop) for loop in found.sub_loops} == {
+        "000>100>000",
+        "000>100>110>010>000",
+        "001>101>001",
+        "001>101>111>011>001",
+        "010>110>010",
+        "011>111>011",
+    }
+    assert found.sub_loop_count == 6
+    widest = max(found.sub_loops, key=lambda loop: loop.high - loop.low)
+    assert (widest.low, widest.high) == (-2, 2)
+    assert repr(widest) == "Loop(000>100>110>010>000, drive -2 to 2)"
+
+
+@settings(max_examples=examples(20))
+@given(SEEDS, st.integers(2, 5), DRIVES)
+def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, drive):
+    found = drawn(seed, cells, drive)
+    for loop in (found.reading.sub_loops or ())[:4]:
+        label, gap = loop.up[0], 1e-6 * (loop.high - loop.low)
+        node = found.node(label)
+        assert found.chain is not None
+        at = np.clip(loop.low - gap, node.low, node.high)
+        try:
+            travels = found.chain.path([node.low, at], start=node.travel_low).end
+            path = found.chain.path([at, loop.high + gap, loop.low - gap], start=travels)
+        except ValueError:
+            continue  # it begins at a fold
+        again = (
+            found.chain.path([loop.low - gap, at], start=path.end) if at != path.drive[-1] else path
+        )
+        np.testing.assert_allclose(again.end, travels, atol=1e-7)
+
+
+@settings(max_examples=examples(20))
+@given(SEEDS, st.integers(1, 6))
+def test_all_that_relays_reach_lies_on_the_main_loop_and_its_sub_loops(seed, n):
+    # Terzi and Mungan 2020.
+    rng = np.random.default_rng(seed)
+    up, down = rng.uniform(0, 1, n), rng.uniform(-1, 0, n)
+    found = hysterons(lambda state, i: down[i] if state[i] else up[i], n)
+    loops = [found.reading.main_loop, *(found.reading.sub_loops or ())]
+    assert {v for loop in loops for v in loop.vertices} == set(found.reachable())
+
+
+def test_more_loops_than_anyone_reads_are_counted_only(monkeypatch):
+    monkeypatch.setattr(reading_module, "MOST_LOOPS", 5)
+    found = read(graph(NESTED, "force"))
+    assert found.sub_loops is None and found.sub_loop_count == 6
+    assert "sub-loops            6\n" in str(found)
+
+
+# --- memory ---------------------------------------------------------------------------------
+
+
+def test_three_nested_cells_forget_a_turning_point():
+    found = graph(NESTED)
+    memory = found.reading.return_point_memory
+    assert not memory.holds and memory.witness is not None
+    witness = memory.witness
+    assert (witness.first, witness.later) == ("-11", "1-1")
+    first, later = stands(found, witness.turns[:-2]), stands(found, witness.turns)
+    assert state_of(found, first) == "-11" and state_of(found, later) == "1-1"
+    assert witness.before <= witness.excursion < witness.at
+    assert witness.before == 0
+    # The example of the theory page lies in the same windows.
+    for drives, travels in (
+        ((0, 0.0542), (14.2, 20, 20)),
+        ((0, 0.0542, 0.020, 0.0542), (20, 14.2, 20)),
+    ):
+        np.testing.assert_allclose(stands(found, drives) * 1e3, travels, atol=0.01)
+
+
+def test_a_soft_actuator_remembers_what_a_stiff_one_forgets():
+    # The stiffness at which that changes, by bisection.
+    low, high = 40.0, 80.0
+    while high - low > 1e-6:
+        middle = (low + high) / 2
+        if graph(NESTED, middle, start="000").reading.return_point_memory.holds:
+            low = middle
+        else:
+            high = middle
+    assert (low + high) / 2 == pytest.approx(53.0394027, abs=1e-5)
+    for stiffness in (0.5, 5, 20, 45, 53):
+        assert graph(NESTED, stiffness, start="000").reading.return_point_memory.holds
+    for stiffness in (53.1, 100, 1e3, 1e6):
+        assert not graph(NESTED, stiffness, start="000").reading.return_point_memory.holds
+
+
+@settings(max_examples=examples(30))
+@given(SEEDS, DRIVES)
+def test_two_concave_cells_remember(seed, drive):
+    assert drawn(seed, 2, drive).reading.return_point_memory.holds
+
+
+@settings(max_examples=examples(20))
+@given(SEEDS, st.integers(1, 5), st.booleans())
+def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
+    # Each is alone with the force.
+    assert drawn(seed, cells, "force", concave).reading.return_point_memory.holds
+
+
+@settings(max_examples=examples(60))
+@given(SEEDS, st.integers(3, 5), DRIVES, st.booleans())
+def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, concave):
+    found = drawn(seed, cells, drive, concave)
+    witness = found.reading.return_point_memory.witness
+    if witness is None:
+        return
+    first, later = stands(found, witness.turns[:-2]), stands(found, witness.turns)
+    assert state_of(found, first) == found.node(witness.first).state
+    assert state_of(found, later) == found.node(witness.later).state
+    assert float(np.max(np.abs(first - later))) > 1e-7
+    ends = sorted((witness.before, witness.at))
+    assert ends[0] <= witness.excursion <= ends[1]
+
+
+@settings(max_examples=examples(60))
+@given(SEEDS, st.integers(2, 4), DRIVES, st.booleans())
+def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells, drive, concave):
+    found = drawn(seed, cells, drive, concave)
+    assume(found.reading.return_point_memory.holds)
+    loop = found.reading.main_loop
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        points = [loop.low, *rng.uniform(loop.low, loop.high, rng.integers(1, 4))]
+        before, at = points[-1], rng.uniform(loop.low, loop.high)
+        excursion = rng.uniform(*sorted((before, at)))
+        first, later = stands(found, [*points, at]), stands(found, [*points, at, excursion, at])
+        np.testing.assert_allclose(later, first, atol=1e-9)
+
+
+def test_hysterons_that_drag_each_other_forget():
+    # Found at random: the fields of each depend on the others at both signs.
+    rng = np.random.default_rng(2)
+    forgets = 0
+    for _ in range(60):
+        up, down, pull = rng.uniform(0, 1, 3), rng.uniform(-1, 0, 3), rng.normal(0, 0.3, (3, 3))
+        np.fill_diagonal(pull, 0)
+        try:
+            found = hysterons(lambda s, i: (down if s[i] else up)[i] - pull[i] @ s, 3)  # noqa: B023
+        except ValueError:
+            continue
+        witness = found.reading.return_point_memory.witness
+        if witness is not None:
+            forgets += 1
+            assert walk(found, witness.turns[:-2]) == witness.first
+            assert walk(found, witness.turns) == witness.later
+    assert forgets > 5
+
+
+def walk(found: TransitionGraph, drives) -> str:
+    """Where the drive leads by the graph itself, from all cells at 0."""
+    label = "0" * found.cells
+    for drive in drives:
+        while not found.node(label).low <= drive <= found.node(label).high:
+            way = found.transition(label, +1 if drive > found.node(label).high else -1)
+            assert way is not None
+            label = way[0]
+    return label
+
+
+# --- counting -------------------------------------------------------------------------------
+
+
+def test_a_chain_of_four_cells_counts_to_two():
+    found = graph(COUNTER, start="0000")
+    counted = found.reading.counting
+    assert counted.exhaustive
+    best = counted.accumulators[0]
+    assert best.transient == 2 and best.period == 1
+    assert len(best.states) == 4 and best.states[2] == best.states[3]
+    for cycles, label in enumerate(best.states):
+        travels = stands(found, best.drives(cycles)) if len(best.drives(cycles)) > 1 else None
+        if travels is not None:
+            assert state_of(found, travels) == found.node(label).state
+    assert repr(best).startswith(f"Accumulator({'>'.join(best.states)}, drive ")
+    assert "in cycles between" in str(found.reading)
+
+
+def test_the_extremes_of_a_count_may_be_off_by_its_slack():
+    found = graph(COUNTER, start="0000")
+    best = max(found.reading.counting.accumulators, key=lambda a: a.slack)
+    assert best.slack > 1e-5
+    low, high = (best.low, best.high) if best.direction > 0 else (best.high, best.low)
+    for a, b in itertools.product((-0.99, 0.99), repeat=2):
+        drives = [*best.turns[:-1], low + a * best.slack]
+        for cycles, label in enumerate(best.states):
+            pair = [high + b * best.slack, low + a * best.slack]
+            travels = stands(found, drives + pair * cycles)
+            assert state_of(found, travels) == found.node(label).state, cycles
+
+
+@settings(max_examples=examples(30))
+@given(SEEDS, st.integers(2, 4), DRIVES)
+def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):
+    found = drawn(seed, cells, drive)
+    counted = found.reading.counting
+    assume(counted.exhaustive and not counted.accumulators)
+    loop, rng = found.reading.main_loop, np.random.default_rng(seed)
+    for _ in range(5):
+        begin = [loop.low, *rng.uniform(loop.low, loop.high, 2)]
+        cycle = list(rng.uniform(loop.low, loop.high, 2))
+        once = stands(found, [*begin, cycle[0], *cycle[::-1]])
+        twice = stands(found, [*begin, cycle[0], *cycle[::-1] * 2])
+        np.testing.assert_allclose(twice, once, atol=1e-9)
+
+
+def test_hysterons_that_alternate_are_said_to_have_a_period_of_two():
+    # Bense and van Hecke 2021 describe such subharmonic answers. Cells 1 and 2 hand a 1 to each
+    # other: whichever is up goes down on the way down only if the other ... found at random.
+    rng = np.random.default_rng(0)
+    periods = set()
+    for _ in range(4000):
+        fields = rng.uniform(-1, 1, (8, 3))
+        bits = np.array(list(itertools.product((0, 1), repeat=3)))
+        fields = np.where(bits == 1, fields - 0.6, fields + 0.6)
+        try:
+            found = from_switching_fields(fields)
+        except ValueError:
+            continue
+        for a in found.reading.counting.accumulators[:1]:
+            periods.add(a.period)
+            for cycles, label in enumerate(a.states):
+                assert walk(found, a.drives(cycles)) == label
+        if len(periods) > 1:
+            break
+    assert 2 in periods
+
+
+def test_a_search_that_is_cut_short_says_so(monkeypatch):
+    monkeypatch.setattr(counting_module, "_BUDGET", 100.0)
+    found = graph(COUNTER, start="0000").reading
+    assert not found.counting.exhaustive
+    assert "searched in part" in str(found) and "searched in part" in repr(found.counting)
+
+
+# --- scrambling, latches, gardens -----------------------------------------------------------
+
+
+def test_an_order_that_depends_on_a_third_cell_is_scrambled():
+    # The first cell, once at 1, lifts the field of the second above that of the third.
+    def rule(state, i):
+        if state[i]:
+            return (-10, -3, -2)[i]
+        return (3.0, 2.5 if state[0] else 1.5, 2.0)[i]
+
+    found = hysterons(rule, 3).reading
+    assert [(s.cells, s.direction) for s in found.scrambling] == [((1, 2), 1)]
+    scrambled = found.scrambling[0]
+    assert (scrambled.i_first, scrambled.j_first, scrambled.reachable) == ("000", "100", True)
+    assert repr(scrambled) == "Scrambling(up: cell 1 before 2 from 000, not 100)"
+    assert "cell 2 up before cell 3 from 000, after it from 100\n" in str(found)
+
+
+def test_relays_are_never_scrambled():
+    assert graph(straight(10, 14, 20, 30), "force").reading.scrambling == ()
+
+
+@settings(max_examples=examples(15))
+@given(SEEDS, st.integers(3, 5))
+def test_what_is_scrambled_flips_in_either_order_by_the_engine(seed, cells):
+    rng = np.random.default_rng(seed)
+    chain = concave_chain(rng, cells)
+    found = graph(chain)
+    for scrambled in found.reading.scrambling[:3]:
+        i, j = scrambled.cells
+        for label, first, other in ((scrambled.i_first, i, j), (scrambled.j_first, j, i)):
+            at = found.node(label).low
+            end = found.reading.main_loop.high if scrambled.direction > 0 else 0.0
+            sequence = _sequence(chain, at, end, label)
+            flipped = "1" if scrambled.direction > 0 else "0"
+            following = sequence[1]
+            assert following[first] == flipped and following[other] != flipped
+
+
+def _sequence(chain: sw.Chain, at: float, end: float, start: str) -> tuple[str, ...]:
+    from stepwell.sequences._vertices import sequence_of
+
+    return sequence_of(chain.path([at, end], start=start)).states
+
+
+def test_gardens_of_eden_are_unreachable_and_leave_by_latches():
+    # d = (10, 0) goes up first, d = (20, 15) comes down last: neither order is nested.
+    chain = straight(10, 20)
+    other = sw.Cell(sw.Band((0, 0), (0.020, 0.015)))
+    found = graph(sw.Chain([*chain.cells, other]), "force").reading
+    assert found.garden_of_eden is not None
+    assert set(found.garden_of_eden) <= set(found.unreachable)
+    left = {label for latch in found.latches for label in latch.nodes}
+    assert left == set(found.unreachable)
+    for latch in found.latches:
+        for a, b, _ in latch.ways:
+            assert a in latch.nodes and b not in latch.nodes
+            assert a not in found.graph.reachable(b)
+    assert repr(found.latches[0]).endswith("for good)")
+
+
+def test_what_was_not_looked_at_is_not_told():
+    found = graph(NESTED, start="000").reading
+    assert found.garden_of_eden is None and "not known" in str(found)
+    assert found.latches == () and found.unreachable == ()
+
+
+def test_every_vertex_alone_without_predecessor_is_a_garden_of_eden():
+    rng = np.random.default_rng(4)
+    chain = concave_chain(rng, 4)
+    for drive in ("stroke", 60.0, "force"):
+        found = graph(chain, drive)
+        expected = {
+            v
+            for v in found.vertices
+            if not any(v in found.reachable(w) for w in found.vertices if w != v)
+        }
+        assert set(found.reading.garden_of_eden or ()) == expected
+
+
+def test_a_reading_is_printed_in_millimetres_or_newtons():
+    text = str(graph(NESTED).reading)
+    assert "0 → 54.23 → 15.77 → 54.23 mm" in text and "main loop            000>100>" in text
+    assert text.startswith("3 cells driven by stroke: 8 vertices on 4 branches\n")
+    assert repr(graph(NESTED).reading) == (
+        "Reading(3 cells, 4 branches, 2 sub-loops, 0 unreachable, forgets a turn, "
+        "0 scrambled pairs, 0 accumulators, 0 latches)"
+    )
+    assert repr(graph(NESTED).reading.return_point_memory) == (
+        "ReturnPointMemory(Forgetting(-11, later 1-1, drive 0, 0.0542318, 0.0157682, 0.0542318))"
+    )
+    assert repr(graph(NESTED, "force").reading.return_point_memory) == "ReturnPointMemory(holds)"
+    assert repr(graph(NESTED, "force").reading.counting) == "Counting(0 accumulators)"
+
+
+def test_a_long_list_is_cut_when_printed():
+    # A and B both rise: only six of 32 states are reached.
+    found = hysterons(lambda state, i: i - 10 if state[i] else 1 + i, 5).reading
+    assert len(found.unreachable) == 26
+    assert "unreachable from 00000" in str(found) and "and 20 more\n" in str(found)
