@@ -59,3 +59,17 @@ def test_a_path_that_starts_between_the_stops_begins_with_its_first_vertex():
     chain = pair(20, 0)
     assert str(sequence_of(chain.path([0.005, 0.040], start=[0.005, 0.0]))) == "10>11"
     assert str(sequence_of(chain.path([0.005, 0.010], start=[0.005, 0.0]))) == "-0"
+
+
+def test_a_sequence_is_read_from_the_text_it_prints():
+    found = sw.Sequence.parse("000 > 010>011>111>101>001>000")
+    assert str(found) == "000>010>011>111>101>001>000"
+    assert found.orders == ((1, 2, 0), (1, 0, 2))
+    assert sw.Sequence.parse("00>11>00").orders is None
+    assert sw.Sequence.parse("00>10>00>01>00").orders is None
+
+
+@pytest.mark.parametrize("text", ["", "0>", "00>1", "00>12>00", "inner"])
+def test_a_text_that_is_no_sequence_is_refused_with_an_example(text):
+    with pytest.raises(ValueError, match="as in 00>10>11>01>00"):
+        sw.Sequence.parse(text)

@@ -2,7 +2,6 @@
 
 from itertools import combinations
 
-from stepwell.design._cycles import orders_of
 from stepwell.design.boundary import BoundaryKind
 from stepwell.sequences import Sequence
 
@@ -16,7 +15,7 @@ def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[BoundaryK
 
     Cells that change places are named; sequences of up to four cells are written out.
     """
-    first, second = orders_of(a), orders_of(b)
+    first, second = a.orders, b.orders
     both = f"{a} | {b}" if len(names) <= _SHORT else ""
     if first is None or second is None:
         return BoundaryKind.PATHWAY, both or _parting(a, b)

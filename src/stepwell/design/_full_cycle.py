@@ -10,8 +10,8 @@ from stepwell.sequences import Sequence
 Ints = NDArray[np.int64]
 
 
-def full_cycle(wanted: str, cells: int) -> str:
-    """A full cycle of so many cells without its spaces.
+def full_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
+    """A full cycle of so many cells without its spaces; messages call it `name`.
 
     Raises:
         ValueError: a text that is none.
@@ -22,17 +22,17 @@ def full_cycle(wanted: str, cells: int) -> str:
     for state in states:
         if len(state) != cells or not set(state) <= {"0", "1"}:
             raise ValueError(
-                f"wanted = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
+                f"{name} = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
                 f"or 1, one a cell, inner first, with > between states; {example}."
             )
     if states[0] != "0" * cells or states[-1] != "0" * cells or "1" * cells not in states:
         raise ValueError(
-            f"wanted = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
+            f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
             f"passes the state with all at 1; {example}."
         )
     if any(a == b for a, b in pairwise(states)):
         raise ValueError(
-            f"wanted = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
+            f"{name} = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
             f"{example}."
         )
     return ">".join(states)
@@ -40,17 +40,8 @@ def full_cycle(wanted: str, cells: int) -> str:
 
 def orders(wanted: str) -> Ints | None:
     """(2, N) the cells in order of loading and of unloading; None unless each moves once a way."""
-    states = wanted.split(">")
-    cells = len(states[0])
-    if len(states) != 2 * cells + 1 or states[cells] != "1" * cells:
-        return None
-    moved: list[int] = []
-    for a, b in pairwise(states):
-        changed = [i for i in range(cells) if a[i] != b[i]]
-        if len(changed) != 1:
-            return None
-        moved += changed
-    return np.array(moved).reshape(2, cells)
+    found = Sequence.parse(wanted).orders
+    return None if found is None else np.array(found)
 
 
 def sorted_cycle(loading: list[int], unloading: list[int]) -> str:

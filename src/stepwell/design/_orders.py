@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
-from stepwell.design._full_cycle import full_cycle, orders as orders_of, short
+from stepwell.design._full_cycle import full_cycle, short
 from stepwell.sequences import Sequence
 
 # Many orders may do the same, more or less surely. So many are tried, of so many.
@@ -69,16 +69,15 @@ def of_sequence(text: str) -> Orders:
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
         raise ValueError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
-    text = full_cycle(str(text), cells)
-    found = orders_of(text)
+    text = full_cycle(str(text), cells, "sequence")
+    found = Sequence.parse(text).orders
     if found is None:
         raise ValueError(
             f"sequence = {short(text)!r}: chains of concave cells load one cell at a time until "
             f"all are at 1, then unload one at a time, as in 00>10>11>01>00. For states beside "
             f"such a cycle, design(states=[...])."
         )
-    loading, unloading = found.tolist()
-    return Orders(tuple(loading), tuple(unloading))
+    return Orders(*found)
 
 
 @dataclass(frozen=True)

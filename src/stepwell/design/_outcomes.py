@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design._cycles import parsed
 from stepwell.design._end_grid import look
 from stepwell.design._pairs import closed
 from stepwell.design._pathways import IMPOSSIBLE, TIED, UNSOLVED
@@ -61,7 +60,7 @@ class Outcomes:
         self.chain, self.knobs, self._spans = chain, (x, y), spans
         # Two cells have their four pathways under the same numbers in every map.
         known = [p for p in Pathway if p is not Pathway.OTHER] if len(chain) == 2 else []
-        self.sequences = [parsed(p.value) for p in known]
+        self.sequences = [Sequence.parse(p.value) for p in known]
         self._numbers = {sequence: i for i, sequence in enumerate(self.sequences)}
         self._fixed = self._other_cells()
         self._moving = {k.cell: self._free_of_friction(k.cell) for k in (x, y)}

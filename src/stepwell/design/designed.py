@@ -58,9 +58,10 @@ class Design:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """What can be reached from all cells at 0, turning back early included.
+        """What can surely be reached from all cells at 0, turning back early included.
 
-        Source: order ideals of i < j where F0_i < F0_j and F1_i < F1_j, theory page.
+        Source: order ideals of i < j where F0_i < F0_j and F1_i < F1_j, theory page, which also
+        says when there are more.
         """
         return Orders(self.loading, self.unloading).states
 

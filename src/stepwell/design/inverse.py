@@ -20,7 +20,7 @@ from stepwell.design.stock import PAPER_BAND, Stock
 from stepwell.design.tolerances import Tolerances
 from stepwell.design.yields import yields
 from stepwell.mechanism import Chain
-from stepwell.sequences import cycle
+from stepwell.sequences import cycle, graph
 from stepwell.statics import StaticsError
 
 Levers = float | Sequence[float]
@@ -31,6 +31,8 @@ USUAL = Tolerances(anchor=0.0003, stiffness=0.05)
 PAPER_LEVER = 0.010 * math.sqrt(2.0)
 _OBJECTIVES = ("yield", "worst")
 _REFINED = 3  # attempts
+# The longest chain whose states are all looked at by the engine.
+_SEEN_WHOLE = 8
 
 
 def design(
@@ -62,7 +64,8 @@ def design(
 
     Args:
         sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
-        states: all states that shall be in reach from all cells at 0, and no others, or "all".
+        states: all states that shall be in reach from all cells at 0, and no others, or "all";
+            looked at one by one by the engine for chains of up to eight cells.
         cells: how many, for states="all".
         within: where the outer anchors may be, for all cells or one for each.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
@@ -165,6 +168,12 @@ def _verified(
             return attempt, chain, does
         does = does or str(result.sequence)
     raise engine_disagrees(wanted, working[0], does)
+
+
+def _reached(chain: Chain) -> frozenset[str]:
+    """States with every cell at a stop that the actuator can bring the chain to from all at 0."""
+    found = graph(chain, start="0" * len(chain)).reachable()
+    return frozenset(label for label in found if "-" not in label)
 
 
 def _wanted(

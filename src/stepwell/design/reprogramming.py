@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell._write import write_atomic
 from stepwell.design import _asked, _hunt
-from stepwell.design._cycles import orders_of, parsed
+from stepwell.design._full_cycle import full_cycle
 from stepwell.design._reach import Condition, nearest_places
 from stepwell.design._sorted import SortedChain
 from stepwell.design._ways import Floats, Ways
@@ -201,7 +201,7 @@ def reprogram(
             f"{chain.names[-1] + '.q'!r}."
         )
     ways = Ways.of(along, one_way, reach)
-    wanted = None if target is None else _full_cycle(str(target), len(chain))
+    wanted = None if target is None else _parsed(str(target), len(chain))
     before = cycle(chain).sequence
     text = None if wanted is None else str(wanted)
 
@@ -244,20 +244,8 @@ def reprogram(
     return answer(*(known or (None, None)), "search", words)
 
 
-def _full_cycle(text: str, cells: int) -> Sequence:
-    states = text.replace(" ", "").split(">")
-    empty, full = "0" * cells, "1" * cells
-    proper = all(len(state) == cells and set(state) <= {"0", "1"} for state in states)
-    if not proper or states[0] != empty or states[-1] != empty or full not in states:
-        raise ValueError(
-            f"target = {text!r}: must be a full cycle of {cells} cells, states of 0 and 1, inner "
-            f"first, from {empty} over {full} back to {empty}, such as '{empty}>...>{full}>..."
-            f">{empty}'."
-        )
-    found = parsed(text)
-    if not all(found.flips):
-        raise ValueError(f"target = {text!r}: a state follows itself; leave the repeat out.")
-    return found
+def _parsed(target: str, cells: int) -> Sequence:
+    return Sequence.parse(full_cycle(target, cells, "target"))
 
 
 def _moved(chain: Chain, anchor: Knob, move: Vec2) -> Chain:
@@ -292,7 +280,7 @@ def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[li
     """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
     if wanted is None:
         return [[Condition(n.side, n.other, n.up)] for n in forces.neighbours(cell)]
-    orders = orders_of(wanted)
+    orders = wanted.orders
     if orders is None:
         return []
     found: list[Condition] = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,37 @@ class Sequence:
 
     first: str
     flips: tuple[tuple[int, ...], ...]
+
+    @classmethod
+    def parse(cls, text: str) -> Sequence:
+        """The sequence that a text such as "00>10>11>01>00" says; spaces do not count.
+
+        Raises:
+            ValueError: states that are not equally many characters 0 or 1.
+        """
+        states = text.replace(" ", "").split(">")
+        if any(len(s) != len(states[0]) or not s or set(s) - {"0", "1"} for s in states):
+            raise ValueError(
+                f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
+                f"are cells, as in 00>10>11>01>00."
+            )
+        flips = tuple(
+            tuple(i for i, (was, now) in enumerate(zip(a, b, strict=True)) if was != now)
+            for a, b in pairwise(states)
+        )
+        return cls(states[0], flips)
+
+    @property
+    def orders(self) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+        """Cells in order of loading and of unloading; None unless each goes once, one by one."""
+        cells = len(self.first)
+        order = tuple(cell for flip in self.flips for cell in flip)
+        if len(self.flips) != 2 * cells or len(order) != 2 * cells or "1" in self.first:
+            return None
+        loading, unloading = order[:cells], order[cells:]
+        if len(set(loading)) < cells or len(set(unloading)) < cells:
+            return None
+        return loading, unloading
 
     @cached_property
     def states(self) -> tuple[str, ...]:
