@@ -7,8 +7,7 @@ import typer
 
 import stepwell as sw
 from stepwell.cli._wishes import Span, span, stock, wish
-from stepwell.design import Tolerances, yields
-from stepwell.design.stock import Stock
+from stepwell.design import Stock, Tolerances, yields
 
 BACK = "00>01>11>10>00"
 FEW = ("--samples", 2000)
@@ -31,7 +30,7 @@ def test_json_alone_says_everything(stepwell, tmp_path):
     assert record["schema"] == "stepwell.design/1"
     assert record["possible"]
     assert record["proved"]
-    assert len(record["states"]) == 8
+    assert len(record["states"]) == record["state_count"] == 8
     assert all(v % 5 == 0 for cell in record["cells"] for v in cell["q_mm"])
     for cell, told in zip(chain.cells, record["cells"], strict=True):
         assert told["F0_N"] == pytest.approx(cell.force_0)
@@ -45,6 +44,14 @@ def test_json_alone_says_everything(stepwell, tmp_path):
 def test_a_set_of_states_is_reached_and_no_other(stepwell):
     record = json.loads(stepwell("design", "00,10,11", *FEW, "--json").stdout)
     assert set(record["states"]) == {"00", "10", "11"}
+    assert record["state_count"] == 3
+
+
+def test_the_states_of_long_chains_are_counted_and_not_listed(stepwell):
+    record = json.loads(stepwell("design", "all:13", "--samples", 10, "--json").stdout)
+    assert record["state_count"] == 2**13
+    assert record["states"] is None
+    assert "In reach  8192 states\n" in stepwell("design", "all:13", "--samples", 10).stdout
 
 
 def test_the_largest_displacement_of_all_anchors_may_be_the_objective(stepwell):

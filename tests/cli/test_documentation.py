@@ -11,10 +11,19 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
-from stepwell import design, files, lab
+from stepwell import files, lab
 from stepwell.cli import app
-from stepwell.design import boundaries
-from stepwell.design.inverse import Impossible, design as inverse
+from stepwell.design import (
+    Impossible,
+    Tolerances,
+    boundaries,
+    design,
+    parameter_boundaries,
+    parameter_map,
+    reprogram,
+    survival,
+    yields,
+)
 from stepwell.files._arena_schema import TABLES as ARENA_TABLES
 from stepwell.files._keys import field_of, written
 from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
@@ -160,25 +169,25 @@ def motion_records() -> list[dict[str, Any]]:
     """What the commands about programs, graphs and designs print, with every name in it."""
     forward, wave = sw.preset("paper-forward"), sw.preset("three-wave")
     axes = ("outer.q.x", [0.0, 0.01, 0.02]), ("inner.stiffness", [20.0, 30.0, 40.0])
-    spread = design.Tolerances(anchor=0.002, stiffness=0.1)
+    spread = Tolerances(anchor=0.002, stiffness=0.1)
     found = forward.program("01")
     graphs = (wave.graph(), wave.graph("force"), sw.preset("countdown").graph())
     with pytest.raises(Unreachable) as unreachable:
         sw.preset("used-before").program("01")
     with pytest.raises(Impossible) as impossible:
-        inverse("00>01>11>10>00", holes=0.04)
+        design("00>01>11>10>00", holes=0.04)
     return [
         *(files.graph_record(graph) for graph in graphs),
         files.program_record(found),
         files.program_record(sw.preset("force-control").program("01")),
         files.unreachable_record(forward, None, "01", unreachable.value),
-        files.design_record(inverse("00>01>11>10>00", n=100)),
+        files.design_record(design("00>01>11>10>00", n=100)),
         files.impossible_record(impossible.value),
-        files.yield_record(design.yields(forward, spread, n=500, sensitivity=True)),
-        files.survival_record(design.survival(forward, found.turning_points, "01", spread, n=3)),
-        files.reprogram_record(design.reprogram(forward, None, "inner.p")),
+        files.yield_record(yields(forward, spread, n=500, sensitivity=True)),
+        files.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
+        files.reprogram_record(reprogram(forward, None, "inner.p")),
         files.parameter_map_record(
-            design.parameter_map(forward, *axes), design.parameter_boundaries(forward, *axes)
+            parameter_map(forward, *axes), parameter_boundaries(forward, *axes)
         ),
     ]
 

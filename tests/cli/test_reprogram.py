@@ -83,7 +83,7 @@ def test_a_direction_is_told_by_two_numbers_or_an_angle():
         ((), "Missing option '--by'"),
         (("--by", "inner.q.x"), "must be an anchor, for example 'inner.p' or 'outer.q'."),
         (("--by", "iner.p"), "Did you mean 'inner.p'?"),
-        (("--by", "inner.p", "--target", "00>11"), "must be a full cycle of 2 cells"),
+        (("--by", "inner.p", "--target", "00>11"), "00>11"),
         (("--by", "inner.p", "--along", "0:0"), "'0:0': must be X:Y, as in -1:0, or degrees"),
         (("--by", "inner.p", "--along", "1:2:3"), "'1:2:3': must be X:Y"),
         (("--by", "inner.p", "--along", "nan"), "'nan': must be X:Y"),

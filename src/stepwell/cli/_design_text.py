@@ -3,7 +3,6 @@
 from typing import Any
 
 from stepwell.cli import _yield_text
-from stepwell.cli._run_text import MOST_CELLS
 from stepwell.cli._show import number, show_lines, show_table, show_text, wrapped
 
 # A list of more states than these helps nobody.
@@ -18,7 +17,7 @@ def show(record: dict[str, Any]) -> None:
     cells = record["cells"]
     names = [cell["name"] for cell in cells]
     show_lines(
-        *_states(record, len(cells)),
+        *_states(record),
         *(line for line in _yield_text.lines(record["yield"], names) if line[:6] != "Wanted"),
         *_robustness(record["robustness"], names),
     )
@@ -37,12 +36,12 @@ def show(record: dict[str, Any]) -> None:
     show_text(record["reason"], record["assumptions"])
 
 
-def _states(record: dict[str, Any], cells: int) -> list[str]:
-    states = record["states"]
-    if cells > MOST_CELLS:
-        return [f"In reach  {len(states)} states"]
+def _states(record: dict[str, Any]) -> list[str]:
+    count, states = record["state_count"], record["states"]
+    if states is None:
+        return [f"In reach  {count} states"]
     more = f" and {len(states) - MOST_STATES} more" if len(states) > MOST_STATES else ""
-    listed = f"{len(states)} states: {', '.join(states[:MOST_STATES])}{more}"
+    listed = f"{count} states: {', '.join(states[:MOST_STATES])}{more}"
     return [f"Sequence  {record['sequence']}", f"In reach  {listed}"]
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from stepwell.design.stock import Stock
+    from stepwell.design import Stock
 
 # Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
@@ -58,7 +58,7 @@ def span(text: str | Span) -> Span:
 def stock(text: str) -> Stock:
     """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
     from stepwell.cli._outcomes import usable
-    from stepwell.design.stock import Stock
+    from stepwell.design import Stock
 
     if text in BANDS:
         k, length = BANDS[text]

@@ -106,8 +106,8 @@ def design(
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli._wishes import stock, wish
-    from stepwell.design.inverse import PAPER_LEVER, Impossible, design
-    from stepwell.design.region import AnchorBox
+    from stepwell.design import AnchorBox, Impossible, design
+    from stepwell.design.inverse import PAPER_LEVER
 
     wanted = wish(target)
     spread = given.tolerances(

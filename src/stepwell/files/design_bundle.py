@@ -20,8 +20,7 @@ from stepwell.files.write import dumps
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.design import Reprogramming, Survival, Yield
-    from stepwell.design.inverse import Design
+    from stepwell.design import Design, Reprogramming, Survival, Yield
 
 # Mechanisms that are drawn around the drawing, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16

@@ -10,14 +10,22 @@ from stepwell.files.record import actuator_record, finite, told_drive
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
-    from stepwell.design import Reprogramming, Survival, Tolerances, Yield
-    from stepwell.design.inverse import Design, Impossible
-    from stepwell.design.robustness import Robustness
+    from stepwell.design import (
+        Design,
+        Impossible,
+        Reprogramming,
+        Robustness,
+        Survival,
+        Tolerances,
+        Yield,
+    )
 
 DESIGN_SCHEMA = "stepwell.design/1"
 YIELD_SCHEMA = "stepwell.yield/1"
 SURVIVAL_SCHEMA = "stepwell.survival/1"
 REPROGRAM_SCHEMA = "stepwell.reprogram/1"
+# The states of a longer chain are too many to be listed.
+MOST_CELLS = 12
 
 
 def yield_record(found: Yield) -> dict[str, Any]:
@@ -85,7 +93,8 @@ def design_record(found: Design) -> dict[str, Any]:
         "sequence": found.sequence,
         "loading_order": list(found.loading),
         "unloading_order": list(found.unloading),
-        "states": list(found.states),
+        "state_count": _reached(found),
+        "states": list(found.states) if len(chain) <= MOST_CELLS else None,
         "actuator": actuator_record(chain),
         "cells": _cells(chain),
         "holes_mm": None if found.holes is None else finite(found.holes, 1e3),
@@ -163,6 +172,16 @@ def _head(title: str, *, possible: bool, proved: bool) -> dict[str, Any]:
         "possible": possible,
         "proved": proved,
     }
+
+
+def _reached(found: Design) -> int:
+    """How many states can be reached: antichains, counted without listing them (theory page)."""
+    place = {cell: k for k, cell in enumerate(found.unloading)}
+    ending: list[int] = []  # antichains whose cell of largest F0 is this one
+    for j, cell in enumerate(found.loading):
+        before = zip(ending, found.loading[:j], strict=True)
+        ending.append(1 + sum(n for n, other in before if place[other] < place[cell]))
+    return 1 + sum(ending)
 
 
 def _cells(chain: Chain) -> list[dict[str, Any]]:

@@ -55,13 +55,21 @@ def legs_of(path: Path) -> list[Leg]:
         return Part(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
 
     parts = [resting(path.turning_points[0], path.start_force)]
+    landed: Stretch | None = None
     for stretch in path.stretches():
         drive, force = stretch.drive[1], stretch.force[1]
         if stretch.kind is StretchKind.SNAP:
-            legs.append(Leg(tuple(parts), stretch))
+            if landed is None:
+                landed = stretch
+                legs.append(Leg(tuple(parts), landed))
+            else:
+                # At a fold rounding may find the fold itself again, and then the way on.
+                landed = _joined(landed, stretch)
+                legs[-1] = replace(legs[-1], snap=landed)
             travels = _after(travels, stretch)
             parts = [resting(drive, force)]
             continue
+        landed = None
         if stretch.kind is StretchKind.MOVE:
             moving = list(state_of(travels, full))
             for cell, a, b in zip(stretch.cells, stretch.before, stretch.after, strict=True):
@@ -77,6 +85,24 @@ def legs_of(path: Path) -> list[Leg]:
             parts.append(resting(drive, force))
     legs.append(Leg(tuple(parts), None))
     return legs
+
+
+def _joined(first: Stretch, second: Stretch) -> Stretch:
+    """Two snaps at one drive as one."""
+    before = dict(zip(second.cells, second.before, strict=True))
+    before |= dict(zip(first.cells, first.before, strict=True))
+    after = dict(zip(first.cells, first.after, strict=True))
+    after |= dict(zip(second.cells, second.after, strict=True))
+    cells = tuple(sorted(before))
+    return replace(
+        first,
+        force=(first.force[0], second.force[1]),
+        cells=cells,
+        before=tuple(before[cell] for cell in cells),
+        after=tuple(after[cell] for cell in cells),
+        released=first.released + second.released,
+        tie=first.tie or second.tie,
+    )
 
 
 def _after(travels: tuple[float, ...], stretch: Stretch) -> tuple[float, ...]:

@@ -104,16 +104,7 @@ class Atlas:
     @property
     def bottom(self) -> int:
         """The branch on which all cells are at 0."""
-        return self.branch_of[self.zero]
-
-    @property
-    def zero(self) -> str:
-        """The node with all cells at 0; the first where a tie makes the chain come back to others.
-
-        That is only where two slack cells share a motion (theory page, "Flat stretches and ties").
-        """
-        state = "0" * self.graph.cells
-        return state if state in self.branch_of else f"{state}#1"
+        return self.branch_of[self.graph.zero]
 
     def label_at(self, number: int, drive: float) -> str:
         """The node of a branch that exists at a drive."""

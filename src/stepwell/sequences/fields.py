@@ -161,26 +161,26 @@ def _avalanches(
     _refuse(np.sum(critical, axis=1) > 1, codes, critical, drive, _TIED, n)
     at = codes ^ (critical @ digit)
     # Brent: an avalanche that comes back to a place where it was marked goes round for ever.
-    mark, steps, until = codes.copy(), 0, 1
+    mark, last, steps, until = codes, codes, 0, 1
     while True:
+        _refuse((at == mark) | (at == codes), codes, at_1[at] != at_1[last], drive, _LOOP, n)
         past = drive[:, None] - fields[at]
         tied = np.abs(past) <= slip
         _refuse(np.any(tied, axis=1), codes, tied, drive, _TIED, n)
         unstable = np.where(at_1[at], past < 0, past > 0)
         count = np.sum(unstable, axis=1)
         _refuse(count > 1, codes, unstable, drive, _RACE, n)
-        _refuse(at == mark, codes, unstable, drive, _LOOP, n)
         if not np.any(count):
             return at
         steps += 1
         if steps == until:
             mark, steps, until = np.where(count > 0, at, codes), 0, 2 * until
-        at = at ^ (unstable @ digit)
+        last, at = at, at ^ (unstable @ digit)
 
 
-_TIED = "have their fields at the drive itself, so either may flip"
-_RACE = "are past their fields at once, so either may flip first (a race)"
-_LOOP = "flip to and fro for ever (a loop)"
+_TIED = "a field is just that drive, so the cell may flip or not"
+_RACE = "two cells are past their fields at once, so either may flip first, a race"
+_LOOP = "cells flip to and fro for ever, a loop"
 
 
 def _refuse(
@@ -188,8 +188,8 @@ def _refuse(
 ) -> None:
     if np.any(wrong):
         k = int(np.argmax(wrong))
-        named = " and ".join(f"cell {i + 1}" for i in np.flatnonzero(cells[k]).tolist()) or "cells"
+        named = ", ".join(f"cell {i + 1}" for i in np.flatnonzero(cells[k]).tolist())
         raise ValueError(
-            f"fields: on the way from {codes[k]:0{n}b} at the drive {drive[k]:.6g} {named} {why}. "
+            f"fields: on the way from {codes[k]:0{n}b} at the drive {drive[k]:.6g} {why}: {named}. "
             f"The rule does not decide this; change these fields to say what is meant."
         )

@@ -48,7 +48,7 @@ class Loop:
 
 def main_loop(atlas: Atlas) -> Loop:
     """From all cells at 0 up to where the drive ends, and back."""
-    up = atlas.following(atlas.zero, +1)
+    up = atlas.following(atlas.graph.zero, +1)
     down = atlas.following(up[-1], -1)
     node = atlas.graph.node
     return Loop(node(up[0]).low, node(up[-1]).high, tuple(up), tuple(down))

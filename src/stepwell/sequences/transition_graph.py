@@ -110,13 +110,22 @@ class TransitionGraph(nx.DiGraph):
         found = [label for label in self if "-" not in label]
         return tuple(sorted(found, key=lambda state: (state.count("1"), state[::-1])))
 
+    @property
+    def zero(self) -> str:
+        """Label of the node with all cells at 0.
+
+        Several nodes share that state only where slack cells share a motion; then the first.
+        """
+        state = "0" * self.cells
+        return state if state in self else f"{state}#1"
+
     def reachable(self, start: str | None = None) -> frozenset[str]:
         """Labels of all nodes that the actuator can bring the chain to from a node.
 
         Args:
             start: its label; all cells at 0 by default.
         """
-        start = "0" * self.cells if start is None else start
+        start = self.zero if start is None else start
         if start not in self:
             return frozenset()
         return frozenset(nx.descendants(self, start) | {start})
