@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from figures.drawn import collisions, cut_off, legend_of, lines, points, says
-from stepwell import design, figures, files
+from stepwell import figures, files
+from stepwell.design import boundaries, transition_map
 
 X = np.linspace(0.0, 0.020, 41)
 Y = np.linspace(-0.015, 0.015, 61)
@@ -14,7 +15,7 @@ DESIGNS = {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
 @pytest.fixture(scope="module")
 def found():
     chain = files.preset("paper-forward")
-    return design.transition_map(chain, 1, x=X, y=Y), design.boundaries(chain, 1, x=X, y=Y)
+    return transition_map(chain, 1, x=X, y=Y), boundaries(chain, 1, x=X, y=Y)
 
 
 def test_each_pathway_is_named_in_its_region(found):

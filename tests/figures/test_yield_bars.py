@@ -5,8 +5,8 @@ import pytest
 
 from figures.drawn import collisions, cut_off, lines, points, says, words
 from figures.shapes import boxes
-from stepwell import design, figures, files
-from stepwell.design import Tolerances
+from stepwell import figures, files
+from stepwell.design import Tolerances, yields
 from stepwell.figures._words import sequence_words, shortened, wrapped
 
 LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
@@ -14,7 +14,7 @@ LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
 
 @pytest.fixture(scope="module")
 def found():
-    return design.yields(files.preset("paper-forward"), LOOSE, n=20_000, sensitivity=True)
+    return yields(files.preset("paper-forward"), LOOSE, n=20_000, sensitivity=True)
 
 
 def test_bars_are_as_long_as_the_shares(found):
@@ -45,8 +45,8 @@ def test_parts_are_sorted_by_what_their_tolerance_causes(found):
 
 
 def test_words_stay_apart_and_on_the_page(found):
-    shuffle = design.yields(files.preset("four-shuffle"), LOOSE, n=20_000, sensitivity=True)
-    plain = design.yields(files.preset("three-wave"), Tolerances(anchor=0.0003), n=1000)
+    shuffle = yields(files.preset("four-shuffle"), LOOSE, n=20_000, sensitivity=True)
+    plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), n=1000)
     for result, width in ((found, 180.0), (shuffle, 180.0), (plain, 85.0)):
         figure = figures.yield_bars(result)
         assert collisions(figure) == []
@@ -56,7 +56,7 @@ def test_words_stay_apart_and_on_the_page(found):
 
 
 def test_rare_outcomes_are_counted_together(found):
-    shuffle = design.yields(files.preset("four-shuffle"), LOOSE, n=20_000)
+    shuffle = yields(files.preset("four-shuffle"), LOOSE, n=20_000)
     figure = figures.yield_bars(shuffle)
     assert f"{len(shuffle.outcomes) - 6} other outcomes" in says(figure)
     assert sum(bar.get_width() for bar in boxes(figure, "outcomes")) == pytest.approx(100.0)
@@ -69,7 +69,7 @@ def test_axes_say_what_is_counted(found):
 
 
 def test_a_share_near_one_does_not_look_certain():
-    nearly = design.yields(
+    nearly = yields(
         files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), n=20_000
     )
     assert 0.99 < nearly.share < 1.0

@@ -19,6 +19,7 @@ PATHWAYS = {
     "paper-counterclockwise": Pathway.COUNTERCLOCKWISE,
     "paper-via-01": Pathway.VIA_01,
     "paper-via-10": Pathway.VIA_10,
+    "antenna-leg": Pathway.CLOCKWISE,
     "compliant-actuator": Pathway.CLOCKWISE,
     "foot-weight": Pathway.CLOCKWISE,
     "force-control": Pathway.CLOCKWISE,

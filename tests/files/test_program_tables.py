@@ -9,7 +9,6 @@ from hypothesis import given, strategies as st
 from stepwell.files import (
     DesignError,
     WrittenProgram,
-    arrival,
     dumps,
     load_program,
     loads,
@@ -22,6 +21,7 @@ from stepwell.files import (
     with_program,
 )
 from stepwell.mechanism import Chain
+from stepwell.sequences import Program
 
 WAVE = preset_text("three-wave")
 TABLE = '[program]\nstart = "000"\nturning_points_mm = [0, 45, 20]\nends = "010"\n'
@@ -219,7 +219,7 @@ def test_a_program_that_was_found_is_written_in_round_numbers_within_its_windows
         for turn, point in zip(found.turns, written.turning_points[1:-1], strict=True):
             assert abs(point - turn.drive) <= 0.01 * turn.slack
             assert len(f"{point:.9g}") < 9
-        assert arrival(written.on(found.chain).path) == to
+        assert written.on(found.chain).arrives == to
 
 
 def test_playing_a_program_finds_the_windows_that_the_search_gave():
@@ -242,20 +242,20 @@ def test_turning_anywhere_in_the_windows_ends_alike(first, second):
         for turn, part in zip(program.turns, (first, second), strict=True)
     ]
     other = WrittenProgram("000", (0.0, *turns, 0.040)).on(chain)
-    assert arrival(other.path) == arrival(program.path)
+    assert other.arrives == program.arrives
 
 
 def test_with_friction_turns_have_no_windows():
     program = WrittenProgram("00", (0.0, 0.039, 0.020)).on(preset("friction"))
     assert program.slack == 0.0
-    assert program.to == arrival(program.path) == "01"
+    assert program.to == program.arrives == "01"
 
 
 def test_a_cell_counts_as_at_a_stop_within_a_hundredth_of_its_travel():
     chain = preset("paper-forward")
-    assert arrival(chain.path([0.0, 0.0199])) == "10"
-    assert arrival(chain.path([0.0, 0.0195])) == "-0"
-    assert arrival(chain.path([0.0, 0.0001])) == "00"
+    assert Program.given(chain, [0.0, 0.0199]).arrives == "10"
+    assert Program.given(chain, [0.0, 0.0195]).arrives == "-0"
+    assert Program.given(chain, [0.0, 0.0001]).arrives == "00"
 
 
 def test_a_start_that_cannot_stand_is_refused_when_it_is_played():

@@ -14,7 +14,7 @@ from oracle import OracleCell, follow
 from stepwell.sequences import Unreachable
 from stepwell.sequences._branches import Branches
 from stepwell.sequences._plan import _by_fields
-from stepwell.sequences._relays import leaders_win, relays, shortest
+from stepwell.sequences._relays import Relays, leaders_win, relays, shortest
 
 
 def straight(*d_x: float) -> sw.Chain:
@@ -24,6 +24,14 @@ def straight(*d_x: float) -> sw.Chain:
 
 LEG = straight(20, 30)
 NESTED = straight(10, 20, 30)
+
+
+def leading(chain: sw.Chain) -> Relays:
+    """The fields of a chain in which the leaders are proved to win; others are drawn again."""
+    fields = relays(chain)
+    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    assert fields is not None
+    return fields
 
 
 def states(n: int) -> list[str]:
@@ -89,8 +97,7 @@ def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_rea
     seed, cells
 ):
     chain = concave_chain(np.random.default_rng(seed), cells)
-    fields = relays(chain)
-    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    fields = leading(chain)
     for to in states(cells):
         if is_ideal(to, fields.up, fields.down):
             assert chain.program(to).sequence[-1] == to
@@ -104,8 +111,7 @@ def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_rea
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cells):
     chain = concave_chain(np.random.default_rng(seed), cells)
-    fields = relays(chain)
-    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    fields = leading(chain)
     down = fields.down[np.argsort(fields.up)]
     wanted = [
         sum(falls(c) for c in itertools.combinations(down.tolist(), m)) for m in range(cells + 1)
@@ -122,8 +128,7 @@ def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cell
 def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(seed, cells):
     random = np.random.default_rng(seed)
     chain = concave_chain(random, cells)
-    fields = relays(chain)
-    assume(fields is not None and fields.equal and leaders_win(chain, fields))
+    fields = leading(chain)
     ideals = [s for s in states(cells) if is_ideal(s, fields.up, fields.down)]
     start, to = random.choice(ideals, 2)
     branches = Branches(chain)
@@ -144,19 +149,9 @@ def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
         fields = np.sort(random.permutation(2 * n).reshape(n, 2) * 1.0, axis=1)
         down, up = fields.T
         distance = breadth_first(up, down)
-        relay = _Fields(up, down)
+        relay = Relays(up, down, equal=True)
         for (start, to), strokes in distance.items():
             assert len(shortest(relay, start, to).states) == strokes, (start, to, up, down)
-
-
-class _Fields:
-    """Stands in for Relays without a chain."""
-
-    def __init__(self, up, down):
-        self.up, self.down = up, down
-
-    def precedes(self, i, j):
-        return self.up[i] < self.up[j] and self.down[i] < self.down[j]
 
 
 def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int]:

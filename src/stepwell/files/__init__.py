@@ -28,7 +28,7 @@ from stepwell.files.measured import (
     write_readings,
 )
 from stepwell.files.parameters import Parameter, parameters, vary
-from stepwell.files.program import WrittenProgram, arrival
+from stepwell.files.program import WrittenProgram
 from stepwell.files.program_bundle import write_program
 from stepwell.files.program_record import program_record, unreachable_record
 from stepwell.files.provenance import Given, provenance
@@ -47,7 +47,6 @@ __all__ = [
     "WrittenProgram",
     "arena_text",
     "arenas",
-    "arrival",
     "checked_suffix",
     "design_record",
     "dumps",

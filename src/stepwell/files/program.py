@@ -10,18 +10,13 @@ from typing import TYPE_CHECKING
 from stepwell.files import _schema as schema, _units as units
 from stepwell.files._errors import value_text
 from stepwell.files._toml_text import array, quoted
-from stepwell.files._windows import windows
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program
-    from stepwell.statics import Path
 
-# What one means who writes 20 mm where the levers give 19.998 mm.
-_AT_STOP = 0.01
 # Of the chain's stroke: what the engine takes for the same place, and a tenth of it.
 _SAME, _EXACT = 1e-9, 1e-10
-_METHOD = "as the design file gives it"
 # How far off the middle of its window a turning point may be written, over half the window.
 _ROUND = 0.01
 
@@ -62,18 +57,9 @@ class WrittenProgram:
             ValueError: the chain cannot stand at the start.
             StaticsError: the engine could not go on; its text says what to do.
         """
-        from stepwell.sequences import Program, Turn
+        from stepwell.sequences import Program
 
-        path = chain.path(self.turning_points, start=self.start)
-        begin, end = self.turning_points[0], self.turning_points[-1]
-        found = windows(chain, self.start, self.turning_points)
-        turns = tuple(
-            Turn(point, *window, ())
-            for point, window in zip(self.turning_points[1:-1], found, strict=True)
-        )
-        to = self.ends or arrival(path)
-        way = (self.start, to, begin, end, turns, end, end, _METHOD, False, path.start)
-        return Program(chain, *way)
+        return Program.given(chain, self.turning_points, start=self.start, to=self.ends)
 
     def text(self, chain: Chain) -> str:
         """The table [program] in the design file of the chain."""
@@ -81,16 +67,6 @@ class WrittenProgram:
         points = array(units.toml(units.shortest(p, places)) for p in self.turning_points)
         ends = "" if self.ends is None else f"ends = {quoted(self.ends)}\n"
         return f"[program]\nstart = {quoted(self.start)}\n{key} = {points}\n{ends}"
-
-
-def arrival(path: Path) -> str:
-    """The state in which a path ends, such as "010"; - for a cell between its stops.
-
-    A cell counts as at a stop within a hundredth of its travel.
-    """
-    travels = zip(path.travel[-1].tolist(), path.chain.cells, strict=True)
-    parts = (travel / cell.full_travel for travel, cell in travels)
-    return "".join("0" if p <= _AT_STOP else "1" if p >= 1 - _AT_STOP else "-" for p in parts)
 
 
 def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:

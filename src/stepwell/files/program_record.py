@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stepwell._version import __version__
-from stepwell.files.program import arrival
 from stepwell.files.record import (
     LONGEST_SPELLED_OUT,
     actuator_record,
@@ -33,11 +32,10 @@ def program_record(program: Program) -> dict[str, Any]:
     """
     unit, factor = told_drive(program.chain)
     path = program.path
-    arrives = arrival(path)
     return {
         **_head(program.chain, program.start, program.to),
-        "arrives": arrives,
-        "does_it": arrives == program.to,
+        "arrives": program.arrives,
+        "does_it": program.arrives == program.to,
         "proved": program.shortest,
         "reason": program.method,
         "strokes": program.strokes,

@@ -164,9 +164,9 @@ class Chain:
         Raises:
             ValueError: `reach` is not above 0.
         """
-        from stepwell import design
+        from stepwell.design import margin
 
-        return design.margin(self, reach=reach, progress=progress)
+        return margin(self, reach=reach, progress=progress)
 
     def yields(
         self,
@@ -194,9 +194,9 @@ class Chain:
         Raises:
             ValueError: numbers out of range, or a sequence that is no full cycle of this chain.
         """
-        from stepwell import design
+        from stepwell.design import yields
 
-        return design.yields(
+        return yields(
             self,
             tolerances,
             n=n,
@@ -230,9 +230,9 @@ class Chain:
         Raises:
             ValueError: a target that is no full cycle of this chain, or no anchor of that name.
         """
-        from stepwell import design
+        from stepwell.design import reprogram
 
-        return design.reprogram(self, target, by, along=along, one_way=one_way, reach=reach)
+        return reprogram(self, target, by, along=along, one_way=one_way, reach=reach)
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""

@@ -62,6 +62,16 @@ class Branch:
         )
 
 
+def reach(chain: Chain) -> tuple[float, float]:
+    """The drives between which a chain is looked at [m], or [N] under force control.
+
+    A rigid actuator ends at the stops; any other can pull further and nothing changes.
+    """
+    low, high = drive_range(chain)
+    more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
+    return low - more, high + more
+
+
 class Branches:
     """The branches of one chain, each followed when it is first asked for.
 
@@ -71,12 +81,9 @@ class Branches:
 
     def __init__(self, chain: Chain):
         self.chain = chain
-        low, high = drive_range(chain)
         self._rigid = math.isinf(chain.actuator_stiffness)
-        # A rigid actuator ends at the stops; any other can pull further and nothing changes.
-        more = 0.0 if self._rigid else _BEYOND * (high - low)
-        self.range = low - more, high + more
-        self.slip = _SAME * (high - low)
+        self.range = reach(chain)
+        self.slip = _SAME * (self.range[1] - self.range[0])
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
         self._branches: list[Branch] = []
@@ -137,10 +144,19 @@ class Branches:
         stiffness = self.chain.actuator_stiffness
         return travels, force if stiffness == 0 else stroke + force / stiffness
 
-    def all_from(self, numbers: list[int]) -> set[int]:
-        """Every branch that can be reached from these, themselves included."""
+    def all_from(self, numbers: list[int], most: int = 1_000_000) -> set[int]:
+        """Every branch that can be reached from these, themselves included.
+
+        Raises:
+            ValueError: more than `most` branches.
+        """
         seen, waiting = set(numbers), list(numbers)
         while waiting:
+            if len(seen) > most:
+                raise ValueError(
+                    f"more than {most} branches can be reached, so there is no end in sight: look "
+                    f"at a shorter chain, or ask chain.program(to=...) for one way."
+                )
             number = waiting.pop()
             for direction in (+1, -1):
                 way = self.exit(number, direction)

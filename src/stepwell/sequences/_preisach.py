@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import networkx as nx
 import numpy as np
@@ -41,7 +43,6 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     low[0], high[-1] = Branches(chain).range
     stands = np.flatnonzero(low <= high)
     labels = labels_of(len(chain))
-    found = TransitionGraph()
     rows = zip(
         stands.tolist(),
         low[stands].tolist(),
@@ -49,15 +50,16 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
         (at_1[stands] * full).tolist(),
         strict=True,
     )
-    for branch, (code, a, b, travel) in enumerate(rows):
-        label, travels = labels[code], tuple(travel)
-        found.add_node(label, node=Node(label, label, a, b, a, b, travels, travels, branch))
     ups, downs = _flips(chain, fields)
-    # The first cell is the first character, which is the highest digit.
-    digit = 1 << np.arange(len(chain) - 1, -1, -1)
     rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
-    found.add_edges_from(_edges(labels, rising, np.argmin(opens[rising], axis=1), digit, ups))
-    found.add_edges_from(_edges(labels, falling, np.argmax(shuts[falling], axis=1), digit, downs))
+    first, last = np.argmin(opens[rising], axis=1), np.argmax(shuts[falling], axis=1)
+    found = TransitionGraph()
+    with _collector_at_rest():
+        for branch, (code, a, b, travel) in enumerate(rows):
+            label, travels = labels[code], tuple(travel)
+            found.add_node(label, node=Node(label, label, a, b, a, b, travels, travels, branch))
+        found.add_edges_from(_edges(labels, rising, first, ups))
+        found.add_edges_from(_edges(labels, falling, last, downs))
     found.graph.update(
         **about(chain),
         ties=(),
@@ -95,14 +97,22 @@ def _flips(chain: Chain, fields: Relays) -> tuple[list[Transition], list[Transit
 
 
 def _edges(
-    labels: list[str],
-    codes: NDArray[np.int64],
-    cells: NDArray[np.int64],
-    digit: NDArray[np.int64],
-    flips: list[Transition],
+    labels: list[str], codes: NDArray[np.int64], cells: NDArray[np.int64], flips: list[Transition]
 ) -> Iterator[Edge]:
     alone = [(flip,) for flip in flips]
-    for a, b, cell in zip(
-        codes.tolist(), (codes ^ digit[cells]).tolist(), cells.tolist(), strict=True
-    ):
+    # The first cell is the first character, which is the highest digit.
+    targets = codes ^ (1 << (len(flips) - 1 - cells))
+    for a, b, cell in zip(codes.tolist(), targets.tolist(), cells.tolist(), strict=True):
         yield labels[a], labels[b], {"transitions": alone[cell]}
+
+
+@contextmanager
+def _collector_at_rest() -> Iterator[None]:
+    """Python's search for garbage takes longer than making values of which none is garbage."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()

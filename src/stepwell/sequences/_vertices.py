@@ -3,6 +3,19 @@
 from stepwell.sequences.sequence import Sequence
 from stepwell.statics import Path
 
+# Of a cell's travel: what one means who writes 20 mm where the levers give 19.998 mm.
+_AT_STOP = 0.01
+
+
+def arrival(path: Path) -> str:
+    """The state in which a path ends, such as "010"; - for a cell between its stops.
+
+    A cell counts as at a stop within a hundredth of its travel.
+    """
+    travels = zip(path.end.tolist(), path.chain.cells, strict=True)
+    parts = (travel / cell.full_travel for travel, cell in travels)
+    return "".join("0" if p <= _AT_STOP else "1" if p >= 1 - _AT_STOP else "-" for p in parts)
+
 
 def sequence_of(path: Path) -> Sequence:
     """Every state with all cells at a stop that the path visits, in order.

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence as Drives
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
 
 from stepwell._write import write_atomic
 from stepwell.mechanism import Chain
-from stepwell.sequences._vertices import sequence_of
+from stepwell.sequences._vertices import arrival, sequence_of
+from stepwell.sequences._windows import windows
 from stepwell.sequences.sequence import Sequence
 from stepwell.statics import Path
+
+_GIVEN = "as it was given"
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +25,8 @@ class Turn:
         drive: where to turn, the middle of the window [m], or [N] under force control.
         low, high: turning anywhere between does the same, whatever the other turns do within
             their own windows.
-        branch: states at stops that the chain can be brought to from there without a snap.
+        branch: states at stops that the chain can be brought to from there without a snap; not
+            told where the program was given.
     """
 
     drive: float
@@ -62,6 +67,43 @@ class Program:
     shortest: bool
     _start_travel: tuple[float, ...] = field(repr=False)
 
+    @classmethod
+    def given(
+        cls,
+        chain: Chain,
+        turning_points: Drives[float],
+        *,
+        start: str | None = None,
+        to: str | None = None,
+    ) -> Program:
+        """A program whose turning points are known, with the window of every turn.
+
+        Args:
+            chain: what is driven.
+            turning_points: from the beginning to the end [m], or [N] under force control.
+            start: the state at the beginning; all cells at 0 by default.
+            to: the state it is meant to end in; the one it ends in by default.
+
+        Returns:
+            The program; with friction no turn has a window.
+
+        Raises:
+            ValueError: the chain cannot stand at the start.
+            StaticsError: the engine could not go on; its text says what to do.
+        """
+        start = "0" * len(chain) if start is None else start
+        points = tuple(float(point) for point in turning_points)
+        path = chain.path(points, start=start)
+        turns = tuple(
+            Turn(point, low, high, ())
+            for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
+        )
+        end = points[-1]
+        return cls(
+            chain, start, to or arrival(path), points[0], end, turns, end, end, _GIVEN, False,
+            path.start,
+        )  # fmt: skip
+
     @property
     def turning_points(self) -> tuple[float, ...]:
         """All drives for `Chain.path`: begin, every turn, end [m], or [N] under force control."""
@@ -83,6 +125,11 @@ class Program:
     def path(self) -> Path:
         """The chain on its way, by the engine."""
         return self.chain.path(self.turning_points, start=self._start_travel)
+
+    @property
+    def arrives(self) -> str:
+        """The state in which it ends, such as "010"; - for a cell between its stops."""
+        return arrival(self.path)
 
     @cached_property
     def sequence(self) -> Sequence:

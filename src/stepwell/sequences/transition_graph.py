@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MOST_CELLS = 10
 # And of which none needs the engine.
 MOST_RELAYS = 16
+# Branches after which following them one by one is given up.
+MOST_BRANCHES = 5000
 
 
 class TransitionGraph(nx.DiGraph):
@@ -130,6 +132,9 @@ class TransitionGraph(nx.DiGraph):
             return frozenset()
         return frozenset(nx.descendants(self, start) | {start})
 
+    def __str__(self):
+        return repr(self)
+
     def __repr__(self):
         snaps = sum(
             t.kind is TransitionKind.SNAP
@@ -163,8 +168,8 @@ def graph(
         The graph.
 
     Raises:
-        ValueError: friction, a start that is no equilibrium, or too many cells to look at all
-            2^N states.
+        ValueError: friction, a start that is no equilibrium, too many cells to look at all 2^N
+            states, or too many branches.
         StaticsError: the engine could not go on; its text says what to do.
     """
     chain = driven(chain, drive)
@@ -194,7 +199,7 @@ def graph(
                 f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
                 f"holds. Start from another state, or leave start out to see all."
             )
-    found = sorted(branches.all_from(first))
+    found = sorted(branches.all_from(first, MOST_BRANCHES))
     if progress is not None:
         progress(len(states), len(states))
     return _assembled(branches, found, start)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 from stepwell.mechanism import Chain
-from stepwell.statics import EventKind, drive_range, path
-
-# As a search for programs has it: of the range of drives.
-_PAST = 0.1
+from stepwell.sequences._branches import reach
+from stepwell.statics import EventKind, path
 
 
 def windows(
@@ -29,7 +26,7 @@ def windows(
     if any(cell.friction > 0 for cell in chain.cells):
         return [(point, point) for point in inner]
     travels: str | tuple[float, ...] = start
-    limits = _reach(chain)
+    limits = reach(chain)
     found: list[tuple[float, float]] = []
     for before, point in pairwise(turning_points[:-1]):
         rises = point > before
@@ -46,10 +43,3 @@ def windows(
         found.append((min(last, next_), max(last, next_)))
         travels = tuple(path(chain, [before, point], start=travels).end.tolist())
     return found
-
-
-def _reach(chain: Chain) -> tuple[float, float]:
-    """How far the drive goes at most; past the last event, where nothing stops it, a little."""
-    low, high = drive_range(chain)
-    more = 0.0 if math.isinf(chain.actuator_stiffness) else _PAST * (high - low)
-    return low - more, high + more

@@ -1,0 +1,116 @@
+"""Size and speed of force-controlled transition graphs, beside the peer that makes them too."""
+
+import gc
+import importlib.util
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import stepwell as sw
+
+LARGEST = 16  # cells of the longest chain whose graph is made whole
+SECONDS = 5.0  # what the peer may take
+
+
+def rows() -> list[tuple[str, str, str]]:
+    """What was timed, what came out, what is wanted."""
+    chain = nested(14)
+    found = chain.graph("force")  # opens networkx
+    ours = {14: timed(lambda: chain.graph("force"), 5)}
+    told = [
+        (
+            "force-controlled graph of 14 concave cells",
+            f"{ours[14]:.2f} s, {len(found):,} states, {found.size():,} transitions",
+            "-",
+        ),
+        ("and its reading: loops, memory, latches", f"{timed(lambda: fresh(chain), 3):.2f} s", "-"),
+    ]
+    if importlib.util.find_spec("hysteron_tgraphs") is None:
+        return [
+            *told,
+            (
+                "against hysteron-tgraphs at equal n",
+                "not installed: pip install hysteron_tgraphs (Python 3.12 or newer)",
+                "as a ratio",
+            ),
+        ]
+    n, theirs, agreed = peer(LARGEST)
+    if n not in ours:
+        ours[n] = timed(lambda: nested(n).graph("force"), 3)
+    return [
+        *told,
+        (
+            f"hysteron-tgraphs, {n} cells, the most it does in {SECONDS:.0f} s",
+            f"{theirs:.2f} s, {agreed:.0%} of its transitions are ours",
+            "-",
+        ),
+        (
+            f"ours against it at {n} cells",
+            f"{ours[n]:.2f} s, {theirs / ours[n]:.1f} times",
+            "as a ratio",
+        ),
+    ]
+
+
+def peer(largest: int) -> tuple[int, float, float]:
+    """The largest number of cells it does in time, its seconds, and the share we agree on."""
+    for n in range(8, largest + 1):
+        fields = given(nested(n))
+        start = time.perf_counter()
+        found = graph_of(fields)
+        taken = time.perf_counter() - start
+        if taken * 2.2 > SECONDS or n == largest:
+            return n, taken, share(found, nested(n).graph("force"))
+    raise AssertionError("not reached")
+
+
+def given(chain: sw.Chain) -> Any:
+    """The chain as that package wants it."""
+    from hysteron_tgraphs.model import SwitchingFields  # pyright: ignore[reportMissingImports]
+
+    fields = SwitchingFields(len(chain))
+    forces = np.array([(cell.force_0, cell.force_1) for cell in chain.cells])
+    for state in fields:
+        fields[state] = np.where(np.array(state) == 1, forces[:, 1], forces[:, 0])
+    return fields
+
+
+def graph_of(fields: Any) -> Any:
+    from hysteron_tgraphs.model import make_graph  # pyright: ignore[reportMissingImports]
+
+    return make_graph(fields)
+
+
+def share(theirs: Any, ours: Any) -> float:
+    """How many of its transitions lead where ours do."""
+    agreed: list[bool] = []
+    for state, direction in theirs:
+        way = ours.transition("".join(map(str, state)), direction)
+        target = "".join(str(int(s)) for s in theirs[state, direction].final_state)
+        agreed.append(way is not None and way[0] == target)
+    return float(np.mean(agreed))
+
+
+def fresh(chain: sw.Chain) -> Any:
+    """A reading of a graph that was not read before, the graph's own time included."""
+    return chain.graph("force").reading
+
+
+def timed(work: Callable[[], object], times: int) -> float:
+    """Median time [s]; what an earlier run left behind is cleared away first."""
+    taken: list[float] = []
+    for _ in range(times):
+        gc.collect()
+        start = time.perf_counter()
+        work()
+        taken.append(time.perf_counter() - start)
+    return statistics.median(taken)
+
+
+def nested(cells: int) -> sw.Chain:
+    """d_x evenly over 10..30 mm in random order: every pair of loops is nested."""
+    x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, cells))
+    return sw.Chain([sw.Cell(sw.Band((0.0, 0.0), (float(v), 0.0))) for v in x])
