@@ -5,14 +5,18 @@ from rich.table import Table
 
 import commands
 import cycles
+import graphs
+import inverse
 import maps
+import programs
 import robot
+import yields
 
 
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    for module in (maps, cycles, commands, robot):
+    for module in (maps, cycles, graphs, programs, yields, inverse, commands, robot):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

@@ -92,7 +92,7 @@ def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
     record = json.loads(result.stdout)
     assert result.exit_code == 0
     assert (record["from"], record["to"], record["arrives"]) == ("000", "001", "001")
-    assert record["reason"] == "as the design file gives it"
+    assert record["reason"] == "as it was given"
     assert not record["proved"]
     assert {file.name for file in (tmp_path / "again").iterdir()} == OUT
 

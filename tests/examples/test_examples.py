@@ -26,15 +26,15 @@ NUMBERS = {
     "09_turn_by_one_anchor": ("turn_deg", 15.0, 2.5),
     # Fig. 4D: past all three walls.
     "10_antennas_in_the_three_wall_arena": ("reached_and_touched", ("reached the goal", 3), None),
+    # The rubber that the example's own test machine was given.
+    "11_calibrate_a_rubber": ("stiffness", 24.0, 0.3),
     # N strokes reach whatever N cells can reach: theory page, "Stroke programs".
     "12_turning_points": ("most", 3, None),
     "13_countdown": ("counts", 3, None),
     # The best of all 35^3 choices of holes, by complete search.
-    "14_design_a_cycle": ("holes_mm", None, None),
+    "14_design_a_cycle": ("holes_mm", [[20.0, 15.0], [0.0, 0.0], [20.0, -10.0]], None),
     # d_x of 20 mm has to become the outer cell's 30 mm.
     "15_what_an_antenna_must_deliver": ("distance_mm", 10.0, 1e-9),
-    # The rubber that the example's own test machine was given.
-    "11_calibrate_a_rubber": ("stiffness", 24.0, 0.3),
 }
 
 

@@ -325,3 +325,11 @@ def test_random_fields_have_the_graph_of_hysteron_tgraphs(seed, n, coupling):
         assert way is not None
         assert way[0] == "".join(str(int(s)) for s in flipped.final_state)
         assert way[1].drive == fields[states(n).index(state), flipped.critical_hysteron]
+
+
+@pytest.mark.parametrize(("out", "back"), WAYS)
+def test_ties_come_back_with_their_advice(out, back):
+    slack = [sw.Band((0, 0), (x, 0.0), rest_length=x + 0.016) for x in (0.001, 0.0012)]
+    found = graph(sw.Chain([sw.Cell(band) for band in slack]))
+    assert found.ties
+    assert same(back(out(found)), found)

@@ -99,6 +99,7 @@ class _Unit:
             **self.drive("low", one.low),
             **self.drive("high", one.high),
             **self.drive("slack", one.slack),
+            "set_by_hand": one.by_hand,
             **self.drives("turning_points", one.turns),
         }
 

@@ -21,7 +21,7 @@ def report(reading: Reading) -> str:
         f"main loop            {reading.main_loop}",
         f"sub-loops            {_sub_loops(reading)}",
         f"Garden of Eden       {_gardens(reading)}",
-        f"unreachable from {'0' * graph.cells:4}{_listed(reading.unreachable)}",
+        f"not from all at 0    {_listed(reading.unreachable)}",
         f"return-point memory  {_memory(reading)}",
         f"scrambling           {_scrambling(reading)}",
         f"accumulators         {_accumulators(reading)}",
@@ -32,10 +32,10 @@ def report(reading: Reading) -> str:
     return "\n".join(lines)
 
 
-def drives(unit: str, values: Iterable[float]) -> str:
+def drives(unit: str, values: Iterable[float], between: str = " → ") -> str:
     """Drives as people read them, in mm or N."""
     shown, factor = ("mm", 1e3) if unit == "m" else (unit, 1.0)
-    points = " → ".join(f"{value * factor:.4g}" for value in values)
+    points = between.join(f"{value * factor:.4g}" for value in values)
     return f"{points} {shown}".rstrip()
 
 
@@ -83,7 +83,8 @@ def _accumulators(reading: Reading) -> str:
     found = reading.counting.accumulators
     part = "" if reading.counting.exhaustive else " (searched in part)"
     told = [
-        f"{'>'.join(a.states)} in cycles between {drives(reading.graph.unit, (a.low, a.high))}"
+        f"{'>'.join(a.states)} in cycles of {drives(reading.graph.unit, (a.low, a.high), ' to ')}"
+        + (" (set by hand)" if a.by_hand else "")
         for a in found
     ]
     return _listed(told) + part

@@ -24,7 +24,9 @@ class Accumulator:
         transient: cycles until it stands somewhere for the second time in a rhythm.
         period: cycles in that rhythm; 1 if every further cycle is alike.
         slack: how far either extreme may be off for the same to happen.
-        turns: turning points from the drive's lower end to the beginning, with all cells at 0.
+        by_hand: whether only a hand can set the chain to where it begins.
+        turns: turning points from the drive's lower end, with all cells at 0, to the beginning;
+            that drive alone where it is set by hand.
 
     Source: Kwakernaak and van Hecke 2023, Phys. Rev. Lett. 130, 268204; Bense and van Hecke 2021
     for accumulators with a transient.
@@ -37,10 +39,11 @@ class Accumulator:
     transient: int
     period: int
     slack: float
+    by_hand: bool
     turns: tuple[float, ...]
 
     def drives(self, cycles: int) -> tuple[float, ...]:
-        """Turning points from all cells at 0 through this many cycles."""
+        """Turning points from all cells at 0, or from `states[0]`, through this many cycles."""
         pair = (self.high, self.low) if self.direction > 0 else (self.low, self.high)
         return self.turns + pair * cycles
 
@@ -68,13 +71,18 @@ class Counting:
         return f"Counting({len(self.accumulators)} accumulators{part})"
 
 
-def counting(atlas: Atlas, routes: Routes) -> Counting:
+def counting(atlas: Atlas, routes: Routes, *, by_hand: bool) -> Counting:
     """Try all cycles between all extremes, from every branch that can be reached.
 
     What a cycle does changes only where an extreme passes an end of a branch. So one extreme
     between every two neighbouring ends stands for all.
+
+    Args:
+        atlas: the branches.
+        routes: from all cells at 0.
+        by_hand: also from branches that only a hand can set.
     """
-    numbers = np.flatnonzero(routes.reached)
+    numbers = np.arange(len(routes.reached)) if by_hand else np.flatnonzero(routes.reached)
     branches = atlas.mesostates.among(numbers)
     gaps = _gaps(branches)
     most = int((_BUDGET / len(numbers)) ** 0.5)
@@ -85,14 +93,18 @@ def counting(atlas: Atlas, routes: Routes) -> Counting:
     for direction in (+1, -1):
         seen = gaps if direction > 0 else -gaps[::-1, ::-1]
         for orbit, (low, high) in _orbits(branches.toward(direction), seen).items():
-            begin, end = direction * low.mean(), direction * high.mean()
+            begin, end = direction * float(low.mean()), direction * float(high.mean())
             slack = float(min(np.ptp(low), np.ptp(high))) / 2
             states = tuple(atlas.label_at(int(numbers[b]), begin) for b in orbit)
             transient = orbit.index(orbit[-1])
             period = len(orbit) - 1 - transient
-            turns = routes.turns(int(numbers[orbit[0]]), begin)
-            low, high = min(begin, end), max(begin, end)
-            found.append(Accumulator(low, high, direction, states, transient, period, slack, turns))
+            first = int(numbers[orbit[0]])
+            hand = not routes.reached[first]
+            turns = (begin,) if hand else routes.turns(first, begin)
+            ends = min(begin, end), max(begin, end)
+            found.append(
+                Accumulator(*ends, direction, states, transient, period, slack, hand, turns)
+            )
     found.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
     return Counting(tuple(found), exhaustive)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.sequences._mesostates import Routes, atlas
+from stepwell.sequences._mesostates import Atlas, Routes, atlas
 from stepwell.sequences.counting import Counting, counting
 from stepwell.sequences.latches import Latch, gardens, groups_of, latches
 from stepwell.sequences.loops import Loop, loop_of, loop_pairs, main_loop
@@ -16,6 +16,8 @@ from stepwell.sequences.transition_graph import TransitionGraph
 
 # More loops than these are counted and not listed.
 MOST_LOOPS = 2000
+# Of graphs with more branches, counting from states set by hand is not looked for.
+MOST_BY_HAND = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +42,10 @@ class Reading:
         return_point_memory: whether turning points are remembered, for everything that can be
             reached from all cells at 0 (Sethna et al. 1993).
         scrambling: pairs of cells that flip in either order (van Hecke 2021).
-        counting: cycles of the drive that take two or more to come into a rhythm, from what can
-            be reached from all cells at 0 (Kwakernaak and van Hecke 2023). Return-point memory
-            forbids them: after one cycle the chain is at a turning point that it remembers.
+        counting: cycles of the drive that take two or more to come into a rhythm (Kwakernaak and
+            van Hecke 2023), from what can be reached from all cells at 0, and, in whole graphs of
+            up to `MOST_BY_HAND` branches, from states set by hand. Return-point memory forbids
+            the first: after one cycle the chain is at a turning point that it remembers.
         latches: moves that no later drive takes back.
 
     Source: Mungan and Terzi 2019, Ann. Henri Poincaré 20, 2819; Terzi and Mungan 2020, Phys. Rev.
@@ -104,6 +107,16 @@ def read(graph: TransitionGraph) -> Reading:
         tuple(label for label in graph.vertices if label not in reachable),
         memory,
         scrambling(drawn, reachable),
-        Counting((), True) if memory.holds else counting(drawn, routes),
+        _counting(drawn, routes, memory.holds),
         latches(drawn, groups),
     )
+
+
+def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
+    graph = drawn.graph
+    # Under a prescribed force no cell feels another, and none by itself counts.
+    alone = graph.actuator == "force"
+    by_hand = graph.is_whole and not alone and len(drawn.mesostates) <= MOST_BY_HAND
+    if remembers and not by_hand:
+        return Counting((), True)
+    return counting(drawn, routes, by_hand=by_hand)

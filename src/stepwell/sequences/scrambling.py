@@ -48,8 +48,6 @@ def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...
     found: list[Scrambling] = []
     for direction in (+1, -1):
         flips, waits = _told(atlas, vertices, direction)
-        if not len(flips):
-            continue
         known = np.zeros((atlas.graph.cells,) * 2, bool)
         for part, reached in ((slice(count), True), (slice(None), False)):
             # before[i, j]: whether i flips before j somewhere.
