@@ -109,6 +109,22 @@ def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_rea
 
 @settings(max_examples=25)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
+def test_from_all_at_0_no_snap_follows_another_without_a_state_between_where_the_leaders_win(
+    seed, cells
+):
+    chain = concave_chain(np.random.default_rng(seed), cells)
+    fields = leading(chain)
+    branches = Branches(chain)
+    start = branches.vertex("0" * cells)
+    assert start is not None
+    reached = branches.all_from([branches.at(*start)])
+    assert all(branches[number].vertices for number in reached)
+    states = {state for number in reached for state in branches[number].vertices}
+    assert all(is_ideal(state, fields.up, fields.down) for state in states)
+
+
+@settings(max_examples=25)
+@given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cells):
     chain = concave_chain(np.random.default_rng(seed), cells)
     fields = leading(chain)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from stepwell._version import __version__
@@ -46,7 +45,7 @@ def program_record(program: Program) -> dict[str, Any]:
         "turns": [_turn(turn, program.chain) for turn in program.turns],
         f"end_low_{unit}": finite(program.low, factor),
         f"end_high_{unit}": finite(program.high, factor),
-        f"slack_{unit}": finite(_slack(program), factor),
+        f"slack_{unit}": finite(program.slack, factor),
     }
 
 
@@ -70,12 +69,6 @@ def unreachable_record(
         "proved": why.proved,
         "reason": str(why),
     }
-
-
-def _slack(program: Program) -> float:
-    """How far every turn may be off at once; a design file may turn off the middle of a window."""
-    room = (min(turn.drive - turn.low, turn.high - turn.drive) for turn in program.turns)
-    return min(room, default=math.inf)
 
 
 def _head(chain: Chain, start: str | None, to: str | None) -> dict[str, Any]:

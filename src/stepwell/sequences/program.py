@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence as Drives
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -37,7 +38,7 @@ class Turn:
     @property
     def slack(self) -> float:
         """How far the turning point may be off either way."""
-        return (self.high - self.low) / 2
+        return min(self.drive - self.low, self.high - self.drive)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +155,14 @@ class Program:
     def __str__(self):
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
         points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
-        slack = f", each turn ±{self.slack * factor:.3g} {unit}" if self.turns else ""
-        return f"{self.start} to {self.to}: {points} {unit}{slack}"
+        text = f"{self.start} to {self.to}: {points} {unit}"
+        if not self.turns:
+            return text
+        if all(math.isclose(turn.slack, (turn.high - turn.low) / 2) for turn in self.turns):
+            return f"{text}, each turn ±{self.slack * factor:.3g} {unit}"
+        # Not in the middle: at a stop, for instance, it can only be off one way.
+        windows = ", ".join(f"{t.low * factor:.4g}..{t.high * factor:.4g}" for t in self.turns)
+        return f"{text}, turns within {windows} {unit}"
 
     def __repr__(self):
         return f"Program({self})"
