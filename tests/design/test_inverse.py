@@ -214,10 +214,7 @@ def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
 
 def holes_by_brute_force(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     cells = [paper_cell(x, y) for x, y in q.tolist()]
-    f0, f1 = np.array([c.force_0 for c in cells]), np.array([c.force_1 for c in cells])
-    # States that just stop being stable are not used: the engine reports a tie there.
-    some = (np.abs(f0) > 1e-9) & (np.abs(f1) > 1e-9)
-    return f0[some], f1[some]
+    return np.array([c.force_0 for c in cells]), np.array([c.force_1 for c in cells])
 
 
 def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:

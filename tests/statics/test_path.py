@@ -203,6 +203,17 @@ def test_a_snap_keeps_the_stroke_where_a_cell_leaves_its_stop_and_is_called_back
     assert str(chain.cycle().sequence).startswith("000>100>110>111")
 
 
+def test_a_cell_that_lets_go_at_no_force_at_all_is_no_tie():
+    # F0 of the inner cell is 0, and there the outer cell's force goes through 0 as well: that is
+    # where its law is cut in two, and nothing arrives.
+    bands = [sw.Band((0, 0), d) for d in ((0.010, -0.010), (0.030, -0.005))]
+    chain = sw.Chain([sw.Cell(band) for band in bands])
+    assert abs(chain.cells[0].force_0) < 1e-15
+    cycle = chain.cycle()
+    assert cycle.degenerate == ()
+    assert str(cycle.sequence) == "00>10>11>01>00"
+
+
 def test_a_hundred_thousand_cells_cycle_in_sorted_order():
     x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, 100_000))
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])

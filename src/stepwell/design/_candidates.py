@@ -100,7 +100,7 @@ class Rule:
         """Every kind at every one of (m, 2) anchors, brought inside the region.
 
         Left out is what is not proved taut and concave for all anchors within the tolerances,
-        or is beyond the actuator's force, or neutral. In the worst case, `radius` [m] is the
+        or is beyond the actuator's force. In the worst case, `radius` [m] is the
         displacement for which the candidates' `down` and `up` are meant.
         """
         q = region.clamped(q)
@@ -114,7 +114,7 @@ class Rule:
 
     def _of_kind(self, q: Floats, k: int, radius: float) -> Candidates:
         cell = self.kinds[k].cell
-        q = q[self.allowed(q, k) & ~self.neutral(q, k)]
+        q = q[self.allowed(q, k)]
         d = self._d(q)
         force, slope = _ends(cell, d)
         if self.worst:
@@ -129,12 +129,6 @@ class Rule:
         """At which of (m, 2) anchors the k-th kind is proved and within the actuator's force."""
         weak = np.all(np.abs(self.end_forces(q, k)) <= self.most_force, axis=1)
         return self.proved(q, k) & weak
-
-    def neutral(self, q: Floats, k: int) -> NDArray[np.bool_]:
-        """Where F0 or F1 is zero: a state just stops being stable, and the engine sees ties."""
-        cell = self.kinds[k].cell
-        nothing = TIE * cell.stiffness * cell.lever
-        return np.any(np.abs(self.end_forces(q, k)) <= nothing, axis=1)
 
     def proved(self, q: Floats, k: int) -> NDArray[np.bool_]:
         """At which of (m, 2) anchors the k-th kind is taut and concave, whatever the tolerances."""

@@ -80,7 +80,7 @@ class Design:
         """Under which all this holds."""
         return (
             "concave cells: one taut band with falling force in each, proved for all anchors "
-            "within the tolerances, and none with F0 or F1 zero; cells load in ascending F0 and "
+            "within the tolerances; cells load in ascending F0 and "
             "unload in descending F1, which the engine has confirmed for the drawing; yield: "
             f"{self.yield_.assumptions}"
         )

@@ -540,6 +540,15 @@ def _first_to_let_go(
 
 
 @kernel
+def _goes_on(laws: Laws, pieces: Pieces, cell: int, piece: int, toward: int) -> bool:
+    """Whether a cell's force only goes over to the next piece, with λ going `toward`."""
+    heading = toward * pieces.sign[piece]
+    end = pieces.right[piece] if heading > 0 else pieces.left[piece]
+    stop = laws.full[cell] if heading > 0 else 0.0
+    return end != stop and pieces.sign[piece + heading] == pieces.sign[piece]
+
+
+@kernel
 def _move(
     laws: Laws,
     pieces: Pieces,
@@ -574,8 +583,9 @@ def _move(
             arrival, who = distance, m
     release, cell = _first_to_let_go(laws, pieces, state, toward, rank, tie_force, note)
     releases = release < arrival - tie_force
-    if not releases and toward != direction and release <= arrival + tie_force:
-        # An arrival and a release coincide: a snap of no size or none at all.
+    coincide = not releases and toward != direction and release <= arrival + tie_force
+    if coincide and not _goes_on(laws, pieces, moved[who], on[who], toward):
+        # An arrival and a release: a snap of no size or none at all.
         note[NOTE_A], note[NOTE_B] = moved[who], cell
     if releases:
         heading = toward
