@@ -96,7 +96,7 @@ class AnchorPolygon:
         x, y = q[:, 0, None], q[:, 1, None]
         (x0, y0), (x1, y1) = self._sides()
         crosses = (y0 > y) != (y1 > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             right = x < x0 + (y - y0) * (x1 - x0) / (y1 - y0)
         return np.sum(crosses & right, axis=1) % 2 == 1
 
@@ -104,7 +104,9 @@ class AnchorPolygon:
         """The nearest allowed places to (m, 2) places."""
         a, b = (np.stack(end, axis=-1) for end in self._sides())
         along = b - a
-        reach = np.sum((q[:, None] - a) * along, axis=-1) / np.sum(along * along, axis=-1)
+        # Sides so short that their square is nothing are their first corner.
+        length = np.sum(along * along, axis=-1)
+        reach = np.sum((q[:, None] - a) * along, axis=-1) / np.where(length > 0, length, np.inf)
         foot = a + np.clip(reach, 0.0, 1.0)[..., None] * along
         near = np.argmin(np.sum((foot - q[:, None]) ** 2, axis=-1), axis=1)
         return np.where(self.holds(q)[:, None], q, foot[np.arange(len(q)), near])

@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 # Past this many lanes, travels are shown as shades.
 MOST_LANES = 12
 _ABOVE, _LANE, _SHADES = 46.0, 10.0, 60.0
+_FOOT = 10.0
 _GAP = 0.55
 # Characters that a line of a cell's name has room for.
 _NAME = 13
@@ -67,12 +68,12 @@ def stroke_program(result: Program) -> Figure:
     cells = len(path.chain)
     width = COLUMN if cells <= 3 and result.strokes <= 4 else PAGE
     below = _LANE * cells if cells <= MOST_LANES else _SHADES
-    figure = blank(width, 9.0 + below + 3.0 + _ABOVE + 7.0)
+    figure = blank(width, _FOOT + below + 3.0 + _ABOVE + 7.0)
     names = [shortened(name, _NAME, 2) for name in path.chain.names]
     longest = max(len(line) for name in names for line in name.split("\n"))
     right = 4.0 + 1.75 * longest if cells <= MOST_LANES else 5.0
-    upper = place(figure, 14.0, 12.0 + below, width - 14.0 - right, _ABOVE)
-    lower = place(figure, 14.0, 9.0, width - 14.0 - right, below)
+    upper = place(figure, 14.0, _FOOT + 3.0 + below, width - 14.0 - right, _ABOVE)
+    lower = place(figure, 14.0, _FOOT, width - 14.0 - right, below)
     for ax in (upper, lower):
         ax.set_xlim(limits(plan.way, 0.04))
     upper.tick_params(labelbottom=False)

@@ -35,7 +35,7 @@ _OUTCOMES, _PARTS = 6, 16
 _LEAST = 0.01
 # A bar, a line of text, and what a row has around them [mm].
 _BAR, _LINE, _GAP = 3.0, 3.1, 2.2
-_FOOT, _HEAD = 9.0, 6.0
+_FOOT, _HEAD = 10.0, 6.0
 # Characters that the line above a bar has room for, and how many such lines there may be.
 _ROOM, _MOST_LINES = 48, 3
 
