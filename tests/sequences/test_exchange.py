@@ -13,14 +13,15 @@ from hypothesis import assume, given, settings, strategies as st
 import stepwell as sw
 from chains import any_chain, concave_chain
 from conftest import examples
-from stepwell.sequences.exchange import from_graphml, from_json, to_dot, to_graphml, to_json
+from stepwell.sequences.dot import from_dot, to_dot
+from stepwell.sequences.exchange import from_graphml, from_json, to_graphml, to_json
 from stepwell.sequences.fields import from_switching_fields, switching_fields
 from stepwell.sequences.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)
 DRIVES = st.one_of(st.sampled_from(["stroke", "force"]), st.floats(5, 3000))
-WAYS = [(to_json, from_json), (to_graphml, from_graphml)]
+WAYS = [(to_json, from_json), (to_graphml, from_graphml), (to_dot, from_dot)]
 
 
 def straight(*d_x: float, names: tuple[str, ...] = ()) -> sw.Chain:
@@ -161,14 +162,27 @@ def test_dot_ranks_vertices_by_the_number_of_cells_at_1():
     text = to_dot(graph(straight(10, 20), "force"))
     assert text.startswith("digraph stepwell {\n") and text.endswith("}\n")
     assert '{ rank=same; "10"; "01"; }' in text
-    assert '"00" -> "10" [label="0.1575 N", style="solid,bold"];' in text
+    assert '"00" -> "10" [label="0.1575 N", style="solid,bold", stepwell=' in text
     assert text.count(" -> ") == 6
     rigid = to_dot(graph(straight(10, 20)))
-    assert '"-0" [label="-0\\n0 to 20 mm", style=dotted];' in rigid
-    assert '"10" -> "1-" [label="20 mm", style="solid"];' in rigid
+    assert '"-0" [label="-0\\n0 to 20 mm", style=dotted, stepwell=' in rigid
+    assert '"10" -> "1-" [label="20 mm", style="solid", stepwell=' in rigid
     assert rigid.count("{") == rigid.count("}")
     bare = to_dot(from_switching_fields([[1.0], [-1.0]]))
-    assert '"0" -> "1" [label="1", style="solid,bold"];' in bare
+    assert '"0" -> "1" [label="1", style="solid,bold", stepwell=' in bare
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("digraph { a -> b; }", "is not DOT as to_dot writes it"),
+        ('digraph { a [stepwell="{"]; }', "is not DOT as to_dot writes it"),
+        ('digraph { graph [stepwell="{}"]; }', "format = None: must be 'stepwell transition"),
+    ],
+)
+def test_other_dot_is_refused(text, told):
+    with pytest.raises(ValueError, match=told):
+        from_dot(text)
 
 
 # --- switching fields -----------------------------------------------------------------------

@@ -48,11 +48,7 @@ def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
 
         figures.save(figures.transition_graph(graph), file)
     else:
-        from stepwell.sequences import exchange
+        from stepwell.sequences import to_dot, to_graphml, to_json
 
-        written = {
-            ".graphml": exchange.to_graphml,
-            ".dot": exchange.to_dot,
-            ".json": exchange.to_json,
-        }
+        written = {".graphml": to_graphml, ".dot": to_dot, ".json": to_json}
         write_atomic(file, written[suffix](graph))

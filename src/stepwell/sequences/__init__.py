@@ -13,13 +13,8 @@ from stepwell.sequences.sequence import Sequence
 
 if TYPE_CHECKING:
     from stepwell.sequences.counting import Accumulator, Counting
-    from stepwell.sequences.exchange import (
-        from_graphml,
-        from_json,
-        to_dot,
-        to_graphml,
-        to_json,
-    )
+    from stepwell.sequences.dot import from_dot, to_dot
+    from stepwell.sequences.exchange import from_graphml, from_json, to_graphml, to_json
     from stepwell.sequences.fields import from_switching_fields, switching_fields
     from stepwell.sequences.latches import Latch
     from stepwell.sequences.loops import Loop
@@ -39,13 +34,14 @@ _DOORS = {
     "ReturnPointMemory": "memory",
     "Scrambling": "scrambling",
     "TransitionGraph": "transition_graph",
+    "from_dot": "dot",
     "from_graphml": "exchange",
     "from_json": "exchange",
     "from_switching_fields": "fields",
     "graph": "transition_graph",
     "read": "reading",
     "switching_fields": "fields",
-    "to_dot": "exchange",
+    "to_dot": "dot",
     "to_graphml": "exchange",
     "to_json": "exchange",
 }
@@ -70,6 +66,7 @@ __all__ = [
     "Turn",
     "Unreachable",
     "cycle",
+    "from_dot",
     "from_graphml",
     "from_json",
     "from_switching_fields",

@@ -1,4 +1,4 @@
-"""Transition graphs as text that other programs read: JSON, GraphML, DOT."""
+"""Transition graphs as text that other programs read: JSON, GraphML."""
 
 from __future__ import annotations
 
@@ -9,10 +9,28 @@ from typing import Any
 import networkx as nx
 
 from stepwell.sequences._rows import Row, edge_row, graph_of, node_row, suffix, tie_row, transitions
-from stepwell.sequences.node import TransitionKind
 from stepwell.sequences.transition_graph import TransitionGraph
 
 _FORMAT = "stepwell transition graph 1"
+
+
+def record(graph: TransitionGraph) -> Row:
+    """The graph as JSON can hold it; `to_json` tells what is in it."""
+    x = suffix(graph)
+    found = {
+        "format": _FORMAT,
+        "cells": list(graph.names),
+        "actuator": graph.actuator,
+        "drive_unit": graph.unit,
+        "start": graph.graph["start"],
+        "method": graph.method,
+        "ties": [tie_row(tie, x) for tie in graph.ties],
+        "nodes": [node_row(graph.node(label), x) for label in graph],
+        "edges": [edge_row(*edge, x) for edge in transitions(graph)],
+    }
+    if "fields" in graph.graph:
+        found["switching_fields"] = graph.graph["fields"].tolist()
+    return _without_nan(found)
 
 
 def to_json(graph: TransitionGraph) -> str:
@@ -36,21 +54,7 @@ def to_json(graph: TransitionGraph) -> str:
 
     A number that is not known is null.
     """
-    x = suffix(graph)
-    found = {
-        "format": _FORMAT,
-        "cells": list(graph.names),
-        "actuator": graph.actuator,
-        "drive_unit": graph.unit,
-        "start": graph.graph["start"],
-        "method": graph.method,
-        "ties": [tie_row(tie, x) for tie in graph.ties],
-        "nodes": [node_row(graph.node(label), x) for label in graph],
-        "edges": [edge_row(*edge, x) for edge in transitions(graph)],
-    }
-    if "fields" in graph.graph:
-        found["switching_fields"] = graph.graph["fields"].tolist()
-    return json.dumps(_without_nan(found), indent=1, allow_nan=False)
+    return json.dumps(record(graph), indent=1, allow_nan=False)
 
 
 def from_json(text: str) -> TransitionGraph:
@@ -63,9 +67,18 @@ def from_json(text: str) -> TransitionGraph:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise ValueError(f"graph: is not JSON: {error}.") from None
+    return graph_of_record(data, "to_json")
+
+
+def graph_of_record(data: Any, writer: str) -> TransitionGraph:
+    """The graph of what `record` returned; `writer` is what wrote it, for messages.
+
+    Raises:
+        ValueError: something else, with what is wrong and where.
+    """
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise ValueError(f"graph: format = {given!r}: must be {_FORMAT!r}, as to_json writes it.")
+        raise ValueError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
     return graph_of(data)
 
 
@@ -119,41 +132,6 @@ def from_graphml(text: str) -> TransitionGraph:
     data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
     data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]
     return graph_of(data)
-
-
-def to_dot(graph: TransitionGraph) -> str:
-    """The graph in the DOT language, for Graphviz.
-
-    Vertices with equally many cells at 1 stand in one row, all at 0 at the bottom. A rising drive
-    is drawn solid, a falling one dashed, a snap bold; every edge tells its drive in mm or N.
-    """
-    shown, factor = ("mm", 1e3) if graph.unit == "m" else (graph.unit, 1.0)
-
-    def told(*drives: float) -> str:
-        return " to ".join(f"{drive * factor:.4g}" for drive in drives) + f" {shown}".rstrip()
-
-    lines = ["digraph stepwell {", "  rankdir=BT;", '  node [shape=box, fontname="monospace"];']
-    for label in graph:
-        node = graph.node(label)
-        style = "solid" if node.is_vertex else "dotted"
-        text = _quoted(f"{label}\n{told(node.low, node.high)}")
-        lines.append(f"  {_quoted(label)} [label={text}, style={style}];")
-    rows: dict[int, list[str]] = {}
-    for label in graph.vertices:
-        rows.setdefault(graph.node(label).state.count("1"), []).append(_quoted(label))
-    lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
-    for a, b, t in transitions(graph):
-        style = "solid" if t.direction > 0 else "dashed"
-        if t.kind is TransitionKind.SNAP:
-            style += ",bold"
-        text = _quoted(told(t.drive))
-        lines.append(f'  {_quoted(a)} -> {_quoted(b)} [label={text}, style="{style}"];')
-    return "\n".join([*lines, "}"]) + "\n"
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
 
 
 def _without_nan(value: Any) -> Any:
