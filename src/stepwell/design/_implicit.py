@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.design._certified import certified_within
 from stepwell.design._end import end_forces_at
-from stepwell.design._sweep import certified
 from stepwell.design._trace import trace
 from stepwell.statics.concave import Simple
 
@@ -51,7 +51,7 @@ class Level:
     def proved(self, d: Floats) -> NDArray[np.bool_]:
         """At which of the (m, 2) differences the cell is proved concave."""
         out = np.zeros(len(d), np.bool_)
-        certified(np.ascontiguousarray(d), self.cell, out)
+        certified_within(np.ascontiguousarray(d), self.cell, 0.0, out)
         return out
 
 

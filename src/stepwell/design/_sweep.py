@@ -50,13 +50,3 @@ def decide(d, fixed, moving, cell, out):
             result = pair(fixed, here) if cell == 1 else pair(here, fixed)
             if result.holds:
                 out[i] = 2 * result.first_loading + result.first_unloading
-
-
-@kernel
-def certified(d, moving, out):
-    """Which differences d, (m, 2) [m], make the moving cell concave; out is (m,) bool."""
-    for i in range(len(d)):
-        here = Simple(
-            d[i, 0], d[i, 1], moving.stiffness, moving.rest, moving.lever, moving.sin_limit
-        )
-        out[i] = certify(here, 0.0)

@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from stepwell.design._draws import Draws
+from stepwell.design._interval import interval_95
 from stepwell.design.tolerances import Tolerances
 from stepwell.mechanism import Chain
+from stepwell.sequences._asked import checked_state
 from stepwell.statics import StaticsError
 
 
@@ -43,10 +45,7 @@ class Survival:
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        from scipy.stats import binomtest
-
-        found = binomtest(self.successes, self.n).proportion_ci(0.95, "exact")
-        return float(found.low), float(found.high)
+        return interval_95(self.successes, self.n)
 
     def __repr__(self):
         low, high = self.interval
@@ -88,12 +87,8 @@ def survival(
     Raises:
         ValueError: a state that this chain cannot have, or n below 1.
     """
-    start = "0" * len(chain) if start is None else start
-    for name, state in (("start", start), ("ends", ends)):
-        if len(state) != len(chain) or set(state) - {"0", "1"}:
-            raise ValueError(
-                f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
-            )
+    start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
+    checked_state(chain, "ends", ends)
     if n < 1:
         raise ValueError(f"n = {n}: must be 1 or more.")
     draws = Draws(chain, tolerances, seed)

@@ -16,6 +16,7 @@ from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import full_cycle, short
+from stepwell.design._interval import interval_95
 from stepwell.design._sensitivity import Sensitivities, sensitivities
 from stepwell.design._tally import Tally
 from stepwell.design.tolerances import Tolerances
@@ -98,10 +99,7 @@ class Yield:
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        from scipy.stats import binomtest
-
-        found = binomtest(self.successes, self.n).proportion_ci(0.95, "exact")
-        return float(found.low), float(found.high)
+        return interval_95(self.successes, self.n)
 
     def mechanism(self, number: int) -> Chain:
         """One of the n mechanisms, from 0.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
 from stepwell.files.atomic import staged_folder, write_atomic
@@ -91,17 +91,15 @@ def write_map(
     """
     from stepwell import figures
 
-    with staged_folder(folder) as draft:
-        steps = Steps(progress, 5)
-        dataset.to_netcdf(draft / "map.nc", engine="scipy")
-        steps.next()
-        q = next(iter(designs.values()), None) if designs else None
-        write_json(draft / "map.json", map_record(dataset, boundaries, q))
-        steps.next()
-        write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
-        steps.next()
-        save_figures({"map": figures.transition_map(dataset, boundaries, designs)}, draft, steps)
-        return names(draft)
+    q = next(iter(designs.values()), None) if designs else None
+    return _write_map(
+        dataset,
+        map_record(dataset, boundaries, q),
+        boundary_rows(boundaries),
+        lambda: figures.transition_map(dataset, boundaries, designs),
+        folder,
+        progress,
+    )
 
 
 def write_parameter_map(
@@ -129,17 +127,34 @@ def write_parameter_map(
     """
     from stepwell import figures
 
+    inside = {"this design": design} if design and _shows(dataset, design) else None
+    return _write_map(
+        dataset,
+        parameter_map_record(dataset, boundaries, design),
+        parameter_boundary_rows(boundaries),
+        lambda: figures.parameter_map(dataset, boundaries, inside),
+        folder,
+        progress,
+    )
+
+
+def _write_map(
+    dataset: xarray.Dataset,
+    record: dict[str, Any],
+    rows: str,
+    draw: Callable[[], Figure],
+    folder: str | os.PathLike[str],
+    progress: Progress | None,
+) -> tuple[str, ...]:
     with staged_folder(folder) as draft:
         steps = Steps(progress, 5)
         dataset.to_netcdf(draft / "map.nc", engine="scipy")
         steps.next()
-        write_json(draft / "map.json", parameter_map_record(dataset, boundaries, design))
+        write_json(draft / "map.json", record)
         steps.next()
-        write_atomic(draft / "boundaries.csv", parameter_boundary_rows(boundaries))
+        write_atomic(draft / "boundaries.csv", rows)
         steps.next()
-        inside = {"this design": design} if design and _shows(dataset, design) else None
-        drawn = figures.parameter_map(dataset, boundaries, inside)
-        save_figures({"map": drawn}, draft, steps)
+        save_figures({"map": draw()}, draft, steps)
         return names(draft)
 
 

@@ -38,10 +38,7 @@ def yield_record(found: Yield) -> dict[str, Any]:
         The record that docs/commands.md describes.
     """
     return {
-        "schema": YIELD_SCHEMA,
-        "stepwell": __version__,
-        "title": found.chain.title,
-        "cells": list(found.chain.names),
+        **_about(YIELD_SCHEMA, found.chain),
         **_yield(found),
     }
 
@@ -58,22 +55,12 @@ def survival_record(found: Survival) -> dict[str, Any]:
     """
     chain = found.chain
     unit, factor = told_drive(chain)
-    low, high = found.interval
     return {
-        "schema": SURVIVAL_SCHEMA,
-        "stepwell": __version__,
-        "title": chain.title,
-        "cells": list(chain.names),
+        **_about(SURVIVAL_SCHEMA, chain),
         "from": found.start,
         "to": found.ends,
         f"turning_points_{unit}": [finite(point, factor) for point in found.turning_points],
-        "share": finite(found.share),
-        "share_low": finite(low),
-        "share_high": finite(high),
-        "samples": found.n,
-        "seed": found.seed,
-        "successes": found.successes,
-        "tolerances": _tolerances(found.tolerances),
+        **_counted(found),
     }
 
 
@@ -212,11 +199,18 @@ def _robustness(found: Robustness) -> dict[str, Any]:
     }
 
 
-def _yield(found: Yield) -> dict[str, Any]:
-    low, high = found.interval
-    critical, table = found.critical, found.sensitivities
+def _about(schema: str, chain: Chain) -> dict[str, Any]:
     return {
-        "wanted": found.wanted,
+        "schema": schema,
+        "stepwell": __version__,
+        "title": chain.title,
+        "cells": list(chain.names),
+    }
+
+
+def _counted(found: Yield | Survival) -> dict[str, Any]:
+    low, high = found.interval
+    return {
         "share": finite(found.share),
         "share_low": finite(low),
         "share_high": finite(high),
@@ -224,6 +218,14 @@ def _yield(found: Yield) -> dict[str, Any]:
         "seed": found.seed,
         "successes": found.successes,
         "tolerances": _tolerances(found.tolerances),
+    }
+
+
+def _yield(found: Yield) -> dict[str, Any]:
+    critical, table = found.critical, found.sensitivities
+    return {
+        "wanted": found.wanted,
+        **_counted(found),
         "outcomes": [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
         "critical": None
         if critical is None
