@@ -260,6 +260,20 @@ def test_with_friction_not_found_is_not_called_impossible():
     assert not caught.value.proved
 
 
+def test_a_state_that_friction_alone_holds_is_a_start_and_one_that_it_does_not_is_refused():
+    # Without friction the first cell at 1 would need 0.22 N more than the second at 0 bears.
+    def pair(friction):
+        ends = ((0.020, 0.020), (0.020, -0.020))
+        return sw.Chain([sw.Cell(sw.Band((0, 0), d), friction=friction) for d in ends])
+
+    needs = pair(0.0).cells[0].force_1 - pair(0.0).cells[1].force_0
+    assert needs > 0
+    held = pair(0.51 * needs)
+    assert held.program("00", start="10").sequence[-1] == "00"
+    with pytest.raises(ValueError, match="start: 10 is no equilibrium"):
+        pair(0.49 * needs).program("00", start="10")
+
+
 def test_twelve_concave_cells_are_planned_without_looking_at_every_branch():
     chain = straight(*np.linspace(10, 30, 12))
     program = chain.program("01" * 6)

@@ -89,7 +89,7 @@ class Branches:
         self._branches: list[Branch] = []
         self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
         self._where: dict[str, list[int]] = {}
-        self._legs: dict[tuple[float, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
+        self._legs: dict[tuple[int, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
 
     def __getitem__(self, number: int) -> Branch:
         return self._branches[number]
@@ -130,17 +130,17 @@ class Branches:
 
     def vertex(self, state: str) -> tuple[Travels, float] | None:
         """Travels and drive of a state such as "010", or None where it is no equilibrium."""
-        cells = self.chain.cells
-        low = max((c.force_1 for c, s in zip(cells, state, strict=True) if s == "1"), default=None)
-        high = min((c.force_0 for c, s in zip(cells, state, strict=True) if s == "0"), default=None)
+        cells = list(zip(self.chain.cells, state, strict=True))
+        low = max((c.force_1 - c.friction for c, s in cells if s == "1"), default=-math.inf)
+        high = min((c.force_0 + c.friction for c, s in cells if s == "0"), default=math.inf)
         travels = tuple(f if s == "1" else 0.0 for f, s in zip(self._full, state, strict=True))
         stroke = math.fsum(travels)
-        if low is not None and high is not None and low > high:
+        if low > high:
             return None
         if self._rigid:
             return travels, stroke
         # Nearest to no force at all.
-        force = min(max(0.0, -math.inf if low is None else low), math.inf if high is None else high)
+        force = min(max(0.0, low), high)
         stiffness = self.chain.actuator_stiffness
         return travels, force if stiffness == 0 else stroke + force / stiffness
 
@@ -193,10 +193,13 @@ class Branches:
                 return number
         return None
 
+    def _key(self, travels: Travels, drive: float, direction: int) -> tuple[int, ...]:
+        return (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+
     def _leg(
         self, travels: Travels, drive: float, direction: int
     ) -> tuple[Leg, tuple[Stretch, Travels, float] | None]:
-        key = (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+        key = self._key(travels, drive, direction)
         if key not in self._legs:
             end = self.range[1] if direction > 0 else self.range[0]
             found = path(self.chain, [drive, end], start=travels)
@@ -211,7 +214,7 @@ class Branches:
         for leg, following in zip(legs, [*legs[1:], None], strict=True):
             first = leg.parts[0]
             travels, drive = first.travel[0], first.drive[0]
-            key = (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+            key = self._key(travels, drive, direction)
             landing = None
             if leg.snap is not None and following is not None:
                 after = following.parts[0]

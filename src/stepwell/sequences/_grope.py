@@ -26,13 +26,14 @@ _METHOD = (
 
 
 def grope(
-    chain: Chain, start: str, to: str, progress: Callable[[int, int], None] | None
+    branches: Branches,
+    start: str,
+    to: str,
+    place: tuple[Travels, float],
+    progress: Callable[[int, int], None] | None,
 ) -> Program:
     """The first program found, fewest turns first; as `sequences.program`."""
-    branches = Branches(chain)
-    place = branches.vertex(start)
-    if place is None:
-        raise Unreachable(f"{start} is no equilibrium: start from another state.", proved=True)
+    chain = branches.chain
     slip = branches.slip
     waiting: deque[tuple[Travels, float, int, tuple[float, ...]]] = deque()
     for direction in (+1, -1):

@@ -54,26 +54,26 @@ def program(
     """
     start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
     checked_state(chain, "to", to)
-    if any(cell.friction > 0 for cell in chain.cells):
-        return grope(chain, start, to, progress)
     branches = Branches(chain)
     place = branches.vertex(start)
     if place is None:
         raise ValueError(f"start: {_unstable(chain, start)}")
     if branches.vertex(to) is None:
         raise Unreachable(_unstable(chain, to), proved=True)
+    if any(cell.friction > 0 for cell in chain.cells):
+        return grope(branches, start, to, place, progress)
     found = _by_fields(branches, start, to, place) if len(chain) > _LOOKED_AT else None
     return found or _by_branches(branches, start, to, place, progress)
 
 
 def _unstable(chain: Chain, state: str) -> str:
     cells = list(zip(chain.names, chain.cells, state, strict=True))
-    pushes, pushed = max((c.force_1, name) for name, c, s in cells if s == "1")
-    gives, giving = min((c.force_0, name) for name, c, s in cells if s == "0")
+    pushes, pushed = max((c.force_1 - c.friction, name) for name, c, s in cells if s == "1")
+    gives, giving = min((c.force_0 + c.friction, name) for name, c, s in cells if s == "0")
     return (
         f"{state} is no equilibrium, so the chain cannot stand there: at 1 {pushed} needs an "
-        f"actuator force of at least F1 = {pushes:.4g} N, and at 0 {giving} lets go at "
-        f"F0 = {gives:.4g} N."
+        f"actuator force of at least {pushes:.4g} N (F1 less friction), and at 0 {giving} lets go "
+        f"at {gives:.4g} N (F0 and friction)."
     )
 
 
@@ -86,11 +86,10 @@ def _by_fields(
     if fields is None:
         return None
     by_force = chain.actuator_stiffness == 0
-    from_zero = shortest(fields, "0" * len(chain), start)
-    if not by_force and not (
-        fields.equal and math.isinf(chain.actuator_stiffness) and from_zero.blocked is None
-    ):
-        return None
+    if not by_force:
+        rigid = fields.equal and math.isinf(chain.actuator_stiffness)
+        if not rigid or shortest(fields, "0" * len(chain), start).blocked is not None:
+            return None
     plan = shortest(fields, start, to)
     proved = by_force or leaders_win(chain, fields)
     if plan.blocked is not None:
