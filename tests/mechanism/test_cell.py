@@ -107,7 +107,7 @@ def test_a_cubic_law_and_a_table_of_it_pull_alike():
         (lambda: sw.Band((0, 0), (0.02, 0), rest_length=-3), "rest_length = -3.0 m: must be >= 0"),
         (lambda: sw.Band((0, math.nan), (0.02, 0)), r"p\[1\] = nan: must be finite"),
         (lambda: sw.Band((0,), (0.02, 0)), "must be two numbers"),  # pyright: ignore[reportArgumentType]
-        (lambda: sw.Cell(sw.Band((0, 0), (0.02, 0)), limit=1.6), "must be < π/2"),
+        (lambda: sw.Cell(sw.Band((0, 0), (0.02, 0)), limit=1.6), "0.01° to 89.9°"),
         (lambda: sw.Cell(()), "must be a Band or a sequence of Bands"),
         (lambda: sw.Cell("band"), "must be a Band or a sequence"),  # pyright: ignore[reportArgumentType]
         (lambda: sw.Cell(sw.Band((0, 0), (0.02, 0)), friction=-1), "friction = -1.0 N"),

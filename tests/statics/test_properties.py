@@ -66,8 +66,11 @@ def test_every_point_is_a_certified_stable_equilibrium(seed, cells):
     path = chain.cycle().path
     assert np.max(path.residual) <= 1e-9 * scale_of(chain)
     stiffest = scale_of(chain) / min(c.full_travel for c in chain.cells)
-    # At a fold the least stiffness is zero, but for rounding.
-    assert np.min(path.stability) >= -1e-5 * stiffest
+    # At a fold the least stiffness is zero, but for rounding; at a kink from which the chain snaps
+    # that of the softer side is below.
+    lost = {tuple(travel) for travel in path.travel[path.snap_after]}
+    kept = [tuple(travel) not in lost for travel in path.travel]
+    assert np.min(path.stability[kept]) >= -1e-5 * stiffest
 
 
 @given(seeds, sizes)

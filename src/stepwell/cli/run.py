@@ -17,7 +17,9 @@ def run(design: Design, out: Out = None, as_json: Json = False) -> None:
     from stepwell.design import margin
 
     text = files.read(design)
-    cycle = files.loads_chain(text, design).cycle()
+    chain = files.loads_chain(text, design)
+    with progress("following") as tell:
+        cycle = chain.cycle(progress=tell)
     with progress("margin") as tell:
         limits = margin(cycle.chain, progress=tell)
     names = ()

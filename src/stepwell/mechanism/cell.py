@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,8 @@ Array = NDArray[np.float64]
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit
 # divided by this number can be missed by `peak_angle` and `barrier`, never by the engine.
 _LOOKS = 4097
+# Smallest and largest θc [rad].
+LIMITS = math.radians(0.01), math.radians(89.9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +31,7 @@ class Cell:
     Args:
         band: one band or several.
         lever: r [m], > 0.
-        limit: θc [rad], between 0 and π/2, where the blocks touch.
+        limit: θc [rad], from 0.01° to 89.9°, where the blocks touch.
         load: a force on the cell that depends on its travel; None for none.
         friction: Coulomb friction against travel [N], >= 0.
         name: what messages and figures call the cell.
@@ -55,11 +58,14 @@ class Cell:
         object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
         object.__setattr__(self, "limit", _check.positive("limit", self.limit, "rad"))
         object.__setattr__(self, "friction", _check.not_negative("friction", self.friction, "N"))
-        if self.limit >= math.pi / 2:
+        least, most = LIMITS
+        if not least * (1 - 1e-12) <= self.limit <= most * (1 + 1e-12):
             raise ValueError(
-                f"limit = {self.limit} rad: must be < π/2, levers at a right angle to the blocks "
-                f"have no travel left."
+                f"limit = {self.limit} rad: must be from {least:.6g} to {most:.6g} (0.01° to "
+                f"89.9°), nearer to a right angle the force at the stops is without bound."
             )
+        if self.load is not None:
+            _refuse_steps(self.load, self.full_travel)
         for band in self.bands:
             _refuse_meeting_ends(band, self.lever, self.limit)
 
@@ -195,6 +201,17 @@ class Cell:
 def _worst(values: Array) -> float:
     flat = np.ravel(values)
     return float(flat[np.argmax(np.where(np.isnan(flat), np.inf, np.abs(flat)))])
+
+
+def _refuse_steps(load: Load, full: float) -> None:
+    # Within rounding of the travel a force has no value.
+    for before, after in pairwise(load.travel):
+        if after - before < 1e-9 * full:
+            raise ValueError(
+                f"load: its points at {before!r} and {after!r} m are {after - before:.3g} m "
+                f"apart, must be {1e-9 * full:.3g} m or more: nothing tells the force of a cell "
+                f"within a billionth of its travel."
+            )
 
 
 def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:

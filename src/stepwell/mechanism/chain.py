@@ -66,6 +66,7 @@ class Chain:
         *,
         start: str | Sequence[float] | None = None,
         prefer: Sequence[int] | None = None,
+        progress: Callable[[float, float], None] | None = None,
     ) -> Path:
         """How the chain moves while the actuator visits these turning points.
 
@@ -73,30 +74,43 @@ class Chain:
             turning_points: (m,) positions of the actuator [m], or forces [N] where
                 `actuator_stiffness` is 0; the first one is where it starts.
             start: the state there, as "010" or as (N,) travels [m]; all cells at 0 by default.
-            prefer: cells by falling priority where two of them tie; innermost first by default.
+            prefer: cells by falling priority where two of them tie; by default the innermost
+                goes first, and cells of constant force share the motion.
+            progress: called now and then with (done, total) of the way of the actuator.
 
         Returns:
             The path: branches, switches and snaps, each with its certificate.
 
         Raises:
             ValueError: turning points out of range, or a start that is no stable equilibrium.
+            StaticsError: the follower could not go on, or what it found breaks its certificate.
         """
         from stepwell import statics
 
-        return statics.path(self, turning_points, start=start, prefer=prefer)
+        return statics.path(self, turning_points, start=start, prefer=prefer, progress=progress)
 
-    def cycle(self, *, prefer: Sequence[int] | None = None) -> Cycle:
+    def cycle(
+        self,
+        *,
+        prefer: Sequence[int] | None = None,
+        progress: Callable[[float, float], None] | None = None,
+    ) -> Cycle:
         """Load from all cells at 0 to all at 1 and unload again, once.
 
         Args:
-            prefer: cells by falling priority where two of them tie; innermost first by default.
+            prefer: cells by falling priority where two of them tie; by default the innermost
+                goes first, and cells of constant force share the motion.
+            progress: called now and then with (done, total) of the way of the actuator.
 
         Returns:
             The cycle: its sequence, its snaps, what it dissipates.
+
+        Raises:
+            StaticsError: the follower could not go on, or what it found breaks its certificate.
         """
         from stepwell import sequences
 
-        return sequences.cycle(self, prefer=prefer)
+        return sequences.cycle(self, prefer=prefer, progress=progress)
 
     def graph(
         self,

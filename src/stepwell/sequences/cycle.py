@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence as Sized
+from collections.abc import Callable, Sequence as Sized
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -100,7 +100,12 @@ class Cycle:
         )
 
 
-def cycle(chain: Chain, *, prefer: Sized[int] | None = None) -> Cycle:
+def cycle(
+    chain: Chain,
+    *,
+    prefer: Sized[int] | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Cycle:
     """Load a chain fully and unload it, once.
 
     A rigid actuator goes 0 → Σ S_i → 0; a compliant one far enough to pull every cell to its
@@ -108,14 +113,17 @@ def cycle(chain: Chain, *, prefer: Sized[int] | None = None) -> Cycle:
 
     Args:
         chain: the chain, which starts with all cells at 0.
-        prefer: cells by falling priority where two of them tie; innermost first by default.
+        prefer: cells by falling priority where two of them tie; by default the innermost goes
+            first, and cells of constant force share the motion.
+        progress: called now and then with (done, total) of the way of the actuator.
 
     Returns:
         The cycle.
 
     Raises:
-        StaticsError: the follower could not go on; its text says what to do.
+        StaticsError: the follower could not go on, or what it found breaks its own certificate;
+            the text says what to do.
 
     Source: Kamp et al. 2024, Fig. 2.
     """
-    return Cycle(full_cycle(chain, prefer=prefer))
+    return Cycle(full_cycle(chain, prefer=prefer, progress=progress))

@@ -82,6 +82,21 @@ def _highest(
 
 
 @kernel
+def compliance(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    force: float,
+) -> float:
+    """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
+    return _highest(laws, pieces, movers, on, offset, alpha, beta, force, force)[1]
+
+
+@kernel
 def first_fold(
     laws: Laws,
     pieces: Pieces,
@@ -93,6 +108,7 @@ def first_fold(
     begin: float,
     end: float,
     tolerance: float,
+    effort: Ints,
 ) -> float:
     """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
 
@@ -106,6 +122,9 @@ def first_fold(
     while waiting > 0:
         waiting -= 1
         a, b = one[waiting], two[waiting]
+        effort[0] += 60 * len(movers)
+        if effort[0] > effort[1]:
+            break
         bound, at_b = _highest(laws, pieces, movers, on, offset, alpha, beta, a, b)
         if bound < 0.0:
             continue

@@ -49,4 +49,4 @@ _forget_stale_machine_code()
 
 def kernel(function: F) -> F:
     """Compile `function` at its first call and keep the machine code on disk."""
-    return cast(F, numba.njit(cache=True, error_model="numpy")(function))
+    return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))

@@ -292,13 +292,15 @@ def flow(
     scale: float,
     accuracy: float,
     rubbed: Floats,
+    effort: Ints,
 ) -> tuple[bool, float]:
     """Follow the flow from `travel` to rest, in place; False if it did not settle.
 
     The linearly implicit pair of Shampine & Reichelt (1997): a snap through a narrow place has
     one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
     equilibrium to rounding and the integration only decides which. `rubbed` gathers the way
-    every cell went, for friction.
+    every cell went, for friction; `effort` counts the forces looked at, and ends the flow when
+    they are too many.
     """
     n = len(travel)
     slots = 1
@@ -317,6 +319,9 @@ def flow(
     stiffest = np.max(np.abs(slope)) + scale / np.min(laws.full)
     h = 1e-2 / stiffest
     for step in range(_STEPS):
+        effort[0] += 4 * n
+        if effort[0] > effort[1]:
+            break
         shared = _rates(laws, travel, drive, alpha, beta, shared, force, f0)
         fastest = np.max(np.abs(f0))
         # The longest step moves no cell by more than rounding: this is rest, whether or not

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.statics._branch import (
+    compliance,
     drive_of,
     first_fold,
     inverse_slope,
@@ -28,7 +29,7 @@ HELD, FREE, SLIDES, LETS_GO = 0, 1, 2, 3
 # Why a snap happened.
 FOLD, RELEASE, KINK = 1, 2, 3
 # How a run ended, or a part of it.
-DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON = 0, 1, 2, 3, 4, 5
+DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 4, 5, 6
 # What the follower knows beside the state: what would set off a snap, and which cells tie.
 TRIGGER, SENSE, WHY, MUST_SNAP, NOTE_A, NOTE_B = range(6)
 
@@ -46,6 +47,14 @@ class Log(NamedTuple):
     first: Ints  # (K + 1,) movers of segment k are first[k] .. first[k + 1]
     movers: Floats  # (M, MOVER_COLUMNS)
     used: Ints  # (2,) segments and movers written
+
+
+# Where two forces turn together both 1/κ are without bound and the sum of them is rounding. It is
+# looked at this share of the largest force further on.
+BLUNT = 1e-7
+# What the present leg of a run has cost, in forces looked at; how much it may cost at most; how
+# many legs are done. Whoever lowers the second while a run goes on, from another thread, stops it.
+SPENT, MOST, LEGS = 0, 1, 2
 
 
 class State(NamedTuple):
@@ -125,6 +134,7 @@ def _choose(
     direction: int,
     alpha: float,
     beta: float,
+    scale: float,
     goes: Ints,
 ) -> tuple[int, int]:
     """How the chain can go on, and the falling cell that leads it if there is one.
@@ -166,10 +176,33 @@ def _choose(
         if i == leader or (rising and (state.mode[i] == FREE or state.way[i] == -direction)):
             goes[i] = 1
             total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+    if _turn_here(laws, pieces, state, goes, leader, scale):
+        moved = np.flatnonzero(goes)
+        offset = state.way[moved] * laws.friction[moved]
+        level = state.force[0] - direction * BLUNT * scale
+        total = compliance(laws, pieces, moved, state.piece[moved], offset, alpha, beta, level)
     if total < 0.0:
         return -1, leader
     goes[:] = 0
     return 2, leader
+
+
+@kernel
+def _turn_here(
+    laws: Laws, pieces: Pieces, state: State, goes: Ints, leader: int, scale: float
+) -> bool:
+    """Whether the leader and another moving cell stand where their forces turn."""
+    others, leads = 0, False
+    for i in range(len(goes)):
+        if not goes[i]:
+            continue
+        piece, travel = state.piece[i], state.travel[i]
+        if travel == pieces.left[piece] or travel == pieces.right[piece]:
+            slope = law(laws, i, pieces.picked[piece], travel)[1]
+            if abs(slope) * laws.full[i] < 1e-5 * scale:
+                leads = leads or i == leader
+                others += i != leader
+    return leads and others > 0
 
 
 @kernel
@@ -220,6 +253,7 @@ def _snap(
     beta: float,
     scale: float,
     rubbed: Floats,
+    effort: Ints,
 ) -> tuple[int, bool]:
     """Move the chain from a lost equilibrium to the next one; how it went, and whether by a tie."""
     n = len(state.mode)
@@ -233,7 +267,7 @@ def _snap(
             if i != trigger and (state.mode[i] == FREE or state.way[i] == -sense):
                 partner = i
     low, high = held_range(laws, state)
-    outcome = JOINED
+    outcome, tie = JOINED, False
     paired = beta == 0.0 and active == 2 and partner >= 0
     if paired or (beta > 0.0 and (active == 1 or alpha == 0.0)):
         other = partner if beta == 0.0 else -1
@@ -241,19 +275,25 @@ def _snap(
         if alpha == 0.0:
             # Under a dead load no cell feels the others.
             low, high = -np.inf, np.inf
+        at_forth = state.travel[forth] if forth >= 0 else 0.0
+        at_back = state.travel[back] if back >= 0 else 0.0
+        softness = alpha / beta if beta > 0.0 else 0.0
+        # The start is itself an equilibrium, at a fold a double one, and next to a double root
+        # the sign of the pull is rounding noise: no landing is looked for this near to it.
         outcome, shift, level = slide(
-            laws,
-            pieces,
-            forth,
-            back,
-            state.travel[forth] if forth >= 0 else 0.0,
-            state.travel[back] if back >= 0 else 0.0,
-            force,
-            alpha / beta if beta > 0.0 else 0.0,
-            low,
-            high,
-            1e-12 * scale,
-        )
+            laws, pieces, forth, back, at_forth, at_back, force, softness, low, high,
+            1e-12 * scale, 1e-7, 0.0, effort,
+        )  # fmt: skip
+        # The same with a little more pull and a little less: where it then lands elsewhere, the
+        # choice between two landings hangs on less than any real mechanism can promise.
+        size = laws.full[forth] if forth >= 0 else laws.full[back]
+        for bias in (1e-9 * scale, -1e-9 * scale):
+            if shift > 2e-3 * size and not tie:
+                other_outcome, other_shift, _ = slide(
+                    laws, pieces, forth, back, at_forth, at_back, force, softness, low, high,
+                    1e-12 * scale, 1e-3, bias, effort,
+                )  # fmt: skip
+                tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != UNDECIDED
         if outcome == UNDECIDED:
             outcome, shift, level = JOINED, 0.0, force
         if forth >= 0:
@@ -275,7 +315,6 @@ def _snap(
             slip = 1e-12 * scale
             if low > high + slip or not low - slip <= state.force[0] <= high + slip:
                 outcome = JOINED
-    tie = False
     if outcome == JOINED:
         start, worn = state.travel.copy(), rubbed.copy()
         settled, level, again = False, force, start
@@ -289,7 +328,7 @@ def _snap(
                 rubbed += np.abs(state.travel - start)
             again = state.travel.copy()
             settled, level = flow(
-                laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-6, rubbed
+                laws, state.travel, drive, alpha, beta, state.force[0], scale, 1e-6, rubbed, effort
             )
             if settled or worn[trigger] != 0.0:
                 break
@@ -297,16 +336,54 @@ def _snap(
             return NOT_SETTLED, False
         # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
         # between two landings hangs on less than any real mechanism can promise.
-        settled, _ = flow(laws, again, drive, alpha, beta, state.force[0], scale, 1e-4, worn)
+        settled, _ = flow(
+            laws, again, drive, alpha, beta, state.force[0], scale, 1e-4, worn, effort
+        )
         state.force[0] = level
+        tie = tie or not settled
+        tie = tie or _elsewhere(laws, pieces, state.travel, again, beta, level, scale)
         for i in range(n):
-            tie = tie or not settled or abs(again[i] - state.travel[i]) > 1e-4 * laws.full[i]
             if abs(state.travel[i]) <= 1e-13 * laws.full[i]:
                 state.travel[i] = 0.0
             elif abs(state.travel[i] - laws.full[i]) <= 1e-13 * laws.full[i]:
                 state.travel[i] = laws.full[i]
     _settle(laws, pieces, state, alpha, beta)
     return DONE, tie
+
+
+@kernel
+def _elsewhere(
+    laws: Laws, pieces: Pieces, here: Floats, there: Floats, beta: float, level: float, scale: float
+) -> bool:
+    """Whether two computed landings are two, and not one that is known less well.
+
+    Without friction places of rest stand apart. Friction makes a continuum of them, on which the
+    place depends smoothly on the way there: two places are one if the chain can rest anywhere
+    between them and they are no further apart than the coarser way may be off.
+    """
+    n = len(here)
+    apart = 0.0
+    for i in range(n):
+        apart = max(apart, abs(there[i] - here[i]) / laws.full[i])
+    if apart <= 1e-4:
+        return False
+    if apart > 1e-2 or np.max(laws.friction) == 0.0:
+        return True
+    for step in range(1, 9):
+        low, high = -np.inf, np.inf
+        for i in range(n):
+            travel = here[i] + step / 8.0 * (there[i] - here[i])
+            value = law(laws, i, pieces.picked[find_piece(pieces, i, travel, 0)], travel)[0]
+            # A cell that slid all the way rests where its force and friction meet λ: between two
+            # such places it is off by the bend of its force.
+            slip = laws.friction[i] + 1e-4 * scale
+            if travel > 0.0:
+                low = max(low, value - slip)
+            if travel < laws.full[i]:
+                high = min(high, value + slip)
+        if low > high or (beta > 0.0 and not low <= level <= high):
+            return True
+    return False
 
 
 @kernel
@@ -380,6 +457,14 @@ def _pass_end(laws: Laws, pieces: Pieces, state: State, cell: int, heading: int)
 
 
 @kernel
+def _note_saddle(pieces: Pieces, state: State, leader: int, note: Ints) -> None:
+    """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
+    for i in range(len(state.mode)):
+        if i != leader and state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0:
+            note[NOTE_A], note[NOTE_B] = leader, i
+
+
+@kernel
 def _take_snap(
     laws: Laws,
     pieces: Pieces,
@@ -390,6 +475,7 @@ def _take_snap(
     scale: float,
     note: Ints,
     log: Log,
+    effort: Ints,
 ) -> int:
     """Snap, and write down what moved and what was released."""
     n = len(state.mode)
@@ -398,7 +484,7 @@ def _take_snap(
     drive = drive_of(before, force, alpha, beta)
     rubbed = np.zeros(n)
     status, close = _snap(
-        laws, pieces, state, note[TRIGGER], note[SENSE], drive, alpha, beta, scale, rubbed
+        laws, pieces, state, note[TRIGGER], note[SENSE], drive, alpha, beta, scale, rubbed, effort
     )
     if status != DONE:
         return status
@@ -412,11 +498,12 @@ def _take_snap(
     # The cell that let go belongs to the snap even where the flow brings it back to its stop.
     changed[note[TRIGGER]] = True
     moved = np.flatnonzero(changed)
-    released, friction_work = 0.0, 0.0
+    released = 0.0
     for m in range(len(moved)):
         i = int(moved[m])
         released += _energy(laws, pieces, i, before[i]) - _energy(laws, pieces, i, state.travel[i])
-        friction_work += laws.friction[i] * rubbed[i]
+    # A cell that yields and comes back has rubbed as well.
+    friction_work = float(np.sum(laws.friction * rubbed))
     if alpha == 0.0:
         released += force * (np.sum(state.travel) - np.sum(before))
     elif beta > 0.0:
@@ -438,15 +525,40 @@ def _take_snap(
 
 @kernel
 def _join_flat(laws: Laws, pieces: Pieces, state: State, direction: int, tie_force: float) -> bool:
-    """Let go the held cells that offer the same constant force; whether there are any."""
+    """Bring in the cells that offer the same constant force; whether there are any.
+
+    They are held ones that let go at it, and moving ones that have just reached it.
+    """
     any_joined = False
     for i in range(len(state.mode)):
-        if _until_letting_go(laws, state, i, direction, state.force[0]) <= tie_force:
-            piece = find_piece(pieces, i, state.travel[i], direction)
-            if pieces.sign[piece] == 0:
-                state.mode[i], state.way[i], state.piece[i] = LETS_GO, direction, piece
-                any_joined = True
+        held = state.mode[i] == HELD
+        if held and _until_letting_go(laws, state, i, direction, state.force[0]) > tie_force:
+            continue
+        piece = find_piece(pieces, i, state.travel[i], direction)
+        if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
+            continue
+        offset = state.way[i] * laws.friction[i]
+        if not held and abs(pieces.force_left[piece] + offset - state.force[0]) > tie_force:
+            continue
+        state.piece[i] = piece
+        if held:
+            state.mode[i], state.way[i] = LETS_GO, direction
+        any_joined = True
     return any_joined
+
+
+@kernel
+def _share(goes: Ints, rank: Ints, note: Ints) -> None:
+    """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
+    moved = np.flatnonzero(goes)
+    if len(moved) < 2:
+        return
+    # Nothing but friction decides how they share.
+    note[NOTE_A], note[NOTE_B] = moved[0], moved[1]
+    first = np.min(rank[moved])
+    for m in range(len(moved)):
+        if rank[moved[m]] > first:
+            goes[moved[m]] = 0
 
 
 @kernel
@@ -482,9 +594,6 @@ def _drift(
         arrives = not reached and left <= 1e-15 * laws.full[i]
         state.travel[i] = ends[m] if arrives else before[i] + direction * room
         friction_work += float(laws.friction[i]) * room
-    if len(moved) > 1:
-        # Nothing but friction decides how they share.
-        note[NOTE_A], note[NOTE_B] = moved[0], moved[1]
     status = _write(
         log, DRIFT, direction, before, state, moved, on, offset, drive,
         drive_of(state.travel, force, alpha, beta), force, 0.0, friction_work, note,
@@ -540,12 +649,76 @@ def _first_to_let_go(
 
 
 @kernel
-def _goes_on(laws: Laws, pieces: Pieces, cell: int, piece: int, toward: int) -> bool:
-    """Whether a cell's force only goes over to the next piece, with λ going `toward`."""
-    heading = toward * pieces.sign[piece]
+def _end_distance(pieces: Pieces, state: State, piece: int, offset: float, toward: int) -> float:
+    """How far λ has to go `toward` until a moving cell is at the end of its piece."""
+    outwards = toward * pieces.sign[piece] > 0
+    end = pieces.force_right[piece] if outwards else pieces.force_left[piece]
+    return float(max(0.0, toward * (end + offset - state.force[0])))
+
+
+@kernel
+def _turns_over(laws: Laws, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
+    """Sign of a cell's κ past the end of its piece; 2 where that is a stop."""
     end = pieces.right[piece] if heading > 0 else pieces.left[piece]
     stop = laws.full[cell] if heading > 0 else 0.0
-    return end != stop and pieces.sign[piece + heading] == pieces.sign[piece]
+    return 2 if end == stop else int(pieces.sign[piece + heading])
+
+
+@kernel
+def _first_to_arrive(
+    laws: Laws,
+    pieces: Pieces,
+    state: State,
+    toward: int,
+    direction: int,
+    moved: Ints,
+    on: Ints,
+    offset: Floats,
+    rank: Ints,
+    scale: float,
+    note: Ints,
+) -> tuple[float, int, bool]:
+    """Distance of λ to the first end of a piece, which mover comes there, and whether in company.
+
+    Cells whose forces reach their tops together tie, for only one of them can go on. A leader
+    and one that gives way can reach the bottoms of theirs together, as alike cells do: from
+    there both forces rise with the drive, with the leader on its next piece and the other one
+    turned back on its own.
+    """
+    arrival, who, rival = np.inf, -1, -1
+    for m in range(len(moved)):
+        distance = _end_distance(pieces, state, on[m], offset[m], toward)
+        if distance < arrival:
+            arrival, who = distance, m
+    if who < 0:
+        return arrival, who, False
+    if toward == direction:
+        first = -1
+        for m in range(len(moved)):
+            distance = _end_distance(pieces, state, on[m], offset[m], toward)
+            over = _turns_over(laws, pieces, moved[m], on[m], direction) == -1
+            if not over or distance > arrival + 1e-9 * scale:
+                continue
+            if first < 0 or rank[moved[m]] < rank[moved[first]]:
+                first, rival = m, first
+            else:
+                rival = m
+        if rival >= 0:
+            note[NOTE_A], note[NOTE_B] = moved[first], moved[rival]
+            arrival = _end_distance(pieces, state, on[first], offset[first], toward)
+            return arrival, first, True
+        return arrival, who, False
+    leads = -1
+    for m in range(len(moved)):
+        if _end_distance(pieces, state, on[m], offset[m], toward) <= arrival + 1e-13 * scale:
+            if pieces.sign[on[m]] < 0:
+                leads = m
+            else:
+                rival = m
+    if leads < 0 or rival < 0 or _turns_over(laws, pieces, moved[leads], on[leads], direction) != 1:
+        return arrival, who, False
+    note[NOTE_A], note[NOTE_B] = moved[leads], moved[rival]
+    return arrival, leads, True
 
 
 @kernel
@@ -559,6 +732,7 @@ def _move(
     target: float,
     alpha: float,
     beta: float,
+    goes: Ints,
     moved: Ints,
     on: Ints,
     offset: Floats,
@@ -566,6 +740,7 @@ def _move(
     scale: float,
     note: Ints,
     log: Log,
+    effort: Ints,
 ) -> int:
     """Follow one branch to its first event or to the target; λ moves `toward`."""
     count = len(moved)
@@ -574,18 +749,19 @@ def _move(
     before = state.travel.copy()
     force = state.force[0]
     drive = drive_of(before, force, alpha, beta)
-    arrival, who = np.inf, -1
-    for m in range(count):
-        rising_travel = toward * pieces.sign[on[m]] > 0
-        end = pieces.force_right[on[m]] if rising_travel else pieces.force_left[on[m]]
-        distance = max(0.0, toward * (end + offset[m] - force))
-        if distance < arrival:
-            arrival, who = distance, m
+    arrival, who, company = _first_to_arrive(
+        laws, pieces, state, toward, direction, moved, on, offset, rank, scale, note
+    )
     release, cell = _first_to_let_go(laws, pieces, state, toward, rank, tie_force, note)
     releases = release < arrival - tie_force
-    coincide = not releases and toward != direction and release <= arrival + tie_force
-    if coincide and not _goes_on(laws, pieces, moved[who], on[who], toward):
-        # An arrival and a release: a snap of no size or none at all.
+    coincide = who >= 0 and not releases and release <= arrival + tie_force
+    if coincide:
+        # A force that turns just where another cell lets go: it may or may not. Against the
+        # drive an arrival at a stop is one too: a snap of no size or none at all.
+        sign = int(pieces.sign[on[who]])
+        past = _turns_over(laws, pieces, moved[who], on[who], toward * sign)
+        coincide = past == -1 if toward == direction else past != sign
+    if coincide:
         note[NOTE_A], note[NOTE_B] = moved[who], cell
     if releases:
         heading = toward
@@ -607,7 +783,16 @@ def _move(
         return DONE if status == GOES_ON else status
     folds = False
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
-        fold = first_fold(laws, pieces, moved, on, offset, alpha, beta, force, level, 1e-15 * scale)
+        begin, end = force, level
+        if _turn_here(laws, pieces, state, goes, leader, scale):
+            begin = force + toward * BLUNT * scale
+        if company and not releases:
+            end = level - toward * BLUNT * scale
+        fold = np.nan
+        if toward * (end - begin) > 0.0:
+            fold = first_fold(
+                laws, pieces, moved, on, offset, alpha, beta, begin, end, 1e-15 * scale, effort
+            )
         if not np.isnan(fold) and abs(fold - level) > 1e-12 * scale:
             folds, level = True, fold
     places = np.empty(count)
@@ -617,7 +802,11 @@ def _move(
         rest -= float(before[i])
         places[m] = invert(laws, pieces, i, on[m], level - offset[m])
     if not folds and not releases:
-        places[who] = pieces.right[on[who]] if heading > 0 else pieces.left[on[who]]
+        for m in range(count):
+            near = _end_distance(pieces, state, on[m], offset[m], toward) <= arrival
+            if m == who or (company and near):
+                outwards = toward * pieces.sign[on[m]] > 0
+                places[m] = pieces.right[on[m]] if outwards else pieces.left[on[m]]
     following = alpha * (rest + float(np.sum(places))) + beta * level
     reached = direction * (following - target) > small_drive
     if reached and count == 1 and beta == 0.0:
@@ -670,6 +859,7 @@ def _leg(
     rank: Ints,
     scale: float,
     log: Log,
+    effort: Ints,
 ) -> int:
     """Drive the chain to `target` in one direction."""
     n = len(state.mode)
@@ -695,14 +885,22 @@ def _leg(
         furthest = drive
         if idle > 40 * n + 400:
             return STALLED
-        choice, leader = _choose(laws, pieces, state, direction, alpha, beta, goes)
+        effort[SPENT] += 10 * n
+        if effort[SPENT] > effort[MOST]:
+            return GAVE_UP
+        choice, leader = _choose(laws, pieces, state, direction, alpha, beta, scale, goes)
         if choice == 0 and _join_flat(laws, pieces, state, direction, 1e-9 * scale):
-            choice, leader = _choose(laws, pieces, state, direction, alpha, beta, goes)
+            choice, leader = _choose(laws, pieces, state, direction, alpha, beta, scale, goes)
         if choice == 2 or note[MUST_SNAP]:
             if note[TRIGGER] < 0:
                 note[TRIGGER], note[SENSE] = leader, direction
-            status = _take_snap(laws, pieces, state, direction, alpha, beta, scale, note, log)
+                _note_saddle(pieces, state, leader, note)
+            status = _take_snap(
+                laws, pieces, state, direction, alpha, beta, scale, note, log, effort
+            )
         else:
+            if choice == 0:
+                _share(goes, rank, note)
             for i in range(n):
                 if state.mode[i] != HELD and state.mode[i] != FREE:
                     if not goes[i]:
@@ -723,7 +921,7 @@ def _leg(
             else:
                 status = _move(
                     laws, pieces, state, direction, choice * direction, leader, target, alpha,
-                    beta, moved, on, offset, rank, scale, note, log,
+                    beta, goes, moved, on, offset, rank, scale, note, log, effort,
                 )  # fmt: skip
         if status != GOES_ON:
             return DONE if to_the_end and status == RUNS_AWAY else status
@@ -740,14 +938,19 @@ def follow(
     rank: Ints,
     scale: float,
     log: Log,
+    effort: Ints,
 ) -> int:
     """Drive the chain through `turning`, writing every segment to `log`; how it ended."""
     for turn in range(1, len(turning)):
+        effort[LEGS] = turn - 1
         if turning[turn] != turning[turn - 1]:
             direction = 1 if turning[turn] > turning[turn - 1] else -1
+            effort[SPENT] = 0
             status = _leg(
-                laws, pieces, alpha, beta, direction, turning[turn], state, rank, scale, log
+                laws, pieces, alpha, beta, direction, turning[turn], state, rank, scale, log, effort
             )
             if status != DONE:
-                return status
+                # What ran out of looks may say that it did not settle.
+                spent = effort[SPENT] > effort[MOST]
+                return GAVE_UP if spent and status != LOG_FULL else status
     return DONE

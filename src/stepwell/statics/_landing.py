@@ -8,7 +8,7 @@ first place where the driving force vanishes, or at a stop.
 import numpy as np
 
 from stepwell.statics._compile import kernel
-from stepwell.statics._law import Laws, law
+from stepwell.statics._law import Ints, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 
 LANDED, STOPPED, JOINED, UNDECIDED = 0, 1, 2, 3
@@ -26,14 +26,15 @@ def _ends(
     from_back: float,
     force: float,
     softness: float,
+    bias: float,
     x: float,
 ) -> tuple[float, float, float, float]:
     """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
     if back >= 0:
         value, slope, _ = law(laws, back, pieces.picked[on_back], from_back - x)
-        pull, pull_slope = value - laws.friction[back], -slope
+        pull, pull_slope = value - laws.friction[back] + bias, -slope
     else:
-        pull, pull_slope = force - softness * x, -softness
+        pull, pull_slope = force - softness * x + bias, -softness
     if forth >= 0:
         value, slope, _ = law(laws, forth, pieces.picked[on_forth], from_forth + x)
         resist, resist_slope = value + laws.friction[forth], slope
@@ -55,12 +56,16 @@ def slide(
     lowest: float,
     highest: float,
     tolerance: float,
+    start: float,
+    bias: float,
+    effort: Ints,
 ) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there, for `forth` moving by +x and `back` by -x.
 
     One of the two may be -1: then the actuator, of stiffness `softness` (0 for a dead load),
     takes its part. `lowest` and `highest` bound the λ at which all other cells keep still; the
-    outcome is JOINED where the flow leaves that range.
+    outcome is JOINED where the flow leaves that range. No landing is looked for within `start`,
+    a share of the travel; `bias` is a force that helps the motion.
     """
     limit = np.inf
     if forth >= 0:
@@ -69,9 +74,7 @@ def slide(
         limit = min(limit, from_back)
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     near = 1e-12 * size
-    # The start is itself an equilibrium, at a fold a double one, and next to a double root the
-    # sign of the pull is rounding noise: no landing is looked for this near to the start.
-    start = 1e-7 * size
+    start *= size
     on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
     paired = forth >= 0 and back >= 0
@@ -90,17 +93,18 @@ def slide(
         waiting = 1 if end > begin else 0
         while waiting > 0:
             looks += 1
-            if looks > 200_000:
+            effort[0] += 4
+            if looks > 200_000 or effort[0] > effort[1]:
                 return UNDECIDED, begin, force
             waiting -= 1
             a, b = lefts[waiting], rights[waiting]
             ga, dga, ha, dha = _ends(
                 laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, a,
+                force, softness, bias, a,
             )  # fmt: skip
             gb, dgb, hb, dhb = _ends(
                 laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, b,
+                force, softness, bias, b,
             )  # fmt: skip
             one = 0.0
             if paired:
@@ -131,7 +135,7 @@ def slide(
                     x = b if share <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / share
                     g, _, h, _ = _ends(
                         laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                        force, softness, x,
+                        force, softness, bias, x,
                     )  # fmt: skip
                     return LANDED, x, (0.5 * (g + h) if paired else (g if back < 0 else h))
                 if at_b < lowest - tolerance or at_b > highest + tolerance:
@@ -144,7 +148,7 @@ def slide(
         if end >= limit:
             g, _, h, _ = _ends(
                 laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, limit,
+                force, softness, bias, limit,
             )  # fmt: skip
             return STOPPED, limit, (0.5 * (g + h) if paired else (g if back < 0 else h))
         if forth >= 0 and pieces.right[on_forth] - from_forth <= end:

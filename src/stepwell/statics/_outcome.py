@@ -5,6 +5,7 @@ from typing import NoReturn
 
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
+from stepwell.statics._certificate import ENERGY, EQUILIBRIUM, STABILITY
 from stepwell.statics._law import Floats
 
 
@@ -21,6 +22,11 @@ _FAILURES = {
         "after a snap at {place} the cells come to rest too slowly to say where: the landing is "
         "almost flat. Move an anchor by 0.1 mm or give the cells a little friction."
     ),
+    f.GAVE_UP: (
+        "at {place} the run was given up after as many looks as take some seconds: forces that are "
+        "alike to the last digits, or that turn very often. Move an anchor by 0.01 mm, or smooth "
+        "the tables."
+    ),
     f.RUNS_AWAY: (
         "at {place} all cells stand at their stops and the drive goes on: turn back earlier."
     ),
@@ -36,8 +42,34 @@ def refuse_failure(status: int, chain: Chain, travels: Floats, force: float) -> 
     raise StaticsError(_FAILURES[status].format(place=place))
 
 
-def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float) -> str:
-    """What happens at a tie and what the user can do about it."""
+_BROKEN = {
+    EQUILIBRIUM: "the cells are out of balance by {by:.3g} N where forces reach {scale:.3g} N",
+    STABILITY: "the place where a snap lands is unstable, by {by:.3g} N/m",
+    ENERGY: "energy is out of balance by {mJ:.3g} mJ where forces reach {scale:.3g} N",
+}
+
+
+def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: float) -> NoReturn:
+    """Raise StaticsError for a computed path that breaks its own certificate at `drive`."""
+    what = _BROKEN[promise].format(by=by, mJ=by * 1e3, scale=scale)
+    unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
+    raise StaticsError(
+        f"no answer: at drive {value:.6g} {unit} {what}, so the result would break its own "
+        f"certificate. Its numbers are too far apart for double precision: look for a step in a "
+        f"load or table that is all but vertical, an anchor far outside the mechanism, or forces "
+        f"that cancel to less than a millionth of themselves."
+    )
+
+
+def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bool) -> str:
+    """What happens at a tie and what the user can do about it.
+
+    Args:
+        chain: the chain.
+        cells: the cells that tie, or the one whose landing does.
+        drive: where [m], or [N] under force control.
+        drifts: whether the cells drift together, at the same constant force.
+    """
     unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
     names = [chain.names[c] for c in cells]
     where = f"at drive {value:.6g} {unit}"
@@ -45,6 +77,12 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float) -> str:
         return (
             f"Two landings of the snap of {names[0]} {where} are closer than the tolerance, so "
             f"friction will decide. Move an anchor of {names[0]} by 0.1 mm or more and look again."
+        )
+    if drifts:
+        return (
+            f"{names[0]} and {names[1]} offer the same constant force up to {where[3:]}, so only "
+            f"friction tells how they share the motion. Keep a band taut, give one of them "
+            f"friction, or pass prefer= to say which one goes first."
         )
     step = _anchor_step(chain, cells[1])
     return (

@@ -298,6 +298,12 @@ def cut(laws: Laws) -> Pieces:
     )
 
 
+def force_scale(laws: Laws, pieces: Pieces) -> float:
+    """Largest force of any cell on its way [N], against which tolerances are measured."""
+    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
+    return float(max(largest, np.max(laws.friction), 1e-12))
+
+
 @kernel
 def _longer(values: Floats, room: int) -> Floats:
     out = np.empty(room)

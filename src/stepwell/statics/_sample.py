@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from stepwell.statics._branch import inverse_slope, point_at, smallest_eigenvalue
+from stepwell.statics._branch import point_at
+from stepwell.statics._certificate import certify
 from stepwell.statics._compile import kernel
 from stepwell.statics._follow import (
     CELL,
@@ -61,7 +62,7 @@ def sample(
     drive[0] = alpha * np.sum(start) + beta * start_force
     travel[0], force[0], branch[0], snap_after[0] = now, start_force, 0, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    residual[0], stability[0] = _certify(
+    residual[0], stability[0] = certify(
         laws, pieces, now, start_force, alpha, beta, np.empty(0, np.int64), np.empty(0, np.int64),
         np.empty(0),
     )  # fmt: skip
@@ -86,7 +87,7 @@ def sample(
             drive[at], force[at] = row[DRIVE_1], row[FORCE_1]
             travel[at], branch[at], snap_after[at] = now, part, 0
             direction[at] = int(row[DIRECTION])
-            residual[at], stability[at] = _certify(
+            residual[at], stability[at] = certify(
                 laws, pieces, now, force[at], alpha, beta, cells[:0], on[:0], offset[:0]
             )
             at += 1
@@ -128,53 +129,8 @@ def sample(
             drive[at], force[at] = u, level
             travel[at], branch[at], snap_after[at] = now, part, 0
             direction[at] = int(row[DIRECTION])
-            residual[at], stability[at] = _certify(
+            residual[at], stability[at] = certify(
                 laws, pieces, now, level, alpha, beta, cells, on, offset
             )
             at += 1
     return at
-
-
-@kernel
-def _certify(
-    laws: Laws,
-    pieces: Pieces,
-    travel: Floats,
-    force: float,
-    alpha: float,
-    beta: float,
-    cells: Ints,
-    on: Ints,
-    offset: Floats,
-) -> tuple[float, float]:
-    """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
-
-    Independent of how the point was found: every cell is looked at, moving or not.
-    """
-    n = len(travel)
-    worst = 0.0
-    slopes = np.empty(n)
-    free = 0
-    for i in range(n):
-        mine = -1
-        for j in range(len(cells)):
-            if cells[j] == i:
-                mine = j
-        known = mine >= 0 and on[mine] >= 0
-        piece = on[mine] if known else find_piece(pieces, i, travel[i], 0)
-        value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
-        friction = laws.friction[i]
-        forward, backward = value + friction - force, force - value + friction
-        if travel[i] < laws.full[i]:
-            worst = max(worst, -forward)
-        if travel[i] > 0.0:
-            worst = max(worst, -backward)
-        inside = 0.0 < travel[i] < laws.full[i]
-        if mine >= 0 and inside:
-            worst = max(worst, abs(value + offset[mine] - force))
-        if inside and (friction == 0.0 or mine >= 0):
-            slopes[free] = 1.0 / inverse_slope(laws, pieces, i, piece, travel[i])
-            if pieces.sign[piece] == 0:
-                slopes[free] = 0.0
-            free += 1
-    return worst, smallest_eigenvalue(slopes[:free], alpha, beta)

@@ -14,10 +14,11 @@ import numpy as np
 from stepwell._write import write_atomic
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
+from stepwell.statics._certificate import EQUILIBRIUM, FORCE_SLACK
 from stepwell.statics._events import read_events
 from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import advice_on_tie
-from stepwell.statics._pieces import cut
+from stepwell.statics._outcome import advice_on_tie, refuse_broken
+from stepwell.statics._pieces import cut, force_scale
 from stepwell.statics._sample import count_samples, sample
 from stepwell.statics._start import drive_weights
 from stepwell.statics.events import Event, Tie
@@ -74,9 +75,10 @@ class Path:
             "residual": np.empty(size),
             "stability": np.empty(size),
         }
+        pieces = cut(self._laws)
         used = sample(
             self._laws,
-            cut(self._laws),
+            pieces,
             self._log,
             np.array(self.start),
             self._start_force,
@@ -85,6 +87,11 @@ class Path:
             self.points,
             *out.values(),
         )
+        scale = force_scale(self._laws, pieces)
+        worst = int(np.argmax(out["residual"][:used]))
+        if not out["residual"][worst] <= FORCE_SLACK * scale:
+            drive, by = float(out["drive"][worst]), float(out["residual"][worst])
+            refuse_broken(EQUILIBRIUM, self.chain, drive, by, scale)
         for name, values in out.items():
             out[name] = values[:used]
             out[name].setflags(write=False)
@@ -140,7 +147,10 @@ class Path:
 
     @property
     def stability(self) -> Floats:
-        """(n,) certificate: least stiffness at fixed drive [N/m]; > 0 is stable, inf is held."""
+        """(n,) certificate: least stiffness at fixed drive [N/m]; > 0 is stable, inf is held.
+
+        At a kink it is that of the softer side, so it can be 0 or less where a snap begins.
+        """
         return self._samples["stability"]
 
     @property
@@ -159,7 +169,8 @@ class Path:
         for row in self._segments[self._segments[:, f.TIE_A] >= 0]:
             cells = tuple(dict.fromkeys((int(row[f.TIE_A]), int(row[f.TIE_B]))))
             drive = float(row[f.DRIVE_1])
-            ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive)))
+            drifts = int(row[f.KIND]) == f.DRIFT
+            ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive, drifts)))
         return tuple(ties)
 
     @property

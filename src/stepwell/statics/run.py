@@ -1,22 +1,30 @@
 """Following a chain while its actuator visits a list of turning points."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
+from threading import Thread
 
 import numpy as np
 
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
+from stepwell.statics._branch import drive_of
+from stepwell.statics._certificate import KEPT, audit
 from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import StaticsError, refuse_failure
+from stepwell.statics._outcome import StaticsError, refuse_broken, refuse_failure
 from stepwell.statics._pack import pack
-from stepwell.statics._pieces import MOST_PIECES, Pieces, cut
+from stepwell.statics._pieces import MOST_PIECES, Pieces, cut, force_scale
 from stepwell.statics._sorted import WORTH_SORTING, sorted_cycle
 from stepwell.statics._start import drive_weights, start_travels, starting_state
 from stepwell.statics.path import Path
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
+# Chains of up to so many cells look at so many forces at most between two turning points.
+_SHORT, _MOST_LOOKS = 16, 20_000_000
+_LOOK_AFTER = 0.1  # s
+Progress = Callable[[float, float], None]
 
 
 def path(
@@ -25,6 +33,7 @@ def path(
     *,
     start: str | Sequence[float] | None = None,
     prefer: Sequence[int] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Follow the chain's local energy minimum exactly while the actuator turns at these points.
 
@@ -32,14 +41,17 @@ def path(
         chain: the chain.
         turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
         start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
-        prefer: cells by falling priority where two of them tie; innermost first by default.
+        prefer: cells by falling priority where two of them tie; by default the innermost goes
+            first, and cells of constant force share the motion.
+        progress: called now and then with (done, total) of the way of the actuator.
 
     Returns:
         The path.
 
     Raises:
         ValueError: turning points out of range, or a start that is no stable equilibrium.
-        StaticsError: the follower could not go on; its text says where and what to do.
+        StaticsError: the follower could not go on, or what it found breaks its own certificate;
+            the text says where and what to do.
 
     Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them through
     snaps is ours (theory page).
@@ -47,24 +59,29 @@ def path(
     points = _checked_turns(chain, turning_points)
     laws = pack(chain.cells)
     pieces = _cut(chain, laws)
-    scale = _force_scale(laws, pieces)
+    scale = force_scale(laws, pieces)
     travels = start_travels(chain, start)
     state = starting_state(chain, laws, pieces, travels, points[0], scale)
-    return _follow_from(chain, laws, pieces, points, travels, state, scale, prefer)
+    return _follow_from(chain, laws, pieces, points, travels, state, scale, prefer, progress)
 
 
-def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
+def full_cycle(
+    chain: Chain, *, prefer: Sequence[int] | None = None, progress: Progress | None = None
+) -> Path:
     """Load from all cells at 0 until all are at 1, and unload.
 
     Args:
         chain: the chain.
-        prefer: cells by falling priority where two of them tie; innermost first by default.
+        prefer: cells by falling priority where two of them tie; by default the innermost goes
+            first, and cells of constant force share the motion.
+        progress: called now and then with (done, total) of the way of the actuator.
 
     Returns:
         The path.
 
     Raises:
-        StaticsError: the follower could not go on; its text says where and what to do.
+        StaticsError: the follower could not go on, or what it found breaks its own certificate;
+            the text says where and what to do.
     """
     laws = pack(chain.cells)
     if len(chain) >= WORTH_SORTING and math.isinf(chain.actuator_stiffness) and prefer is None:
@@ -76,10 +93,10 @@ def full_cycle(chain: Chain, *, prefer: Sequence[int] | None = None) -> Path:
     pieces = _cut(chain, laws)
     low, high = _drive_range(chain, laws, pieces)
     turning = np.array([low, high, low])
-    scale = _force_scale(laws, pieces)
+    scale = force_scale(laws, pieces)
     travels = np.zeros(len(chain))
     state = starting_state(chain, laws, pieces, travels, turning[0], scale)
-    return _follow_from(chain, laws, pieces, turning, travels, state, scale, prefer)
+    return _follow_from(chain, laws, pieces, turning, travels, state, scale, prefer, progress)
 
 
 def drive_range(chain: Chain) -> tuple[float, float]:
@@ -107,21 +124,27 @@ def _follow_from(
     state: f.State,
     scale: float,
     prefer: Sequence[int] | None,
+    progress: Progress | None,
 ) -> Path:
     """Run the follower, giving it a longer log until the path fits."""
     alpha, beta = drive_weights(chain)
     rank = _ranks(len(chain), prefer)
     start_force = float(state.force[0])
     room = 64 + 16 * len(chain) * len(turning)
+    # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
+    most = _MOST_LOOKS if len(chain) <= _SHORT else np.iinfo(np.int64).max
+    short = len(chain) * len(turning) <= 3 * _SHORT and progress is None
     while True:
+        trial = _copied(state)
         log = f.Log(
             np.zeros((room, f.SEGMENT_COLUMNS)),
             np.zeros(room + 1, np.int64),
             np.zeros((4 * room, f.MOVER_COLUMNS)),
             np.zeros(2, np.int64),
         )
-        trial = _copied(state)
-        status = f.follow(laws, pieces, alpha, beta, turning, trial, rank, scale, log)
+        effort = np.array([0, most, 0])
+        run = partial(f.follow, laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
+        status = run() if short else _watched(run, trial, turning, alpha, beta, effort, progress)
         if status == f.LOG_FULL and room > _MOST_SEGMENTS:
             status = f.STALLED
         if status != f.LOG_FULL:
@@ -129,7 +152,48 @@ def _follow_from(
         room *= 4
     if status != f.DONE:
         refuse_failure(status, chain, trial.travel, float(trial.force[0]))
+    broken, promise, by = audit(laws, pieces, log, travels, alpha, beta, scale)
+    if promise != KEPT:
+        refuse_broken(promise, chain, float(log.segments[broken, f.DRIVE_1]), by, scale)
     return _as_path(chain, laws, turning, travels, start_force, log)
+
+
+def _watched(
+    run: Callable[[], int],
+    state: f.State,
+    turning: Floats,
+    alpha: float,
+    beta: float,
+    effort: Ints,
+    progress: Progress | None,
+) -> int:
+    """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is."""
+    way = np.abs(np.diff(turning))
+    done = np.concatenate([[0.0], np.cumsum(way)])
+    ended: list[int] = []
+    failed: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            ended.append(run())
+        except BaseException as error:  # handed on to the caller's thread
+            failed.append(error)
+
+    worker = Thread(target=work, daemon=True)
+    worker.start()
+    try:
+        while worker.is_alive():
+            worker.join(_LOOK_AFTER)
+            if progress is not None and worker.is_alive():
+                leg = int(effort[f.LEGS])
+                here = drive_of(state.travel, float(state.force[0]), alpha, beta)
+                progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
+    finally:
+        effort[f.MOST] = -1
+        worker.join()
+    if failed:
+        raise failed[0]
+    return ended[0]
 
 
 def _as_path(
@@ -171,21 +235,19 @@ def _copied(state: f.State) -> f.State:
     )
 
 
-def _force_scale(laws: Laws, pieces: Pieces) -> float:
-    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
-    return float(max(largest, np.max(laws.friction), 1e-12))
-
-
 def _force_range(laws: Laws, pieces: Pieces) -> tuple[float, float]:
     """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
     forces = np.concatenate([pieces.force_left, pieces.force_right])
     rub = float(np.max(laws.friction))
-    margin = 0.01 * _force_scale(laws, pieces)
+    margin = 0.01 * force_scale(laws, pieces)
     return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
-    order = list(range(cells)) if prefer is None else [int(i) for i in prefer]
+    if prefer is None:
+        # All alike: cells of constant force share the motion, else the innermost goes first.
+        return np.zeros(cells, np.int64)
+    order = [int(i) for i in prefer]
     if sorted(order) != list(range(cells)):
         raise ValueError(
             f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
