@@ -11,6 +11,8 @@ from stepwell.statics._follow import FREE, HELD, State, held_range
 from stepwell.statics._law import Floats, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 
+EPSILON = float(np.finfo(float).eps)
+
 
 def drive_weights(chain: Chain) -> tuple[float, float]:
     """(α, β) of the drive coordinate U = α Σ s_i + β λ."""
@@ -91,12 +93,16 @@ def starting_state(
         force = float(np.mean(forces[free])) if free.any() else min(max(0.0, low), high)
     else:
         force = (drive - alpha * stroke) / beta
-    slip = 1e-9 * scale
+    # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
+    # it leaves open the cells tell.
+    rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta if beta > 0 else 0.0
+    slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
         raise ValueError(_unbalanced(chain, laws, state, forces, force, beta))
     _refuse_unstable(chain, laws, pieces, state, alpha, beta)
-    state.force[0] = force
+    told = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
+    state.force[0] = min(max(told, force - rounding), force + rounding)
     return state
 
 
