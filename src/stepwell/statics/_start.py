@@ -12,6 +12,8 @@ from stepwell.statics._law import Floats, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 
 EPSILON = float(np.finfo(float).eps)
+# A spring whose force is known to no better than this share of the cells' tells nothing.
+_BLUNT = 1e-2
 
 
 def drive_weights(chain: Chain) -> tuple[float, float]:
@@ -57,9 +59,15 @@ def starting_state(
 
     Raises:
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
-            balance in an unstable way.
+            balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     alpha, beta = drive_weights(chain)
+    if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+        raise ValueError(
+            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of at "
+            f"most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position would "
+            f"decide. Prescribe the stroke (math.inf; 'rigid' in a file), which does the same."
+        )
     n = len(travels)
     state = State(
         travels.copy(),
