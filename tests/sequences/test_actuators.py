@@ -165,7 +165,9 @@ def test_a_stiffness_that_no_actuator_has_is_refused_with_what_is_allowed(stiffn
 
 
 def test_a_stiffness_in_writing_is_read_like_every_other_number():
-    assert sw.Chain(sw.preset("three-stack").cells, actuator_stiffness="50").actuator_stiffness == 50
+    assert (
+        sw.Chain(sw.preset("three-stack").cells, actuator_stiffness="50").actuator_stiffness == 50
+    )
 
 
 def test_a_spring_too_stiff_for_the_cells_is_refused_and_not_decided_by_the_last_digit():

@@ -64,9 +64,9 @@ def starting_state(
     alpha, beta = drive_weights(chain)
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         raise ValueError(
-            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of at "
-            f"most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position would "
-            f"decide. Prescribe the stroke (math.inf; 'rigid' in a file), which does the same."
+            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
+            f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
+            f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
         )
     n = len(travels)
     state = State(
