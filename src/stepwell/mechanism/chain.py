@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.mechanism._check import not_negative
+from stepwell.mechanism._check import finite
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
@@ -45,12 +45,11 @@ class Chain:
         object.__setattr__(self, "cells", as_cells(self.cells))
         stiffness = self.actuator_stiffness
         if stiffness != math.inf:
-            stiffness = not_negative("actuator_stiffness", stiffness, "N/m")
-        if not (stiffness in (0.0, math.inf) or SOFTEST <= stiffness <= STIFFEST):
-            limit = "0 for a prescribed force" if stiffness < 1 else "inf for a prescribed stroke"
+            stiffness = finite("actuator_stiffness", stiffness, "N/m")
+        if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
             raise ValueError(
                 f"actuator_stiffness = {stiffness:g} N/m: must be from {SOFTEST:g} to "
-                f"{STIFFEST:g}; beyond, no spring can be told from {limit}: pass that."
+                f"{STIFFEST:g}; use math.inf for a prescribed stroke and 0 for a prescribed force."
             )
         object.__setattr__(self, "actuator_stiffness", float(stiffness))
 
