@@ -102,7 +102,7 @@ def preset_of_defaults() -> str:
         ("lever_mm", ("0.001", "1e6")),
         ("limit_deg", ("0.01", "89.9")),
         ("stiffness_N_per_m", ("1e-6", "1e9")),
-        ("actuator_stiffness_N_per_m", ("0", "1e12")),
+        ("actuator_stiffness_N_per_m", ("1e-6", "1e12")),
         ("friction_N", ("0", "1e6")),
     ],
 )

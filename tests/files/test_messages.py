@@ -107,8 +107,13 @@ def answer(text: str) -> str:
         ),
         (
             f"[chain]\nactuator_stiffness_N_per_m = inf\n{CELL}",
-            "forward.toml: chain.actuator_stiffness_N_per_m = inf: must be a finite number from 0 "
-            'to 1e12, or "rigid".',
+            "forward.toml: chain.actuator_stiffness_N_per_m = inf: must be a finite number from "
+            '1e-6 to 1e12, 0, or "rigid".',
+        ),
+        (
+            f"[chain]\nactuator_stiffness_N_per_m = 1e-7\n{CELL}",
+            "forward.toml: chain.actuator_stiffness_N_per_m = 1E-7: must be from 1e-6 to 1e12, 0, "
+            'or "rigid".',
         ),
         (
             f'title = "two\\nlines"\n[chain]\n{CELL}',

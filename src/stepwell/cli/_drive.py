@@ -8,15 +8,18 @@ import typer
 
 def drive(text: str) -> str | float:
     """stroke, force, or a stiffness in N/m."""
+    from stepwell.mechanism import SOFTEST, STIFFEST
+
     if text in ("stroke", "force"):
         return text
     try:
         stiffness = float(text)
     except ValueError:
         stiffness = -1.0
-    if not 0 < stiffness <= 1e12:
+    if not SOFTEST <= stiffness <= STIFFEST:
         raise typer.BadParameter(
-            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, up to 1e12."
+            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, {SOFTEST:g} to "
+            f"{STIFFEST:g}."
         )
     return stiffness
 

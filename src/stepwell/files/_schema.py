@@ -84,7 +84,9 @@ def _load_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
 def _actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
-    return number(value, Decimal(0), Decimal("1e12"), 'from 0 to 1e12, or "rigid"')
+    allowed = 'from 1e-6 to 1e12, 0, or "rigid"'
+    stiffness = number(value, Decimal(0), Decimal("1e12"), allowed)
+    return stiffness if stiffness == 0 else number(value, Decimal("1e-6"), stiffness, allowed)
 
 
 def _line(value: Any) -> str:

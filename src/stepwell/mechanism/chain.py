@@ -7,12 +7,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from stepwell.mechanism._check import finite
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Tolerances, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Path
+
+# Springs of an actuator [N/m]. A double holds a drive to a share of 1e-16: behind a softer spring
+# it loses the strokes beside λ/K, behind a stiffer one λ/K beside the strokes.
+SOFTEST, STIFFEST = 1e-6, 1e12
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,11 +27,12 @@ class Chain:
     Args:
         cells: (N,) cells, inner first.
         actuator_stiffness: K [N/m] of the spring between the actuator and the outermost
-            block: infinite for a prescribed stroke (the paper), 0 for a prescribed force.
+            block, 1e-6 to 1e12; or infinite for a prescribed stroke (the paper), or 0 for a
+            prescribed force.
         title: what reports call the chain.
 
     Raises:
-        ValueError: no cells, or a negative stiffness.
+        ValueError: no cells, or a stiffness out of range.
 
     Source: Kamp et al. 2024, Fig. 2.
     """
@@ -37,11 +43,15 @@ class Chain:
 
     def __post_init__(self):
         object.__setattr__(self, "cells", as_cells(self.cells))
-        if not self.actuator_stiffness >= 0:
+        stiffness = self.actuator_stiffness
+        if stiffness != math.inf:
+            stiffness = finite("actuator_stiffness", stiffness, "N/m")
+        if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
             raise ValueError(
-                f"actuator_stiffness = {self.actuator_stiffness} N/m: must be >= 0; use math.inf "
-                f"for a prescribed stroke and 0 for a prescribed force."
+                f"actuator_stiffness = {stiffness:g} N/m: must be from {SOFTEST:g} to "
+                f"{STIFFEST:g}; use math.inf for a prescribed stroke and 0 for a prescribed force."
             )
+        object.__setattr__(self, "actuator_stiffness", float(stiffness))
 
     def __len__(self) -> int:
         return len(self.cells)

@@ -19,7 +19,7 @@ def driven(chain: Chain, drive: Drive) -> Chain:
                 f"[N/m]."
             )
         return replace(chain, actuator_stiffness=math.inf if drive == "stroke" else 0.0)
-    return replace(chain, actuator_stiffness=float(drive))
+    return replace(chain, actuator_stiffness=drive)
 
 
 def refuse_friction(chain: Chain) -> None:

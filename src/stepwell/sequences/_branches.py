@@ -15,8 +15,10 @@ from stepwell.mechanism import Chain
 from stepwell.sequences._legs import Leg, Part, legs_of, state_of
 from stepwell.statics import Path, Stretch, Tie, drive_range, path
 
-# Two ends are one place when they differ by less than this share of the drive's range.
+# Two places are one when they differ by less than this share of what there is to travel.
 _SAME = 1e-7
+# Below this share of a drive's range its rounding begins.
+_ROUNDING = 1e-14
 # How far past the last event a drive without stops is looked at, as a share of its range.
 _BEYOND = 0.1
 
@@ -53,13 +55,14 @@ class Branch:
         """States on it with all cells at a stop, by rising drive."""
         return tuple(part.state for part in self.parts if "-" not in part.state)
 
-    def find(self, state: str, drive: float, slip: float) -> int:
-        """Number of the part with this state at this drive."""
-        return next(
-            k
-            for k, part in enumerate(self.parts)
-            if part.state == state and part.drive[0] - slip <= drive <= part.drive[1] + slip
-        )
+    def find(self, state: str, drive: float) -> int:
+        """Number of the part with this state at this drive, or the nearest to it."""
+        outside = {
+            max(part.drive[0] - drive, drive - part.drive[1], 0.0): k
+            for k, part in reversed(list(enumerate(self.parts)))
+            if part.state == state
+        }
+        return outside[min(outside)]
 
 
 def reach(chain: Chain) -> tuple[float, float]:
@@ -70,6 +73,19 @@ def reach(chain: Chain) -> tuple[float, float]:
     low, high = drive_range(chain)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
     return low - more, high + more
+
+
+def drive_slip(span: float, stroke: float) -> float:
+    """Drives closer than this are one place.
+
+    Behind a soft spring the drive goes far to change the force a little, and what tells one
+    place from another is still no more than a stroke.
+
+    Args:
+        span: of all drives [m], or [N] under force control.
+        stroke: with every cell at 1 [m], as far as the drive contains it; 0 under force control.
+    """
+    return max(_SAME * (stroke or span), _ROUNDING * span)
 
 
 class Branches:
@@ -83,7 +99,8 @@ class Branches:
         self.chain = chain
         self._rigid = math.isinf(chain.actuator_stiffness)
         self.range = reach(chain)
-        self.slip = _SAME * (self.range[1] - self.range[0])
+        stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
+        self.slip = drive_slip(self.range[1] - self.range[0], stroke)
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
         self._branches: list[Branch] = []
@@ -168,10 +185,14 @@ class Branches:
     def _known(self, state: str, drive: float) -> int | None:
         """The branch known to hold this place, where state and drive tell it.
 
-        They do if no more than one cell is in transit: its travel is what is left of the stroke.
+        A vertex that the actuator can press stands at all forces between two, so that there is
+        one of each state. A rigid one tells more: where a single cell is in transit, its travel
+        is what is left of the stroke.
         """
-        transit = state.count("-")
-        if transit > (1 if self._rigid else 0):
+        if not self._rigid:
+            vertices = self._where.get(state, ()) if "-" not in state else ()
+            return next(iter(vertices), None)
+        if state.count("-") > 1:
             return None
         for number in self._where.get(state, ()):
             for part in self._branches[number].parts:
@@ -194,7 +215,8 @@ class Branches:
         return None
 
     def _key(self, travels: Travels, drive: float, direction: int) -> tuple[int, ...]:
-        return (*(round(s / self.slip) for s in travels), round(drive / self.slip), direction)
+        least = _SAME * self.chain.full_stroke
+        return (*(round(s / least) for s in travels), round(drive / self.slip), direction)
 
     def _leg(
         self, travels: Travels, drive: float, direction: int

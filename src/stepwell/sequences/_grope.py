@@ -19,6 +19,8 @@ from stepwell.statics import StaticsError, path
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
+# Places closer than this share of all that can be travelled and driven are not both tried.
+_SAME = 1e-4
 _METHOD = (
     "searched with friction, turning in the middle of every smooth part of every run; each window "
     "was bisected with the other turns where they are, and a shorter program may exist"
@@ -34,14 +36,14 @@ def grope(
 ) -> Program:
     """The first program found, fewest turns first; as `sequences.program`."""
     chain = branches.chain
-    slip = branches.slip
+    least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
     waiting: deque[tuple[Travels, float, int, tuple[float, ...]]] = deque()
     for direction in (+1, -1):
         waiting.append((*place, direction, ()))
     seen: set[tuple[int, ...]] = set()
     while waiting and len(seen) < _MOST_PLACES:
         travels, drive, direction, turns = waiting.popleft()
-        key = (*(round(s / slip / 1000) for s in travels), round(drive / slip / 1000), direction)
+        key = (*(round(s / least) for s in travels), round(drive / slip), direction)
         if key in seen:
             continue
         seen.add(key)

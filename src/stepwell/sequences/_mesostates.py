@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.sequences._branches import drive_slip
 from stepwell.sequences.node import TransitionKind
 from stepwell.sequences.transition_graph import TransitionGraph
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-# Drives closer than this share of their range are one.
-_SAME = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +147,9 @@ def atlas(graph: TransitionGraph) -> Atlas:
     rise, fall = np.full(len(parts), -1), np.full(len(parts), -1)
     for a, b, direction in snaps:
         (rise if direction > 0 else fall)[branch_of[a]] = branch_of[b]
-    slip = _SAME * float(np.max(high) - np.min(low))
+    stroke = max(math.fsum(graph.node(label).travel_high) for label in graph)
+    span = float(np.max(high) - np.min(low))
+    slip = drive_slip(span, stroke if graph.unit == "m" else 0.0)
     return Atlas(graph, up, down, Mesostates(low, high, rise, fall, slip), parts, branch_of)
 
 

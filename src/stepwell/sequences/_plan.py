@@ -13,7 +13,7 @@ from stepwell.sequences._asked import checked_state
 from stepwell.sequences._branches import Branches, Travels
 from stepwell.sequences._grope import grope
 from stepwell.sequences._legs import legs_of
-from stepwell.sequences._relays import Relays, leaders_win, relays, shortest
+from stepwell.sequences._relays import Order, Relays, order_kept, relays, shortest
 from stepwell.sequences.program import Program, Turn, Unreachable
 from stepwell.statics import path
 
@@ -91,9 +91,10 @@ def _by_fields(
         if not rigid or shortest(fields, "0" * len(chain), start).blocked is not None:
             return None
     plan = shortest(fields, start, to)
-    proved = by_force or leaders_win(chain, fields)
+    # Under a prescribed force relays are what the cells are.
+    order = Order(True, True) if by_force else order_kept(chain, fields)
     if plan.blocked is not None:
-        if not proved:
+        if not order.only_ideals:
             return None
         i, j = (chain.names[k] for k in plan.blocked)
         raise Unreachable(
@@ -107,7 +108,17 @@ def _by_fields(
         return None
     turns, low, high = aimed
     return Program(
-        chain, start, to, place[1], (low + high) / 2, turns, low, high, _BY_FIELDS, proved, place[0]
+        chain,
+        start,
+        to,
+        place[1],
+        (low + high) / 2,
+        turns,
+        low,
+        high,
+        _BY_FIELDS,
+        order.leaders_win,
+        place[0],
     )
 
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.mechanism import Cell, Chain
-from stepwell.statics.concave import certify, end_forces, simple, travel_at
+from stepwell.mechanism import Chain
+from stepwell.sequences._legs import legs_of
+from stepwell.statics import StaticsError, path
+from stepwell.statics.concave import certify, end_forces, simple
 
 Floats = NDArray[np.float64]
-
-# Samples of two curves, until they are so dense that a difference between the curves shows.
-_LOOKS = (17, 257, 4097)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,39 +52,49 @@ def relays(chain: Chain) -> Relays | None:
     return Relays(up, down, max(full) - min(full) <= 1e-12 * max(full))
 
 
-def leaders_win(chain: Chain, fields: Relays) -> bool:
-    """Whether in every snap the cell whose release begins it is the one left in transit: proved.
+class Order(NamedTuple):
+    """How far relays tell what a chain under a prescribed stroke does, from all cells at 0 on.
 
-    Loading j snaps with the full cell i of largest B; at most D, what j lacks to its stop, is
-    given back, and i wins if F_i > F_k from S - D/2 to S for every other k it might race.
-    Unloading mirrors it. Sampled ever finer: on a stretch from a to b the least falling F_i is
-    F_i(b) and the largest F_k is F_k(a).
-
-    Source: theory page, "Sorting" ("When i does win").
+    Attributes:
+        only_ideals: whether nothing but ideals is reached.
+        leaders_win: whether in every snap the cell whose release begins it is the one left in
+            transit. Then the chain moves as relays do, turn for turn, and only ideals are reached.
     """
-    cells = [numbers for cell in chain.cells if (numbers := simple(cell)) is not None]
-    full = chain.cells[0].full_travel
-    up, down = fields.up, fields.down
-    for i, leader in enumerate(chain.cells):
-        follows = [j for j in range(len(cells)) if up[j] > up[i] and down[j] < down[i]]
-        given = max((full - travel_at(cells[j], down[i]) for j in follows), default=0.0)
-        taken = max((travel_at(cells[j], up[i]) for j in follows), default=0.0)
-        for k, other in enumerate(chain.cells):
-            races = down[k] < down[i] and given > 0
-            if races and not _above(leader, other, full - given / 2, full):
-                return False
-            if up[k] > up[i] and taken > 0 and not _above(other, leader, 0.0, taken / 2):
-                return False
-    return True
+
+    only_ideals: bool
+    leaders_win: bool
 
 
-def _above(one: Cell, other: Cell, left: float, right: float) -> bool:
-    """Whether the falling force of one cell is above the other's from left to right: proved."""
-    for looks in _LOOKS:
-        travel = np.linspace(left, right, looks)
-        if np.all(one.force(one.angle(travel))[1:] > other.force(other.angle(travel))[:-1]):
-            return True
-    return False
+def order_kept(chain: Chain, fields: Relays) -> Order:
+    """What the full cycle proves about all that one actuator can do to equal full travels.
+
+    Whatever ideal the chain comes from, loading j goes through the snaps in which j loads on the
+    full cycle. Turning back after one of them empties the cell left in transit, and that is all
+    that full strokes do not do. So the full cycle decides: where that cell may go back without
+    leaving the ideals, nothing else is ever reached, and where it may not, turning there does.
+    Where a snap hangs on a tie, or the engine cannot go on, nothing is said.
+
+    Source: ours (theory page, "Stroke programs").
+    """
+    try:
+        cycle = path(chain, [0.0, chain.full_stroke, 0.0])
+    except StaticsError:
+        return Order(False, False)
+    ideals = leaders = not cycle.degenerate
+    for leg, landed in pairwise(legs_of(cycle)):
+        state = landed.parts[0].state
+        if leg.snap is None or state.count("-") != 1:
+            return Order(False, False)
+        k = state.index("-")
+        if leg.snap.direction > 0:
+            full = [m for m, at in enumerate(state) if at == "1"]
+            ideals &= not any(fields.precedes(k, m) for m in full)
+            leaders &= all(fields.down[m] < fields.down[k] for m in full)
+        else:
+            empty = [m for m, at in enumerate(state) if at == "0"]
+            ideals &= not any(fields.precedes(m, k) for m in empty)
+            leaders &= all(fields.up[m] > fields.up[k] for m in empty)
+    return Order(ideals, leaders)
 
 
 @dataclass(frozen=True)

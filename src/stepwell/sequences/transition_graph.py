@@ -237,7 +237,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             if way is None:
                 continue
             at = way.snap.drive[0]
-            target = branches[way.branch].find(state_of(way.travel, full), at, branches.slip)
+            target = branches[way.branch].find(state_of(way.travel, full), at)
             snap = Transition(
                 TransitionKind.SNAP, direction, at, way.snap.cells, way.snap.released, way.snap.tie
             )

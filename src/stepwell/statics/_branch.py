@@ -179,14 +179,15 @@ def point_at(
         else:
             high, u_high = force, u
     _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, force, out)
-    if alpha == 0.0 or len(movers) == 0:
-        return force
-    # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum.
+    # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
+    # the actuator is softer still.
     softest, largest = 0, 0.0
     for m in range(len(movers)):
         inverse = abs(inverse_slope(laws, pieces, movers[m], on[m], out[m]))
         if inverse > largest:
             softest, largest = m, inverse
+    if alpha * largest <= beta:
+        return force
     total = held
     for m in range(len(movers)):
         if m != softest:

@@ -219,13 +219,12 @@ def _settle(laws: Laws, pieces: Pieces, state: State, alpha: float, beta: float)
             free += 1
         else:
             _hold(laws, pieces, state, i)
-    if beta > 0.0:
-        return
-    if free > 0:
+    if alpha > 0.0 and free > 0:
+        # Behind a stiff spring λ = K (U - Σ s) is rounding: the cells tell it better.
         state.force[0] = total / free
-        return
-    low, high = held_range(laws, state)
-    state.force[0] = min(max(state.force[0], low), high)
+    elif beta == 0.0:
+        low, high = held_range(laws, state)
+        state.force[0] = min(max(state.force[0], low), high)
 
 
 @kernel
@@ -504,12 +503,10 @@ def _take_snap(
         released += _energy(laws, pieces, i, before[i]) - _energy(laws, pieces, i, state.travel[i])
     # A cell that yields and comes back has rubbed as well.
     friction_work = float(np.sum(laws.friction * rubbed))
-    if alpha == 0.0:
-        released += force * (np.sum(state.travel) - np.sum(before))
-    elif beta > 0.0:
-        # The actuator's spring gives back what it held.
-        state.force[0] = (drive - alpha * np.sum(state.travel)) / beta
-        released += 0.5 * beta * (force * force - state.force[0] * state.force[0])
+    if beta > 0.0:
+        # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
+        # way no large numbers are subtracted.
+        released += 0.5 * (force + state.force[0]) * np.sum(state.travel - before)
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and note[NOTE_A] < 0:

@@ -11,6 +11,10 @@ from stepwell.statics._follow import FREE, HELD, State, held_range
 from stepwell.statics._law import Floats, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 
+EPSILON = float(np.finfo(float).eps)
+# A spring whose force is known to no better than this share of the cells' tells nothing.
+_BLUNT = 1e-2
+
 
 def drive_weights(chain: Chain) -> tuple[float, float]:
     """(α, β) of the drive coordinate U = α Σ s_i + β λ."""
@@ -55,9 +59,15 @@ def starting_state(
 
     Raises:
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
-            balance in an unstable way.
+            balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     alpha, beta = drive_weights(chain)
+    if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+        raise ValueError(
+            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
+            f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
+            f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
+        )
     n = len(travels)
     state = State(
         travels.copy(),
@@ -91,12 +101,16 @@ def starting_state(
         force = float(np.mean(forces[free])) if free.any() else min(max(0.0, low), high)
     else:
         force = (drive - alpha * stroke) / beta
-    slip = 1e-9 * scale
+    # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
+    # it leaves open the cells tell.
+    rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta if beta > 0 else 0.0
+    slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
         raise ValueError(_unbalanced(chain, laws, state, forces, force, beta))
     _refuse_unstable(chain, laws, pieces, state, alpha, beta)
-    state.force[0] = force
+    told = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
+    state.force[0] = min(max(told, force - rounding), force + rounding)
     return state
 
 
