@@ -35,10 +35,10 @@ test: .venv/.ready
 	.venv/bin/pyright
 	.venv/bin/lint-imports
 	.venv/bin/mkdocs build --strict --quiet
-	.venv/bin/pytest --cov --cov-report=term
+	.venv/bin/pytest --numprocesses=auto --cov --cov-report=term
 
 test-lowest: .venv-lowest/.ready
-	.venv-lowest/bin/pytest -m "not slow and not shown"
+	.venv-lowest/bin/pytest --numprocesses=auto -m "not slow and not shown"
 
 bench: .venv/.ready
 	.venv/bin/python benchmarks/run.py

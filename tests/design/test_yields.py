@@ -87,6 +87,20 @@ def test_one_mechanism_of_any_concave_chain_is_judged_as_the_engine_does(seed, c
         assert str(draws.sample(number).cycle().sequence) == does[number]
 
 
+@pytest.mark.parametrize("seed", [0, 2])
+def test_one_yield_whether_the_closed_form_counts_or_the_engine(seed):
+    # With friction landings form a continuum, and half of these were once called ties.
+    chain = concave_chain(np.random.default_rng([seed, 6]), 6)
+    wanted = str(chain.cycle().sequence)
+    tolerances = Tolerances(anchor=0.0003, rest_length=0.03, lever=0.0003, friction=0.05)
+    draws = Draws(chain, tolerances, 0)
+    verdict, says = judged(draws, 60)
+    rows = np.concatenate([piece.copy() for piece in draws.chunks(60)])
+    does = [followed(draws, row) for row in rows]
+    assert np.all(verdict != ASK)
+    assert sum(text == wanted for text in does) == sum(text == wanted for text in says)
+
+
 @pytest.mark.parametrize("tolerances", [ALL, replace(ALL, lever=0.0, friction=0.0)])
 def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
     rng = np.random.default_rng(2)
