@@ -3,6 +3,7 @@
 import math
 import signal
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +14,10 @@ from chains import any_chain
 from conftest import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
-from stepwell.statics import _follow as f
+from stepwell.statics import _certificate, _follow as f
 from stepwell.statics._law import law
 from stepwell.statics._pieces import find_piece
-from stepwell.statics.run import _MOST_LOOKS
+from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 OUTER = PAPER.with_anchors(q=(0.020, 0.0))
@@ -318,6 +319,16 @@ def test_chains_of_alike_cells_answer_or_refuse_within_their_looks(monkeypatch):
             pass
     assert max(spent) < 1.2 * _MOST_LOOKS
     assert answered >= 0.9 * examples(10)
+
+
+def test_the_theory_page_tells_the_price_and_the_tolerances_that_are_in_force():
+    page = (Path(__file__).parents[2] / "docs" / "theory.md").read_text("utf-8")
+    assert f"up to {_SHORT} cells at most {_MOST_LOOKS // 10**6} million looks" in page
+    assert (
+        f"to {_certificate.FORCE_SLACK:.0e}".replace("e-0", "e-") + " of the largest force;" in page
+    )
+    assert _certificate.ENERGY_SLACK == _certificate.FORCE_SLACK
+    assert f"asked {f.BLUNT:.0e}".replace("e-0", "e-") + " of the largest force away" in page
 
 
 def general_chain(cells: int) -> sw.Chain:
