@@ -322,7 +322,8 @@ def test_chains_of_alike_cells_answer_or_refuse_within_their_looks(monkeypatch):
 
 
 def test_the_theory_page_tells_the_price_and_the_tolerances_that_are_in_force():
-    page = (Path(__file__).parents[2] / "docs" / "theory.md").read_text("utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "theory.md").read_text("utf-8")
+    page = " ".join(text.split())
     assert f"up to {_SHORT} cells at most {_MOST_LOOKS // 10**6} million looks" in page
     assert (
         f"to {_certificate.FORCE_SLACK:.0e}".replace("e-0", "e-") + " of the largest force;" in page
