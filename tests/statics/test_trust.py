@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
-from chains import any_chain
+from chains import any_cell, any_chain
 from conftest import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
@@ -289,6 +289,22 @@ def test_alike_cells_whose_forces_turn_are_followed():
     assert str(cycle.sequence) == "000>110>111>001>000"
     assert np.max(cycle.path.residual) < 1e-12
     assert cycle.degenerate
+
+
+def test_alike_cells_that_reach_their_stops_together_all_get_there():
+    # One stood a last digit before its stop for ever after, and its arrival was lost.
+    rng = np.random.default_rng([236, 66])
+    rng.integers(1, 4)
+    kinds = [any_cell(rng) for _ in range(3)]
+    cycle = sw.Chain([kinds[i] for i in (2, 2, 0, 0, 2, 2)]).cycle()
+    assert str(cycle.sequence) == "000000>110011>111111>001100>000100>000000"
+    full = np.array([cell.full_travel for cell in cycle.chain.cells])
+    assert not np.any((cycle.path.travel < full) & (cycle.path.travel > (1 - 1e-14) * full))
+
+
+def test_cells_without_any_force_behind_a_spring_are_refused_in_words_that_fit():
+    with pytest.raises(ValueError, match="no cell has any force"):
+        sw.Chain([held(1.0, 1.0, 28.5, 90.0)], actuator_stiffness=200.0).cycle()
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from stepwell.statics._branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics._compile import kernel
 from stepwell.statics._follow import (
     CELL,
+    DRIVE_1,
     FORCE_1,
     KIND,
     OFFSET,
@@ -139,13 +140,26 @@ def audit(
         if jumps:
             if not row[RELEASED] >= -ENERGY_SLACK * scale * size:
                 return k, ENERGY, -row[RELEASED]
-            # Alike cells can creep into a saddle together; they leave it by another snap.
-            if k + 1 < log.used[0] and int(log.segments[k + 1, KIND]) == SNAP:
+            # Alike cells can creep into a saddle together, or stand on their tops under the same
+            # force; they leave by another snap at the same drive.
+            if _snaps_again(log, k):
                 continue
             least = certify(laws, pieces, now, force, alpha, beta, none, none, np.empty(0))[1]
             if not least >= -STIFFNESS_SLACK * scale / size:
                 return k, STABILITY, -least
     return -1, KEPT, 0.0
+
+
+@kernel
+def _snaps_again(log: Log, k: int) -> bool:
+    """Whether another snap follows segment k before the drive goes on."""
+    drive = log.segments[k, DRIVE_1]
+    for after in range(k + 1, log.used[0]):
+        if int(log.segments[after, KIND]) == SNAP:
+            return True
+        if abs(log.segments[after, DRIVE_1] - drive) > 1e-12 * abs(drive):
+            return False
+    return False
 
 
 @kernel

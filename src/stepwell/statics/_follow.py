@@ -801,9 +801,12 @@ def _move(
     if not folds and not releases:
         for m in range(count):
             near = _end_distance(pieces, state, on[m], offset[m], toward) <= arrival
-            if m == who or (company and near):
-                outwards = toward * pieces.sign[on[m]] > 0
-                places[m] = pieces.right[on[m]] if outwards else pieces.left[on[m]]
+            outwards = toward * pieces.sign[on[m]] > 0
+            there = pieces.right[on[m]] if outwards else pieces.left[on[m]]
+            # Alike cells arrive together, but for rounding.
+            alike = abs(places[m] - there) <= 1e-15 * laws.full[moved[m]]
+            if m == who or alike or (company and near):
+                places[m] = there
     following = alpha * (rest + float(np.sum(places))) + beta * level
     reached = direction * (following - target) > small_drive
     if reached and count == 1 and beta == 0.0:
@@ -816,12 +819,14 @@ def _move(
     if reached:
         following = target
     friction_work = 0.0
+    moves = level != force or following != drive
     for m in range(count):
         i = int(moved[m])
+        moves = moves or places[m] != before[i]
         friction_work += float(laws.friction[i]) * abs(places[m] - before[i])
         state.travel[i] = places[m]
     state.force[0] = level
-    if level != force or following != drive:
+    if moves:
         status = _write(
             log, MOVE if count > 0 else HOLD, direction, before, state, moved, on, offset,
             drive, following, force, 0.0, friction_work, note,

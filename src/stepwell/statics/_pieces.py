@@ -19,6 +19,8 @@ _RESOLVED = 1e-6
 _FLAT = 1e-12
 # More pieces in one cell than this and the search for them has gone astray.
 MOST_PIECES = 1000
+# Forces that reach no further than this are none [N].
+NO_FORCE = 1e-12
 
 
 class Pieces(NamedTuple):
@@ -301,7 +303,7 @@ def cut(laws: Laws) -> Pieces:
 def force_scale(laws: Laws, pieces: Pieces) -> float:
     """Largest force of any cell on its way [N], against which tolerances are measured."""
     largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
-    return float(max(largest, np.max(laws.friction), 1e-12))
+    return float(max(largest, np.max(laws.friction), NO_FORCE))
 
 
 @kernel

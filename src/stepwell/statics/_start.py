@@ -9,7 +9,7 @@ from stepwell.mechanism import Chain
 from stepwell.statics._branch import inverse_slope
 from stepwell.statics._follow import FREE, HELD, State, held_range
 from stepwell.statics._law import Floats, Laws, law
-from stepwell.statics._pieces import Pieces, find_piece
+from stepwell.statics._pieces import NO_FORCE, Pieces, find_piece
 
 EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.
@@ -62,6 +62,11 @@ def starting_state(
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     alpha, beta = drive_weights(chain)
+    if alpha > 0 and beta > 0 and scale <= NO_FORCE:
+        raise ValueError(
+            "no cell has any force, so nothing tells where they stand behind a spring: tighten a "
+            "band, or prescribe the stroke (math.inf, or 'rigid')."
+        )
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         raise ValueError(
             f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
