@@ -1,4 +1,4 @@
-"""The results of `stepwell robot show` and `stepwell robot sweep` as people read them."""
+"""The results of `stepwell robot` as people read them."""
 
 from __future__ import annotations
 
@@ -137,6 +137,30 @@ def show_sweep(record: dict[str, Any]) -> None:
     if failed:
         first = failed[0]["stopped"]
         show_lines("", f"{len(failed)} did not walk to the end; the first of them: {first}")
+
+
+def show_convergence(record: dict[str, Any]) -> None:
+    """Print what `files.convergence_record` returns."""
+    show_table(
+        f"{record['title'] or 'robot'}, by time step",
+        ["time step [ms]", "d/u_max", "turn [deg]", "floor forces off [% of weight]", "jumps [%]"],
+        [
+            [
+                number(row["time_step_ms"]),
+                f"{row['advance_over_u_max']:z.3f}",
+                _turn(row["turn_deg"]),
+                f"{row['forces_off_percent']:.2f}",
+                f"{row['jumps_percent']:.1f}",
+            ]
+            for row in record["time_steps"]
+        ],
+        left=(),
+    )
+    show_lines(
+        "",
+        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a",
+        "force of the floor changes by more than a fifth.",
+    )
 
 
 def _measures(trial: dict[str, Any]) -> list[str]:

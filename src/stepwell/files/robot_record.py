@@ -11,12 +11,13 @@ from stepwell.files.record import finite
 from stepwell.robot import Flip, LegPrediction, Prediction, Push, Robot
 
 if TYPE_CHECKING:
-    from stepwell.physics import Maze, Sweep, Walk
+    from stepwell.physics import Convergence, Maze, Sweep, Walk
 
 ROBOT_SCHEMA = "stepwell.robot/1"
 WALK_SCHEMA = "stepwell.walk/1"
 MAZE_SCHEMA = "stepwell.maze/1"
 SWEEP_SCHEMA = "stepwell.sweep/1"
+CONVERGENCE_SCHEMA = "stepwell.convergence/1"
 
 
 def robot_record(robot: Robot, prediction: Prediction) -> dict[str, Any]:
@@ -143,6 +144,32 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
                 "stopped": trial.stopped,
             }
             for i, trial in enumerate(sweep.trials)
+        ],
+    }
+
+
+def convergence_record(found: Convergence) -> dict[str, Any]:
+    """How far a walk depends on the time step, as JSON can hold it.
+
+    Args:
+        found: any.
+
+    Returns:
+        The record that docs/commands.md describes.
+    """
+    return {
+        "schema": CONVERGENCE_SCHEMA,
+        "stepwell": __version__,
+        "title": found.robot.title,
+        "time_steps": [
+            {
+                "time_step_ms": row.time_step * 1e3,
+                "advance_over_u_max": row.advance,
+                "turn_deg": math.degrees(row.turn),
+                "forces_off_percent": row.off * 100,
+                "jumps_percent": row.jumps * 100,
+            }
+            for row in found.rows
         ],
     }
 

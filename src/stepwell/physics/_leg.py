@@ -238,6 +238,7 @@ def add_tip(
         condim=3,
         friction=(robot.floor.foot_friction, 0.0, 0.0),
         solref=(settings.contact_time, 1.0),
+        solimp=parts.TOUCHING,
         **parts.STANDS,
     )
     parts.site(tip, f"{name}.tip")

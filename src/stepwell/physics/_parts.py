@@ -31,6 +31,11 @@ OUTLINE: dict[str, Any] = {"contype": 2, "conaffinity": 4}
 OBSTACLE: dict[str, Any] = {"contype": 4, "conaffinity": 2}
 SEEN: dict[str, Any] = {"contype": 0, "conaffinity": 0}
 
+# What touches carries nothing at first and its full share a tenth of a millimetre in. With MuJoCo's
+# own values a contact carries nine tenths from the first on: a foot at rest comes off and on again
+# at every step, and what the floor carries under it does not converge.
+TOUCHING = (0.0, 0.95, 1e-4, 0.5, 2.0)
+
 # Rods give way by next to nothing: hundredths of a millimetre under a leg's forces.
 STIFF = (0.98, 0.99, 0.001, 0.5, 2.0)
 
