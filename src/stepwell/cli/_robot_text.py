@@ -48,11 +48,15 @@ def _turn(value: float) -> str:
 def _legs(legs: list[dict[str, Any]]) -> None:
     show_table(
         "Predicted gaits, without simulation",
-        ["leg", "states", "d/u_max", "margin [mN]", "unknown [mN]", "past the margin"],
+        [
+            *("leg", "states", "feet [mm]", "d/u_max", "margin [mN]", "unknown [mN]"),
+            "past the margin",
+        ],
         [
             [
                 leg["name"],
                 leg["gait"],
+                feet_text(leg["feet_mm"]),
                 f"{leg['advance_over_u_max']:.2f}",
                 "over 2000" if leg["margin_mN"] is None else number(leg["margin_mN"], 3),
                 number(leg["uncertainty_mN"], 3),
@@ -60,8 +64,13 @@ def _legs(legs: list[dict[str, Any]]) -> None:
             ]
             for leg in legs
         ],
-        left=(0, 1, 5),
+        left=(0, 1, 6),
     )
+
+
+def feet_text(depths: list[float] | None) -> str:
+    """Depths of the feet [mm] between which a gait surely stays what it is."""
+    return "" if depths is None else f"{depths[0]:.2f} to {depths[1]:.2f}"
 
 
 def _pushes(legs: list[dict[str, Any]]) -> None:

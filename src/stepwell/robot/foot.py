@@ -35,7 +35,7 @@ class Foot:
     link: float = 0.035
     span: float = 0.040
     mass: float = 0.0066
-    below: float = 0.001
+    below: float = 0.0009
     radius: float = 0.004
 
     def __post_init__(self):
