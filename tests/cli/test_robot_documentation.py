@@ -37,7 +37,7 @@ def records():
         files.robot_record(robot, robot.predict()),
         files.walk_record(robot.walk(1)),
         files.maze_record(robot.maze(cylinder, limit=36.0)),
-        files.convergence_record(physics.convergence(robot, (2e-3, 1e-3))),
+        files.convergence_record(physics.convergence(robot, (1e-3, 5e-4))),
         files.sweep_record(physics.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
     ]
 

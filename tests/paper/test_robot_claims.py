@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from stepwell import files, paper
-from stepwell.paper import Judgement, _robot, _sensitivity, _steering
+from stepwell.paper import Judgement, _loss, _robot, _sensitivity, _steering
 from stepwell.physics import Outcome, maze, mazes
 from stepwell.robot import Floor, other_layout, other_start
+from stepwell.robot.states import TOLERANCE
 
 THREE = ("wall 1", "wall 2", "wall 3")
 
@@ -45,6 +46,26 @@ def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
     verdict = found(_robot.CLAIMS, "robot-forward").judge()
     assert verdict.verdict is Judgement.DIFFERS
     assert verdict.reason
+
+
+def test_a_forward_step_loses_at_its_start_and_not_in_the_snap_near_11():
+    # The paper blames the snap, in which the foot is in the air.
+    loss = _loss.forward_loss()
+    assert loss.airborne == 0.0
+    assert loss.snap < 0.005
+    assert loss.start > 0.9 * loss.whole > 0.2
+    assert loss.carried < 0.1 * loss.stood
+    # What the outer cell opens is there, and under what a gait's states show.
+    assert 0.1 < loss.opened < TOLERANCE
+    verdict = found(_loss.CLAIMS, "robot-forward-loss").judge()
+    assert verdict.verdict is Judgement.DIFFERS
+
+
+def test_a_step_that_were_lost_near_11_would_agree(monkeypatch):
+    walk = _robot.walk_of("forward")
+    late = walk.stroke > walk.robot.drive.amplitude - 0.003
+    monkeypatch.setattr(_loss, "walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late))
+    assert found(_loss.CLAIMS, "robot-forward-loss").judge().verdict is Judgement.AGREES
 
 
 def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):

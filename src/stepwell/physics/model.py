@@ -98,7 +98,7 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option.gravity = (0.0, 0.0, -robot.floor.gravity)
     # The pyramidal cone lets feet creep, which changes the gait.
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    # A foot that holds creeps, and by less the larger this is: 13 µm a second at 97 % of its hold.
+    # A foot that holds creeps, and by less the larger this is: 7 µm a second at 97 % of its hold.
     option.impratio = 100.0
 
 

@@ -29,7 +29,8 @@ class Foot:
     Raises:
         ValueError: a value out of range, or pivots further apart than two links reach.
 
-    Source: Kamp et al. 2024, Fig. 3; `below` and `radius` are ours.
+    Source: Kamp et al. 2024, Fig. 3, for the idea, their notes for `link`, `span` and `mass`;
+    `below` and `radius` are ours.
     """
 
     link: float = 0.035
