@@ -6,7 +6,7 @@ from typing import Any
 
 import stepwell as sw
 from stepwell.physics import Linkage, Settings, Walk, walk
-from stepwell.robot import Antenna, Foot, Leg, Robot
+from stepwell.robot import Antenna, Leg, Robot
 
 AT = (0.008, 0.0575)
 STIFFNESS, REST = 30.0, 0.010
@@ -65,7 +65,6 @@ def explorer(connected: bool = True) -> Robot:
 
     return Robot(
         [legs("left", 1), legs("right", -1)],
-        foot=Foot(below=0.0003),
         antennas=[antenna("left", 1, "right"), antenna("right", -1, "left")],
     )
 

@@ -117,6 +117,7 @@ def maze_record(maze: Maze) -> dict[str, Any]:
                 "begin_s": contact.begin,
                 "end_s": contact.end,
                 "swing_deg": math.degrees(contact.swing),
+                "moved_mm": contact.moved * 1e3,
             }
             for contact in maze.contacts
         ],
