@@ -6,7 +6,7 @@ from typing import Any
 
 import stepwell as sw
 from stepwell.physics import Linkage, Settings, Walk, walk
-from stepwell.robot import Antenna, Leg, Robot
+from stepwell.robot import Antenna, Foot, Leg, Robot
 
 AT = (0.008, 0.0575)
 STIFFNESS, REST = 30.0, 0.010
@@ -40,7 +40,7 @@ def robot(left: float = 0.020, right: float | None = None, **more: Any) -> Robot
 
 
 def explorer(connected: bool = True) -> Robot:
-    """A robot whose antennas turn the opposite leg round."""
+    """A robot whose antennas turn the opposite leg round: `robot-explorer` on shallower feet."""
 
     def legs(name: str, side: int) -> Leg:
         chain = sw.Chain(
@@ -65,6 +65,7 @@ def explorer(connected: bool = True) -> Robot:
 
     return Robot(
         [legs("left", 1), legs("right", -1)],
+        foot=Foot(below=0.0003),
         antennas=[antenna("left", 1, "right"), antenna("right", -1, "left")],
     )
 
