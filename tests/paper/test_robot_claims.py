@@ -20,8 +20,9 @@ def explorer(**changes):
     return replace(_robot.robot("explorer"), **changes)
 
 
-def levers_off():
-    return explorer(antennas=[replace(a, connected=False) for a in explorer().antennas])
+def levers_off(design):
+    off = [replace(antenna, connected=False) for antenna in design.antennas]
+    return replace(design, antennas=off)
 
 
 def found(claims, name):
@@ -119,9 +120,10 @@ def test_an_obstacle_is_left_behind(arena):
 @pytest.mark.parametrize("name", ["three-walls", "corridor"])
 def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     arena = files.load_arena(name)
-    start = other_start(arena, _steering.STARTS[0])
+    start, design = other_start(arena, _steering.STARTS[0]), _robot.robot("antennas")
     with_antennas, bare, disconnected = mazes(
-        [(explorer(), start), (explorer(antennas=()), start), (levers_off(), start)], limit=600.0
+        [(design, start), (replace(design, antennas=()), start), (levers_off(design), start)],
+        limit=500.0,
     )
     assert with_antennas.outcome is Outcome.REACHED
     assert all(with_antennas.touched[wall] is not None for wall in THREE)
@@ -134,7 +136,7 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
 @pytest.mark.slow
 def test_three_walls_that_stand_differently_are_passed():
     arena = other_layout(files.load_arena("three-walls"), _steering.LAYOUTS[0])
-    assert maze(explorer(), arena, limit=600.0).outcome is Outcome.REACHED
+    assert maze(_robot.robot("antennas"), arena, limit=600.0).outcome is Outcome.REACHED
 
 
 def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
