@@ -57,7 +57,7 @@ def _pressed(design: Robot, moved: float) -> Robot:
     return design.pressed({antenna.name: moved / antenna.gear})
 
 
-def _two_bands(design: Robot, bands: float) -> Robot:
+def _with_bands(design: Robot, bands: float) -> Robot:
     """A robot with so many times the stiffness of one band on its inner cells."""
     one = design.legs[0].chain.cells[1].bands[0].stiffness
     return files.vary(design, {"chain.cell.inner.band.stiffness_N_per_m": bands * one})
@@ -68,7 +68,7 @@ def _papers_antennas() -> Finding:
 
     base = robot("antennas")
     ratios = sorted({*BANDS.values(), *(r / 10 for r in range(10, 27))})
-    robots = [_two_bands(base, ratio) for ratio in ratios]
+    robots = [_with_bands(base, ratio) for ratio in ratios]
     both = [each for one in robots for each in (one, _pressed(one, MOVED))]
     trials = iter(sweep(both, cycles=3).trials)
     found = {ratio: (next(trials), next(trials)) for ratio in ratios}
@@ -80,7 +80,7 @@ def _papers_antennas() -> Finding:
     holding = [ratio for ratio, holds in flips.items() if holds] or [math.nan]
     antenna = base.antennas[0]
     moves = [m * 2.5e-4 for m in range(8, 1 + round(MOVED / 2.5e-4))]
-    reached = [_pressed(_two_bands(base, BANDS["two bands"]), moved) for moved in moves]
+    reached = [_pressed(_with_bands(base, BANDS["two bands"]), moved) for moved in moves]
     turned = [trial.gaits[1] == BACKWARD for trial in sweep(reached, cycles=3).trials]
     free, pressed = found[BANDS["two bands"]]
     return decided(
