@@ -68,9 +68,9 @@ def _snap() -> Finding:
     return judged(
         loss.snap > loss.whole / 2,
         f"{loss.start:.2f} u_max at the start, {loss.snap:.3f} in the snap near 11",
-        otherwise=f"Of {loss.whole:.2f} u_max that a cycle falls short. In the last "
-        f"{NEAR * 1e3:g} mm before 11 the foot is in the air and carries "
-        f"{loss.airborne:.2f} N, so no snap there can cost a step. It slips at the start instead: "
+        otherwise=f"A cycle falls {loss.whole:.2f} u_max short. In the last {NEAR * 1e3:g} mm "
+        f"before 11 the foot is in the air and carries {loss.airborne:.2f} N, so no snap there "
+        f"can cost a step. It slips at the start instead: "
         f"the weight opens the outer cell by {loss.opened:.0%} of its travel, until the T-foot "
         f"carries it, and the foot, whose load falls to {loss.carried:.2f} N from the "
         f"{loss.stood:.2f} N at which it grips, slides back until the outer cell shuts again. What "

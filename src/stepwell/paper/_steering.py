@@ -125,7 +125,7 @@ def _turns_away() -> Finding:
         f"{math.degrees(touched.swing):.0f}° and {touched.moved * 1e3:.1f} mm: the leg goes "
         f"{' or '.join(sorted(idle))}, and the robot turns away by the push of the other one. The "
         f"{math.hypot(*full.moves) * 1e3:g} mm of a full swing of {math.degrees(full.swing):.0f}° "
-        f"are never used, for by then it has turned away.",
+        f"are not reached, for before that it has turned away.",
         otherwise="Our design does not do it either.",
     )
 
