@@ -39,7 +39,7 @@ def answer(values: dict) -> str:
 
 def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
     listed = parameters(FORWARD)
-    assert Parameter("foot.link_mm", 35.0, "mm", "paper") in listed
+    assert Parameter("foot.link_mm", 35.0, "mm", "authors' notes") in listed
     assert Parameter("body.mass_g", FORWARD.body.mass * 1e3, "g", "assumed") in listed
     lever = next(p for p in listed if p.path == "leg.left.chain.cell.inner.lever_mm")
     assert (lever.value, lever.unit) == (pytest.approx(10 * math.sqrt(2)), "mm")
@@ -196,7 +196,15 @@ def test_no_robot_of_the_package_claims_more_than_is_known():
     # The paper gives stroke, anchors, the cell and the bands' rest length; its authors' notes the
     # stiffness of the bands, links, span, foot mass and drag.
     given = {
-        "paper": {"stroke_mm", "p_mm", "q_mm", "lever_mm", "limit_deg", "rest_length_mm"},
+        "paper": {
+            "stroke_mm",
+            "p_mm",
+            "q_mm",
+            "lever_mm",
+            "limit_deg",
+            "rest_length_mm",
+            "moves_mm",
+        },
         "authors' notes": {"link_mm", "span_mm", "mass_g", "drag_N", "stiffness_N_per_m"},
         "measured": {"stiffness_N_per_m"},
     }
