@@ -240,7 +240,7 @@ def below(one, depth):
 
 
 def test_feet_stand_in_the_middle_of_the_depths_at_which_the_papers_robots_do_as_they_should():
-    # q_out = 20 mm walks where the feet are not too deep, 15 mm does not where they are not too flat.
+    # q_out = 20 mm walks unless the feet are too deep, 15 mm does not unless they are too flat.
     walks, stays = robot(0.020), robot(0.015)
     assert walks.foot == stays.foot == Foot()
     (_, most), (least, _) = walks.predict().depths[0], stays.predict().depths[0]
