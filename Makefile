@@ -27,7 +27,7 @@ venv: .venv/.ready
 demo: .venv/.ready
 	.venv/bin/stepwell paper --out out/paper
 	.venv/bin/stepwell walk robot-forward --cycles 4 --out out/walk
-	.venv/bin/stepwell maze robot-explorer three-walls --out out/maze
+	.venv/bin/stepwell maze robot-antennas three-walls --out out/maze
 
 test: .venv/.ready
 	.venv/bin/ruff check

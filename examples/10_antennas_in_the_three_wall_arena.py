@@ -5,7 +5,7 @@ from dataclasses import replace
 import stepwell as sw
 from stepwell.files import load_arena
 
-robot, arena = sw.preset("robot-explorer"), load_arena("three-walls")
+robot, arena = sw.preset("robot-antennas"), load_arena("three-walls")
 cut = tuple(replace(antenna, connected=False) for antenna in robot.antennas)
 
 way = robot.maze(arena)

@@ -33,7 +33,7 @@ def test_a_contact_is_told_with_the_leg_that_it_reprograms(stepwell, tmp_path):
 @pytest.mark.parametrize("option", ["--disconnect", "--no-antennas"])
 def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option):
     result = stepwell(
-        "maze", "robot-explorer", "cylinder", "--limit", 36, option, "--json",
+        "maze", "robot-explorer", "cylinder", "--limit", 60, option, "--json",
         "--out", "out", "--no-video",
     )  # fmt: skip
     record = json.loads(result.stdout)

@@ -17,8 +17,8 @@ def test_show_lists_every_number_with_unit_and_source(stepwell):
     result = stepwell("robot", "show", "robot-explorer")
     assert result.exit_code == 0
     rows = {line.split()[0]: line.split()[1:] for line in result.stdout.splitlines() if line}
-    assert rows["foot.link_mm"] == ["35", "mm", "paper"]
-    assert rows["foot.below_mm"] == ["0.3", "mm", "assumed"]
+    assert rows["foot.link_mm"] == ["35", "mm", "authors'", "notes"]
+    assert rows["foot.below_mm"] == ["0.9", "mm", "assumed"]
     assert rows["leg.*.chain.cell.outer.band.stiffness_N_per_m"] == ["47", "N/m", "measured"]
     for key in ("leg.left.at_mm", "antenna.right.moves_mm", "drive.period_s"):
         assert key in rows

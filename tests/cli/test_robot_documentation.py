@@ -24,7 +24,7 @@ def test_every_subcommand_and_option_of_robot_is_documented(name):
                 assert f"`{option}" in section, option
 
 
-@pytest.mark.parametrize("arguments", [(), ("show",), ("sweep",)])
+@pytest.mark.parametrize("arguments", [(), ("show",), ("sweep",), ("converge",)])
 def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
     text = stepwell("robot", *arguments, "-h").stdout
     assert " ".join(text.split()).endswith(EXIT_CODES)
@@ -37,6 +37,7 @@ def records():
         files.robot_record(robot, robot.predict()),
         files.walk_record(robot.walk(1)),
         files.maze_record(robot.maze(cylinder, limit=36.0)),
+        files.convergence_record(physics.convergence(robot, (1e-3, 5e-4))),
         files.sweep_record(physics.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
     ]
 

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BEGIN = "<!-- short claims: written by `python tests/docs/short_claims.py`, not by hand -->"
 END = "<!-- end of short claims -->"
 
-# One of each kind of claim that agrees; those that differ are all shown.
+# One of each kind of claim that agrees; those that differ or stay undetermined are all shown.
 SHOWN = (
     "force-20-0",
     "bistable",
@@ -29,19 +29,20 @@ def short(record: dict[str, Any]) -> str:
     claims = record["claims"]
     count = {
         verdict: sum(c["verdict"] == verdict for c in claims)
-        for verdict in ("agrees", "differs", "needs data")
+        for verdict in ("agrees", "differs", "undetermined", "needs data")
     }
     lines = [
         f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot "
-        f"anew: {count['agrees']} agree, {count['differs']} differ, and {count['needs data']} need "
-        f"data that is not part of Stepwell ([how they come out](docs/measured.md)). Some of the "
-        f"first and all of the second:",
+        f"anew: {count['agrees']} agree, {count['differs']} differ, {count['undetermined']} hang "
+        f"on what the paper does not say, and {count['needs data']} need data that is not part of "
+        f"Stepwell ([how they come out](docs/measured.md)). Some of the first and all of the "
+        f"second and third:",
         "",
         "| Claim | Paper | Stepwell | Verdict |",
         "|---|---|---|---|",
     ]
     for claim in claims:
-        if claim["id"] in SHOWN or claim["verdict"] == "differs":
+        if claim["id"] in SHOWN or claim["verdict"] in ("differs", "undetermined"):
             row = (claim[key].replace("|", "\\|") for key in ("claim", "paper", "ours"))
             lines.append(f"| {' | '.join(row)} | {claim['verdict']} |")
     lines += ["", "[All of them](docs/claims.md), with tolerances and the reasons."]

@@ -1,15 +1,17 @@
 """The claims that take many runs hold for a few of their seeds, and can fail."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stepwell import files, paper
-from stepwell.paper import Judgement, _robot, _sensitivity, _steering
+from stepwell.paper import Judgement, _loss, _robot, _sensitivity, _steering
 from stepwell.physics import Outcome, maze, mazes
 from stepwell.robot import Floor, other_layout, other_start
+from stepwell.robot.states import TOLERANCE
 
 THREE = ("wall 1", "wall 2", "wall 3")
 
@@ -18,8 +20,9 @@ def explorer(**changes):
     return replace(_robot.robot("explorer"), **changes)
 
 
-def levers_off():
-    return explorer(antennas=[replace(a, connected=False) for a in explorer().antennas])
+def levers_off(design):
+    off = [replace(antenna, connected=False) for antenna in design.antennas]
+    return replace(design, antennas=off)
 
 
 def found(claims, name):
@@ -47,6 +50,26 @@ def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
     assert verdict.reason
 
 
+def test_a_forward_step_loses_at_its_start_and_not_in_the_snap_near_11():
+    # The paper blames the snap, in which the foot is in the air.
+    loss = _loss.forward_loss()
+    assert loss.airborne == 0.0
+    assert loss.snap < 0.005
+    assert loss.start > 0.9 * loss.whole > 0.2
+    assert loss.carried < 0.1 * loss.stood
+    # What the outer cell opens is there, and under what a gait's states show.
+    assert 0.1 < loss.opened < TOLERANCE
+    verdict = found(_loss.CLAIMS, "robot-forward-loss").judge()
+    assert verdict.verdict is Judgement.DIFFERS
+
+
+def test_a_step_that_were_lost_near_11_would_agree(monkeypatch):
+    walk = _robot.walk_of("forward")
+    late = walk.stroke > walk.robot.drive.amplitude - 0.003
+    monkeypatch.setattr(_loss, "walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late))
+    assert found(_loss.CLAIMS, "robot-forward-loss").judge().verdict is Judgement.AGREES
+
+
 def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
     def missing(name):
         raise ModuleNotFoundError("no", name="mujoco")
@@ -57,16 +80,24 @@ def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
     assert "pip install" in verdict.reason
 
 
-def test_the_papers_antenna_numbers_do_not_turn_the_step_round_and_the_nearest_that_do_are_named():
+def test_the_number_of_bands_decides_whether_the_papers_antenna_turns_a_step_round():
     verdict = found(_steering.CLAIMS, "antennas-paper-numbers").judge()
-    assert verdict.verdict is Judgement.DIFFERS
-    assert (
-        "q_out up to 13 mm with the feet 0.1 mm deep, 14 mm with the feet 0.3 mm" in verdict.reason
-    )
+    assert verdict.verdict is Judgement.UNDETERMINED
+    assert "00>10>11>01>00 with one band" in verdict.ours
+    assert verdict.ours.endswith("00>01>11>10>00 with two bands")
+    # Walks as far as the paper's robot and turns as much as one with a backward leg.
+    walks, turns = re.findall(
+        r"walks (\S+) u_max forward and, pressed, turns (\d+)°", verdict.reason
+    )[0]
+    assert float(walks) == pytest.approx(0.71, abs=0.08)
+    assert float(turns) == pytest.approx(15.0, abs=2.5)
 
 
 def test_our_antennas_turn_the_opposite_step_round():
-    assert found(_steering.CLAIMS, "antennas-turn-away").judge().verdict is Judgement.AGREES
+    verdict = found(_steering.CLAIMS, "antennas-turn-away").judge()
+    assert verdict.verdict is Judgement.AGREES
+    # What an antenna really moves is said, and it is less than half of what it could.
+    assert "4.1 mm" in verdict.reason
 
 
 @pytest.mark.slow
@@ -89,22 +120,23 @@ def test_an_obstacle_is_left_behind(arena):
 @pytest.mark.parametrize("name", ["three-walls", "corridor"])
 def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     arena = files.load_arena(name)
-    start = other_start(arena, _steering.STARTS[0])
+    start, design = other_start(arena, _steering.STARTS[0]), _robot.robot("antennas")
     with_antennas, bare, disconnected = mazes(
-        [(explorer(), start), (explorer(antennas=()), start), (levers_off(), start)], limit=600.0
+        [(design, start), (replace(design, antennas=()), start), (levers_off(design), start)],
+        limit=500.0,
     )
     assert with_antennas.outcome is Outcome.REACHED
     assert all(with_antennas.touched[wall] is not None for wall in THREE)
     assert {with_antennas.changes[0].leg, with_antennas.contacts[0].antenna} == {"left", "right"}
     for control in (bare, disconnected):
         assert control.outcome is not Outcome.REACHED
-    assert not disconnected.changes
+    assert all(_steering.BACKWARD not in gaits for gaits in disconnected.walk.gaits.values())
 
 
 @pytest.mark.slow
 def test_three_walls_that_stand_differently_are_passed():
     arena = other_layout(files.load_arena("three-walls"), _steering.LAYOUTS[0])
-    assert maze(explorer(), arena, limit=600.0).outcome is Outcome.REACHED
+    assert maze(_robot.robot("antennas"), arena, limit=600.0).outcome is Outcome.REACHED
 
 
 def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():

@@ -40,7 +40,7 @@ def robot(left: float = 0.020, right: float | None = None, **more: Any) -> Robot
 
 
 def explorer(connected: bool = True) -> Robot:
-    """A robot whose antennas turn the opposite leg round."""
+    """A robot whose antennas turn the opposite leg round: `robot-explorer` on shallower feet."""
 
     def legs(name: str, side: int) -> Leg:
         chain = sw.Chain(

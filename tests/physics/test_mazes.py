@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from conftest import SIZE
 from physics.robots import FORWARD, explorer, robot
+from stepwell.files import load_robot
 from stepwell.physics import Outcome, Settings, maze
-from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.robot import Arena, Cylinder, Goal, Wall, other_start
 
 # A wall across the way, nearer on the left, so that the left antenna meets it first.
 SLANT = math.radians(60)
@@ -92,6 +94,30 @@ def test_a_robot_without_antennas_is_held_by_a_wall_and_does_not_pass_through():
     # The body reaches 50 mm ahead of its origin, and the wall 10 mm towards it.
     assert held.walk.x.max() < 0.20 - 0.010 - 0.050 + 0.001
     assert held.touched["wall 1"] is not None
+
+
+def test_from_some_starts_the_second_of_two_cylinders_in_a_row_is_met_too():
+    # From straight behind the first it is never met: the robot has turned away for good.
+    row = (Cylinder((0.36, 0.0)), Cylinder((0.86, 0.0)))
+    aside = Arena((), row, start=(0.0, -0.160), heading=math.radians(6))
+    both = maze(load_robot("preset:robot-antennas"), aside, limit=100.0)
+    first, second = both.touched["cylinder 1"], both.touched["cylinder 2"]
+    assert first is not None
+    assert second is not None
+    assert second > first + 10.0
+
+
+@pytest.mark.skipif(SIZE == "ci", reason="five minutes of walking: set STEPWELL_TESTS=full")
+def test_a_corridor_of_600_mm_that_bends_can_trap_the_robot():
+    half, on = 0.300, 1.500
+    walls = [
+        *(Wall((-0.3, -half), (1 + half, -half)), Wall((1 + half, -half), (1 + half, on))),
+        *(Wall((-0.3, half), (1 - half, half)), Wall((1 - half, half), (1 - half, on))),
+    ]
+    corridor = Arena(walls, goal=Goal((1.0, on - 0.1), 0.250))
+    stuck = maze(load_robot("preset:robot-explorer"), other_start(corridor, 0), limit=400.0)
+    assert stuck.outcome is Outcome.TRAPPED
+    assert stuck.walk.x[-1] > 1.0 > stuck.walk.y[-1] + 0.5
 
 
 def test_cylinders_come_after_walls():

@@ -40,7 +40,9 @@ def invented(cycles: int = 2, period: float = 2.0, **given: Any) -> Walk:
         steps=steps,
         begin=-0.5,
         time_step=settings.time_step,
+        every=20,
         warm=np.zeros(0),
+        pending=np.zeros((0, 0)),
     )
     values.setdefault("stopped", "")
     return Walk(robot=one, settings=settings, arena=None, time=time, _samples=samples, **values)
@@ -157,7 +159,7 @@ def test_questions_about_what_is_not_there_say_what_is():
 
 def test_a_walk_says_how_it_went():
     assert repr(walked(0.020, 0.020)).startswith("Walk(4 cycles, d/u_max 0.7")
-    assert "turn 14" in repr(walked(0.005, 0.020))
+    assert "turn 15" in repr(walked(0.005, 0.020))
 
 
 def test_the_samples_agree_with_one_another():

@@ -12,6 +12,7 @@ import stepwell as sw
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, leg, robot
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Limit, Motion, Robot
 from stepwell.robot._search import changes
+from stepwell.robot.predict import depths
 
 designs = st.floats(0.002, 0.025)
 floors = st.builds(Floor, drag=st.floats(0.05, 0.8))
@@ -232,3 +233,34 @@ def test_unlike_legs_on_the_floor_lift_together_or_not_at_all():
         body=Body(mass=0.273, centre=(0.0264, -0.0021, 0.012)),
     )
     assert one.predict().gaits == {"left": VIA_01, "right": VIA_01}
+
+
+def below(one, depth):
+    return replace(one, foot=replace(one.foot, below=depth))
+
+
+def test_feet_stand_in_the_middle_of_the_depths_at_which_the_papers_robots_do_as_they_should():
+    # q_out = 20 mm walks unless the feet are too deep, 15 mm does not unless they are too flat.
+    walks, stays = robot(0.020), robot(0.015)
+    assert walks.foot == stays.foot == Foot()
+    (_, most), (least, _) = walks.predict().depths[0], stays.predict().depths[0]
+    assert least < Foot().below < most
+    assert Foot().below == pytest.approx((least + most) / 2, abs=3e-5)
+
+
+def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_it_is_not():
+    one = robot()
+    low, high = one.predict().depths[0]
+    assert low == 0.0
+    assert below(one, high - 2e-5).predict().confident
+    assert below(one, high + 2e-5).predict().near_boundary
+    # Without room both ends are its own depth.
+    deep = below(one, high + 2e-5)
+    assert depths(deep) == ((deep.foot.below,) * 2,) * 2
+
+
+def test_the_depths_of_unlike_legs_are_told_for_each():
+    said = robot(0.005, 0.020).predict()
+    backward, forward = said.depths
+    assert backward[1] > 2 * forward[1]
+    assert f"feet 0.00 to {forward[1] * 1e3:.2f} mm deep" in repr(said)

@@ -64,18 +64,19 @@ def _contacts(record: dict[str, Any]) -> None:
     legs = {one["name"]: one["leg"] for one in record["antennas"] if one["connected"]}
     show_table(
         "Antenna contacts",
-        ["antenna", "from [s]", "to [s]", "swing [deg]", "reprograms"],
+        ["antenna", "from [s]", "to [s]", "swing [deg]", "anchor moved [mm]", "reprograms"],
         [
             [
                 one["antenna"],
                 number(one["begin_s"]),
                 number(one["end_s"]),
                 number(one["swing_deg"], 3),
+                number(one["moved_mm"], 3),
                 legs.get(one["antenna"], "nothing"),
             ]
             for one in contacts[:MOST_ROWS]
         ],
-        left=(0, 4),
+        left=(0, 5),
         hidden=len(contacts) - MOST_ROWS,
     )
 

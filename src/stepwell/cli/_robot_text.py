@@ -1,4 +1,4 @@
-"""The results of `stepwell robot show` and `stepwell robot sweep` as people read them."""
+"""The results of `stepwell robot` as people read them."""
 
 from __future__ import annotations
 
@@ -48,11 +48,15 @@ def _turn(value: float) -> str:
 def _legs(legs: list[dict[str, Any]]) -> None:
     show_table(
         "Predicted gaits, without simulation",
-        ["leg", "states", "d/u_max", "margin [mN]", "unknown [mN]", "past the margin"],
+        [
+            *("leg", "states", "feet [mm]", "d/u_max", "margin [mN]", "unknown [mN]"),
+            "past the margin",
+        ],
         [
             [
                 leg["name"],
                 leg["gait"],
+                feet_text(leg["feet_mm"]),
                 f"{leg['advance_over_u_max']:.2f}",
                 "over 2000" if leg["margin_mN"] is None else number(leg["margin_mN"], 3),
                 number(leg["uncertainty_mN"], 3),
@@ -60,8 +64,13 @@ def _legs(legs: list[dict[str, Any]]) -> None:
             ]
             for leg in legs
         ],
-        left=(0, 1, 5),
+        left=(0, 1, 6),
     )
+
+
+def feet_text(depths: list[float] | None) -> str:
+    """Depths of the feet [mm] between which a gait surely stays what it is."""
+    return "" if depths is None else f"{depths[0]:.2f} to {depths[1]:.2f}"
 
 
 def _pushes(legs: list[dict[str, Any]]) -> None:
@@ -137,6 +146,30 @@ def show_sweep(record: dict[str, Any]) -> None:
     if failed:
         first = failed[0]["stopped"]
         show_lines("", f"{len(failed)} did not walk to the end; the first of them: {first}")
+
+
+def show_convergence(record: dict[str, Any]) -> None:
+    """Print what `files.convergence_record` returns."""
+    show_table(
+        f"{record['title'] or 'robot'}, by time step",
+        ["time step [ms]", "d/u_max", "turn [deg]", "floor forces off [% of weight]", "jumps [%]"],
+        [
+            [
+                number(row["time_step_ms"]),
+                f"{row['advance_over_u_max']:z.3f}",
+                _turn(row["turn_deg"]),
+                f"{row['forces_off_percent']:.2f}",
+                f"{row['jumps_percent']:.1f}",
+            ]
+            for row in record["time_steps"]
+        ],
+        left=(),
+    )
+    show_lines(
+        "",
+        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a",
+        "force of the floor changes by more than a fifth.",
+    )
 
 
 def _measures(trial: dict[str, Any]) -> list[str]:

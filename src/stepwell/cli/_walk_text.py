@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import Any
 
+from stepwell.cli._robot_text import feet_text
 from stepwell.cli._show import number, show_lines, show_table
 from stepwell.cli._sources_text import show_sources
 
@@ -15,6 +16,7 @@ def show(record: dict[str, Any]) -> None:
     """Print what `files.walk_record` returns."""
     show_lines(*_head(record))
     _gaits(record["legs"])
+    _feet(record)
     _cycles(record)
     show_sources(record["parameters"])
 
@@ -58,6 +60,17 @@ def _gaits(legs: list[dict[str, Any]]) -> None:
         left=(0, 1, 2),
         hidden=len(rows) - MOST_ROWS,
     )
+
+
+def _feet(record: dict[str, Any]) -> None:
+    known = [leg for leg in record["legs"] if leg["feet_mm"] is not None]
+    if known:
+        each = ", ".join(f"{leg['name']} {feet_text(leg['feet_mm'])} mm" for leg in known)
+        show_lines(
+            "",
+            f"Feet stand {number(record['foot_mm'])} mm deep; by statics the predicted gait stays: "
+            f"{each}.",
+        )
 
 
 def runs(gaits: list[str]) -> list[tuple[str, str]]:

@@ -116,3 +116,27 @@ def sweep(
     else:
         _robot_text.show_sweep(record)
         show_written(out, names)
+
+
+_TwoCycles = Annotated[
+    int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2, max=1000)
+]
+
+
+@commands.command(epilog=EXIT_CODES)
+def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> None:
+    """Walk a robot at several time steps and say what depends on them.
+
+    What it does in a cycle, and what the floor carries under feet and supports, against the
+    finest of them.
+    """
+    from stepwell import files, physics
+    from stepwell.cli import _robot_text
+    from stepwell.cli._show import show_json
+
+    found = physics.convergence(files.load_robot(named(robot)), cycles=cycles)
+    record = files.convergence_record(found)
+    if as_json:
+        show_json(record)
+    else:
+        _robot_text.show_convergence(record)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
+_SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
 _WAY = {1: ", forward", -1: ", backward", 0: ""}
 
 
@@ -31,11 +32,12 @@ def prediction(prediction: Prediction) -> Figure:
 
     Returns:
         A figure of two columns' width: for each leg the margin [mN] beside what the prediction
-        does not know; for each push the largest drag [N] beside the floor's; for each antenna
-        that flips a leg the displacement of its anchor [mm], with the range it may lie in.
+        does not know, and the depths of the feet [mm] at which its gait stays; for each push
+        the largest drag [N] beside the floor's; for each antenna that flips a leg the
+        displacement of its anchor [mm], with the range it may lie in.
     """
     pushes = [(leg, push) for leg in prediction.legs for push in leg.pushes]
-    panels = [(_margins, len(prediction.legs))]
+    panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
     panels += [(_drags, len(pushes))] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
     title = [prediction.robot.title] if prediction.robot.title else []
@@ -99,6 +101,30 @@ def _margins(ax: Axes, found: Prediction) -> None:
     _rows(ax, [f"{leg.name}: {leg.gait}{_WAY[direction(leg.gait)]}" for leg in legs], most)
     ax.set_title("Margin to another gait; shaded: what the prediction does not know", loc="left")
     ax.set_xlabel("Force on one cell [mN]")
+
+
+def _depths(ax: Axes, found: Prediction) -> None:
+    below, ends = found.robot.foot.below * MM, np.array(found.depths) * MM
+    # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
+    most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
+    for i, (leg, colour) in enumerate(zip(found.legs, leg_colours(found.robot), strict=True)):
+        low, high = ends[i]
+        ax.barh(
+            i,
+            min(high, most) - low,
+            left=low,
+            height=0.5,
+            color=colour,
+            zorder=2,
+            gid=f"depths {leg.name}",
+        )
+        _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
+    ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
+    _rows(ax, [f"{leg.name}: {leg.gait}" for leg in found.legs], most)
+    ax.set_title(
+        "Depths of the feet at which the gait surely stays; line: this robot's", loc="left"
+    )
+    ax.set_xlabel("Feet below the supports [mm]")
 
 
 def _drags(ax: Axes, found: Prediction) -> None:

@@ -35,7 +35,13 @@ from stepwell.files.provenance import Given, provenance
 from stepwell.files.record import force_scale, map_record, run_record
 from stepwell.files.report import report
 from stepwell.files.robot_bundle import write_maze, write_robot, write_sweep, write_walk
-from stepwell.files.robot_record import maze_record, robot_record, sweep_record, walk_record
+from stepwell.files.robot_record import (
+    convergence_record,
+    maze_record,
+    robot_record,
+    sweep_record,
+    walk_record,
+)
 from stepwell.files.shipped import preset, preset_text, presets
 from stepwell.files.source import load, load_chain, load_program, load_robot, read
 from stepwell.files.write import dumps, save, with_program
@@ -48,6 +54,7 @@ __all__ = [
     "arena_text",
     "arenas",
     "checked_suffix",
+    "convergence_record",
     "design_record",
     "dumps",
     "force_scale",

@@ -9,14 +9,17 @@ from stepwell._version import __version__
 from stepwell.files.provenance import provenance
 from stepwell.files.record import finite
 from stepwell.robot import Flip, LegPrediction, Prediction, Push, Robot
+from stepwell.robot.predict import depths
+from stepwell.statics import StaticsError
 
 if TYPE_CHECKING:
-    from stepwell.physics import Maze, Sweep, Walk
+    from stepwell.physics import Convergence, Maze, Sweep, Walk
 
 ROBOT_SCHEMA = "stepwell.robot/1"
 WALK_SCHEMA = "stepwell.walk/1"
 MAZE_SCHEMA = "stepwell.maze/1"
 SWEEP_SCHEMA = "stepwell.sweep/1"
+CONVERGENCE_SCHEMA = "stepwell.convergence/1"
 
 
 def robot_record(robot: Robot, prediction: Prediction) -> dict[str, Any]:
@@ -43,7 +46,10 @@ def robot_record(robot: Robot, prediction: Prediction) -> dict[str, Any]:
             "sideways_over_u_max": prediction.sideways,
             "turn_deg": math.degrees(prediction.turn),
             "near_boundary": prediction.near_boundary,
-            "legs": [_predicted(leg) for leg in prediction.legs],
+            "legs": [
+                _predicted(leg, feet)
+                for leg, feet in zip(prediction.legs, _depths(robot), strict=True)
+            ],
             "assumptions": list(prediction.assumptions),
         },
     }
@@ -70,9 +76,12 @@ def walk_record(walk: Walk) -> dict[str, Any]:
         "advance_over_u_max": walk.advance.tolist(),
         "sideways_over_u_max": walk.sideways.tolist(),
         "turn_deg": [math.degrees(turn) for turn in walk.turn],
+        "foot_mm": walk.robot.foot.below * 1e3,
         "legs": [
-            {"name": name, "gaits": list(gaits), "slip_mm": float(slip) * 1e3}
-            for (name, gaits), slip in zip(walk.gaits.items(), walk.slip, strict=True)
+            {"name": name, "gaits": list(gaits), "slip_mm": float(slip) * 1e3, "feet_mm": feet}
+            for (name, gaits), slip, feet in zip(
+                walk.gaits.items(), walk.slip, _depths(walk.robot), strict=True
+            )
         ],
         "parameters": _parameters(walk.robot),
     }
@@ -108,6 +117,7 @@ def maze_record(maze: Maze) -> dict[str, Any]:
                 "begin_s": contact.begin,
                 "end_s": contact.end,
                 "swing_deg": math.degrees(contact.swing),
+                "moved_mm": contact.moved * 1e3,
             }
             for contact in maze.contacts
         ],
@@ -147,6 +157,32 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
     }
 
 
+def convergence_record(found: Convergence) -> dict[str, Any]:
+    """How far a walk depends on the time step, as JSON can hold it.
+
+    Args:
+        found: any.
+
+    Returns:
+        The record that docs/commands.md describes.
+    """
+    return {
+        "schema": CONVERGENCE_SCHEMA,
+        "stepwell": __version__,
+        "title": found.robot.title,
+        "time_steps": [
+            {
+                "time_step_ms": row.time_step * 1e3,
+                "advance_over_u_max": row.advance,
+                "turn_deg": math.degrees(row.turn),
+                "forces_off_percent": row.off * 100,
+                "jumps_percent": row.jumps * 100,
+            }
+            for row in found.rows
+        ],
+    }
+
+
 def _common(walk: Walk) -> dict[str, Any]:
     robot, settings = walk.robot, walk.settings
     went = len(walk.time) > 0
@@ -177,7 +213,7 @@ def _parameters(robot: Robot) -> list[dict[str, Any]]:
     ]
 
 
-def _predicted(leg: LegPrediction) -> dict[str, Any]:
+def _predicted(leg: LegPrediction, feet: list[float] | None) -> dict[str, Any]:
     return {
         "name": leg.name,
         "gait": leg.gait,
@@ -186,6 +222,7 @@ def _predicted(leg: LegPrediction) -> dict[str, Any]:
         "margin_mN": finite(leg.margin, 1e3),
         "uncertainty_mN": finite(leg.uncertainty, 1e3),
         "nearest": leg.nearest,
+        "feet_mm": feet,
         "alternatives": list(leg.alternatives),
         "near_boundary": leg.near_boundary,
         "pushes": [_push(push) for push in leg.pushes],
@@ -214,6 +251,14 @@ def _flip(flip: Flip) -> dict[str, Any]:
         "swing_deg": math.degrees(flip.swing),
         "gait": flip.gait,
     }
+
+
+def _depths(robot: Robot) -> list[list[float] | None]:
+    """For each leg the depths of the feet [mm] between which statics says its gait stays."""
+    try:
+        return [[depth * 1e3 for depth in both] for both in depths(robot)]
+    except StaticsError:
+        return [None] * len(robot.legs)
 
 
 def _most(robot: Robot) -> float:

@@ -49,7 +49,7 @@ CHANGES = (
         35,
         52,
     ),
-    Change("feet below the supports [mm]", ("foot.below_mm",), 0.8, 1.2),
+    Change("feet below the supports [mm]", ("foot.below_mm",), 0.72, 1.08),
     Change("radius of the feet [mm]", ("foot.radius_mm",), 3, 5),
     Change("mass of a block [g]", ("blocks.mass_g",), 4, 8),
     Change("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),

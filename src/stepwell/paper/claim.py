@@ -12,6 +12,7 @@ class Judgement(StrEnum):
 
     AGREES = "agrees"
     DIFFERS = "differs"
+    UNDETERMINED = "undetermined"
     NEEDS_DATA = "needs data"
     NEEDS_MUJOCO = "needs MuJoCo"
 

@@ -5,6 +5,7 @@ import os
 from stepwell.paper import (
     _antennas,
     _cells,
+    _loss,
     _map,
     _measured,
     _misprints,
@@ -38,6 +39,7 @@ def claims(
         *_misprints.CLAIMS,
         *_measured.claims(data),
         *_robot.CLAIMS,
+        *_loss.CLAIMS,
         *_steering.CLAIMS,
         *_antennas.CLAIMS,
         *_more_cells.CLAIMS,

@@ -49,8 +49,11 @@ def _count(verdicts: tuple[Verdict, ...]) -> str:
     words = {
         Judgement.AGREES: "agree",
         Judgement.DIFFERS: "differ",
+        Judgement.UNDETERMINED: "are undetermined",
         Judgement.NEEDS_DATA: "need data",
     }
+    if Judgement.UNDETERMINED not in found:
+        del words[Judgement.UNDETERMINED]
     if Judgement.NEEDS_MUJOCO in found:
         words[Judgement.NEEDS_MUJOCO] = "need MuJoCo"
     parts = [f"{found.count(judgement)} {word}" for judgement, word in words.items()]

@@ -1,5 +1,6 @@
 """Robots simulated: their MuJoCo model, their walks, their way through an arena."""
 
+from stepwell.physics.convergence import Convergence, Resolution, convergence
 from stepwell.physics.maze import Change, Contact, Maze, Outcome, maze, mazes
 from stepwell.physics.model import mjcf, spec
 from stepwell.physics.settings import Integrator, Linkage, Settings
@@ -10,15 +11,18 @@ from stepwell.physics.walk import Walk, walk
 __all__ = [
     "Change",
     "Contact",
+    "Convergence",
     "Integrator",
     "Linkage",
     "Maze",
     "Outcome",
+    "Resolution",
     "Settings",
     "Sweep",
     "Trial",
     "VideoError",
     "Walk",
+    "convergence",
     "maze",
     "mazes",
     "mjcf",

@@ -11,6 +11,7 @@ from stepwell.physics.settings import Settings
 from stepwell.robot import Antenna, Robot
 
 ROD = 0.0015  # radius [m]
+LAYER = 0.006  # from the plane of one antenna to that of the next: crossed, they pass [m]
 ANCHOR = 0.002  # mass of the part that slides [kg]
 SLIDING = 0.2  # its damping [N s/m]
 LOOSE = 2e-3  # spring that holds a disconnected rod at rest [N m/rad]
@@ -47,10 +48,16 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
     return part
 
 
+def layer(robot: Robot, antenna: Antenna) -> float:
+    """Height of an antenna's plane over the pivots of the legs [m]."""
+    return LAYER * (robot.antennas.index(antenna) - (len(robot.antennas) - 1) / 2)
+
+
 def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> None:
     """The rod and its hinge, and the lever that couples it to the anchor."""
     name, side = antenna.name, antenna.side
-    holder = body.add_body(name=f"{name}.antenna", pos=(*antenna.pivot, 0.0))
+    height = layer(robot, antenna)
+    holder = body.add_body(name=f"{name}.antenna", pos=(*antenna.pivot, height))
     parts.hinge(
         holder,
         f"{name}.antenna",
@@ -67,7 +74,7 @@ def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Sett
         condim=3,
         friction=(antenna.friction, 0.0, 0.0),
         solref=(2 * settings.contact_time, 1.0),
-        **parts.OUTLINE,
+        **parts.ANTENNAS,
     )
     angle = abs(antenna.angle)
     tip = (antenna.length * math.cos(angle), side * antenna.length * math.sin(angle), 0.0)
@@ -90,7 +97,8 @@ def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Sett
     )
     # An arm of the body carries the hinge.
     start = (robot.body.length / 2, 0.5 * antenna.pivot[1], 0.012)
-    parts.rod(body, start, (*antenna.pivot, 0.004), 0.002, mass=0.0, rgba=parts.BODY, **parts.SEEN)
+    end = (*antenna.pivot, height + 0.004)
+    parts.rod(body, start, end, 0.002, mass=0.0, rgba=parts.BODY, **parts.SEEN)
     if antenna.connected:
         joints = {f"{name}.anchor": 1.0, f"{name}.antenna": -antenna.gear}
         parts.combined(spec, f"{name}.lever", joints)

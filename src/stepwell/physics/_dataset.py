@@ -27,12 +27,12 @@ VARIABLES = {
     "actuator_force": ("N", "that pushes the outermost blocks out", ()),
     "travel": ("m", "of each cell", ("leg", "cell")),
     "foot_height": ("m", "lowest point above the floor", ("leg",)),
-    "foot_force": ("N", "that the floor carries", ("leg",)),
+    "foot_force": ("N", "that the floor carries, mean since the sample before", ("leg",)),
     "foot_speed": ("m/s", "along the floor", ("leg",)),
-    "support_force": ("N", "that the floor carries", ("support",)),
+    "support_force": ("N", "that the floor carries, mean since the sample before", ("support",)),
     "antenna": ("rad", "rotation from rest", ("antennas",)),
-    "touch": ("N", "of what touches the antenna", ("antennas",)),
-    "obstacle_force": ("N", "on each obstacle", ("obstacle",)),
+    "touch": ("N", "of what touches the antenna, mean since the sample before", ("antennas",)),
+    "obstacle_force": ("N", "on each obstacle, mean since the sample before", ("obstacle",)),
 }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.physics._mujoco import mujoco, quietly, rollout
-from stepwell.physics._sensors import columns, rod_names
+from stepwell.physics._sensors import columns, contacts, rod_names, sampled
 from stepwell.physics.model import spec, start_position
 from stepwell.physics.settings import Settings
 from stepwell.robot import Arena, Robot
@@ -29,7 +29,7 @@ class Samples:
 
     Attributes:
         time: (n,) from the start of the first cycle [s].
-        data: (n, sensors) readings.
+        data: (n, sensors) readings, forces of what touches as means since the sample before.
         positions: (n, nq) joint positions, in MuJoCo's order.
         where: sensor name to its columns.
         stopped: why it ended early, or "".
@@ -37,7 +37,9 @@ class Samples:
         steps: how many steps were taken since `begin`.
         begin: time at which steps were first counted [s].
         time_step: [s].
+        every: steps to a sample.
         warm: (nv,) accelerations from which the solver's next search starts.
+        pending: (m, sensors) readings of the steps since the last sample.
     """
 
     time: Array
@@ -49,7 +51,9 @@ class Samples:
     steps: int
     begin: float
     time_step: float
+    every: int
     warm: Array
+    pending: Array
 
 
 class Run:
@@ -67,9 +71,11 @@ class Run:
         # A run that diverges is stopped and told, not put back to its start.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.data = mujoco.MjData(self.model)
-        self.where = columns(self.model)
+        self.where, self.touching = columns(self.model), contacts(self.model)
+        self.every = max(1, round(settings.sample / settings.time_step))
         self.state = np.empty(mujoco.mj_stateSize(self.model, STATE))
         self.begin, self.steps = -settings.settle, 0
+        self.pending = np.empty((0, self.model.nsensordata))
         if start is None:
             self.data.qpos[:] = start_position(self.model, robot, arena)
         else:
@@ -80,12 +86,13 @@ class Run:
                 )
             mujoco.mj_setState(self.model, self.data, start.state, STATE)
             # Counting on from the same beginning keeps every number what it would have been.
-            same = start.time_step == settings.time_step
+            same = (start.time_step, start.every) == (settings.time_step, self.every)
             now = start.begin + start.steps * start.time_step
             self.begin, self.steps = (start.begin, start.steps) if same else (now, 0)
+            if same:
+                self.pending = start.pending
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_getState(self.model, self.data, self.state, STATE)
-        self.every = max(1, round(settings.sample / settings.time_step))
         self.stopped = ""
         self._times: list[Array] = []
         self._data: list[Array] = []
@@ -117,7 +124,8 @@ class Run:
             )
         keep = after % self.every == 0
         self._times.append(time[keep])
-        self._data.append(readings[0][keep])
+        found, self.pending = sampled(readings[0], self.pending, self.every, self.touching)
+        self._data.append(found)
         # The full state begins with the time and the joint positions.
         self._positions.append(states[0, keep, 1 : 1 + self.model.nq])
         self.state = states[0, -1].copy()
@@ -141,7 +149,9 @@ class Run:
             steps=self.steps,
             begin=self.begin,
             time_step=self.settings.time_step,
+            every=self.every,
             warm=self._warm,
+            pending=self.pending,
         )
 
     @property

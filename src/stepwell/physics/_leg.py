@@ -195,7 +195,7 @@ def outline(robot: Robot, body: Any, at: Vec3 = (0.0, 0.0, 0.0), mass: float | N
         priority=2,
         condim=3,
         friction=(robot.body.wall_friction, 0.0, 0.0),
-        **parts.OUTLINE,
+        **parts.BLOCKS,
     )
 
 
@@ -238,7 +238,8 @@ def add_tip(
         condim=3,
         friction=(robot.floor.foot_friction, 0.0, 0.0),
         solref=(settings.contact_time, 1.0),
-        **parts.STANDS,
+        solimp=parts.TOUCHING,
+        **parts.FEET,
     )
     parts.site(tip, f"{name}.tip")
     tip.add_site(

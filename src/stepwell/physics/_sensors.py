@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stepwell.physics._arena import obstacle_names
 from stepwell.physics._mujoco import Model, mujoco
 from stepwell.robot import Arena, Robot
+
+Array = NDArray[np.float64]
 
 TYPE = mujoco.mjtSensor
 OBJECT = mujoco.mjtObj
@@ -59,3 +64,36 @@ def columns(model: Model) -> dict[str, slice]:
         model.sensor(i).name: slice(int(start), int(start + size))
         for i, (start, size) in enumerate(zip(model.sensor_adr, model.sensor_dim, strict=True))
     }
+
+
+def contacts(model: Model) -> NDArray[np.intp]:
+    """(m,) columns that are forces of what touches."""
+    touches = np.flatnonzero(model.sensor_type == int(TYPE.mjSENS_TOUCH))
+    return np.asarray(model.sensor_adr[touches], np.intp)
+
+
+def sampled(
+    readings: Array, pending: Array, every: int, columns: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """The readings of every so many steps, forces of what touches as means over these steps.
+
+    Between two samples feet land and lift; what one carries at an instant says little of it.
+
+    Args:
+        readings: (..., n, sensors) of each step.
+        pending: (..., m, sensors) of the m < `every` steps since the last sample.
+        every: steps to a sample.
+        columns: (k,) of these forces.
+
+    Returns:
+        The samples (..., (m + n) // every, sensors), and the steps since the last of them.
+    """
+    steps = np.concatenate([pending, readings], axis=-2)
+    *some, n, width = steps.shape
+    end = n - n % every
+    windows = steps[..., :end, :].reshape(*some, n // every, every, width)
+    found = windows[..., -1, :].copy()
+    # What overflows is found by who looks at the samples.
+    with np.errstate(over="ignore", invalid="ignore"):
+        found[..., columns] = windows[..., columns].mean(axis=-2)
+    return found, steps[..., end:, :].copy()

@@ -40,12 +40,20 @@ class Outcome(Enum):
 
 
 class Contact(NamedTuple):
-    """An antenna pressed back: which, from when to when [s], and how far at most [rad]."""
+    """An antenna pressed back.
+
+    Attributes:
+        antenna: which.
+        begin, end: from when to when [s].
+        swing: how far at most [rad].
+        moved: by how much it then had moved its anchor [m]; 0 with its lever off.
+    """
 
     antenna: str
     begin: float
     end: float
     swing: float
+    moved: float
 
 
 class Change(NamedTuple):
@@ -91,7 +99,8 @@ class Maze:
             for first, last in _stretches(self.walk.time, swing > PRESSED * antenna.swing):
                 begin, end = self.walk.time[[first, last]]
                 most = float(swing[first : last + 1].max())
-                found.append(Contact(antenna.name, float(begin), float(end), most))
+                moved = most * antenna.gear if antenna.connected else 0.0
+                found.append(Contact(antenna.name, float(begin), float(end), most, moved))
         return tuple(sorted(found, key=lambda contact: contact.begin))
 
     @property

@@ -98,7 +98,8 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option.gravity = (0.0, 0.0, -robot.floor.gravity)
     # The pyramidal cone lets feet creep, which changes the gait.
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = 10.0
+    # A foot that holds creeps, and by less the larger this is: 7 µm a second at 97 % of its hold.
+    option.impratio = 100.0
 
 
 def _scenery(model: Any) -> None:
@@ -172,6 +173,7 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
             condim=3,
             friction=(robot.support_friction, 0.0, 0.0),
             solref=(settings.contact_time, 1.0),
+            solimp=parts.TOUCHING,
             **parts.STANDS,
         )
         foot = (a, b, floor + SUPPORT)

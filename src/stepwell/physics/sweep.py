@@ -17,6 +17,7 @@ from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.physics._engine import Run, Samples, stopped_at
 from stepwell.physics._mujoco import mujoco, quietly, rollout
+from stepwell.physics._sensors import sampled
 from stepwell.physics.settings import Settings
 from stepwell.physics.walk import Walk, recorded
 from stepwell.robot import Robot
@@ -207,7 +208,7 @@ def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int
     state = np.stack([run.state for run in runs])
     total = round((settings.settle + cycles * runs[0].robot.drive.period) / settings.time_step)
     times, readings, positions = [], [], []
-    every, nq = runs[0].every, models[0].nq
+    every, nq, pending = runs[0].every, models[0].nq, np.stack([run.pending for run in runs])
     with quietly(), rollout.Rollout(nthread=len(data)) as pool:
         for first in range(0, total, CHUNK):
             after = np.arange(first, min(first + CHUNK, total)) + 1
@@ -219,15 +220,16 @@ def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int
             state = states[:, -1].copy()
             keep = after % every == 0
             times.append(time[keep])
-            readings.append(sensed[:, keep])
+            found, pending = sampled(sensed, pending, every, runs[0].touching)
+            readings.append(found)
             positions.append(states[:, keep, 1 : 1 + nq])
     time = np.concatenate(times)
     sensed = np.concatenate(readings, axis=1)
     placed = np.concatenate(positions, axis=1)
-    found: list[Samples] = []
+    samples: list[Samples] = []
     for i, run in enumerate(runs):
         first, why = stopped_at(time, sensed[i], run.where, run.rods)
-        found.append(
+        samples.append(
             Samples(
                 time=time[:first],
                 data=sensed[i, :first],
@@ -238,10 +240,12 @@ def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int
                 steps=total,
                 begin=run.begin,
                 time_step=settings.time_step,
+                every=every,
                 warm=np.zeros(models[i].nv),
+                pending=pending[i],
             )
         )
-    return found
+    return samples
 
 
 class _Kept:

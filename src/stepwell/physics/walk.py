@@ -28,6 +28,9 @@ LOADED = 0.02  # a foot that carries more than this [N] stands
 class Walk:
     """What a robot did while its actuator went out and back.
 
+    Forces of what touches are means over the time since the sample before, for they pass within
+    a sample; all else is as it is at the sample.
+
     Attributes:
         robot: which walked, at the end of the run.
         settings: of the simulation.

@@ -135,6 +135,19 @@ def rounds(robot: Robot) -> list[Round]:
     return found
 
 
+def stances_beside(robot: Robot, index: int, found: Sequence[Round]) -> tuple[Stance, Stance]:
+    """How the foot of one leg stands, out and back, while the other legs go as found.
+
+    Args:
+        robot: the one that was found, or with another foot or floor.
+        index: of the leg.
+        found: the round of each leg.
+    """
+    out, back = _beside(robot.legs[index], found)
+    setting_out = leaning(robot)[index]
+    return stance(robot, index, out, setting_out), stance(robot, index, back)
+
+
 def _together(legs: Sequence[Leg]) -> tuple[list[Array], list[Array]]:
     """All legs stepping alike."""
     share = np.linspace(0.0, 1.0, POINTS)[:, None]
@@ -144,7 +157,7 @@ def _together(legs: Sequence[Leg]) -> tuple[list[Array], list[Array]]:
     return alike, alike
 
 
-def _beside(leg: Leg, found: list[Round]) -> tuple[list[Array], list[Array]]:
+def _beside(leg: Leg, found: Sequence[Round]) -> tuple[list[Array], list[Array]]:
     """Where the legs are at the strokes at which this one has stepped and its foot stands."""
     stroke = np.linspace(0.0, leg.stroke, POINTS)
     ways = [one.out.at(stroke)[0] for one in found], [one.back.at(stroke)[0] for one in found]

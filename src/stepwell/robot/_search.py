@@ -8,21 +8,24 @@ HALVINGS = 8
 
 
 def first_change(
-    answer: Callable[[float], str], values: Sequence[float]
+    answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
 ) -> tuple[float, str] | None:
     """The first value along `values` at which the answer is no longer that of the first one.
 
     Args:
         answer: what to ask at a value.
         values: where to look, in order; the first one is where to start from.
+        halvings: of the stretch between two of them.
 
     Returns:
         The value and the answer just past it; None where it never changes.
     """
-    return next(changes(answer, values), None)
+    return next(changes(answer, values, halvings), None)
 
 
-def changes(answer: Callable[[float], str], values: Sequence[float]) -> Iterator[tuple[float, str]]:
+def changes(
+    answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
+) -> Iterator[tuple[float, str]]:
     """Every value along `values` at which the answer changes, with the answer just past it.
 
     Looks at each value in turn and then halves the stretch in which the answer changes; a change
@@ -31,13 +34,14 @@ def changes(answer: Callable[[float], str], values: Sequence[float]) -> Iterator
     Args:
         answer: what to ask at a value.
         values: where to look, in order; the first one is where to start from.
+        halvings: of the stretch between two of them.
     """
     known, before = answer(values[0]), values[0]
     for value in values[1:]:
         found = answer(value)
         while found != known:
             low, high, past = before, value, found
-            for _ in range(HALVINGS):
+            for _ in range(halvings):
                 middle = (low + high) / 2
                 between = answer(middle)
                 if between == known:

@@ -19,7 +19,7 @@ class Floor:
     Raises:
         ValueError: a value out of range.
 
-    Source: Kamp et al. 2024: a drag of 0.39 N on MDF and 0.79 N on rubber.
+    Source: the notes of Kamp et al. 2024: a drag of 0.39 N on MDF and 0.79 N on rubber.
     """
 
     drag: float = 0.39

@@ -29,13 +29,14 @@ class Foot:
     Raises:
         ValueError: a value out of range, or pivots further apart than two links reach.
 
-    Source: Kamp et al. 2024, Fig. 3; `below` and `radius` are ours.
+    Source: Kamp et al. 2024, Fig. 3, for the idea, their notes for `link`, `span` and `mass`;
+    `below` and `radius` are ours.
     """
 
     link: float = 0.035
     span: float = 0.040
     mass: float = 0.0066
-    below: float = 0.001
+    below: float = 0.0009
     radius: float = 0.004
 
     def __post_init__(self):

@@ -6,11 +6,12 @@ import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.robot._round import Round, go_round, rounds
+from stepwell.robot._round import Round, go_round, rounds, stances_beside
 from stepwell.robot._search import changes, first_change
 from stepwell.robot._slide import STEPS, Slide, slide
 from stepwell.robot.antenna import Antenna
@@ -32,6 +33,11 @@ TOLERANCES = (0.15, 0.25)
 LOOKS = 17
 # Forces [N] at which the margin is looked for: no cell of a robot that walks needs more.
 FORCES = (0.0, *np.geomspace(0.004, 2.0, 10).tolist())
+
+# How much deeper the feet are put in looking for where the gait changes [m], and how often the last
+# of these stretches is halved: close to the feet to a hundredth of a millimetre.
+DEEPER = tuple(1e-4 * 2.0**k for k in range(7))
+DEPTH_HALVINGS = 4
 
 ASSUMPTIONS = (
     "The drive is slow: no inertia. Damping enters as a lag at the drive's mean speed.",
@@ -205,6 +211,14 @@ class Prediction:
     assumptions: tuple[str, ...] = ASSUMPTIONS
 
     @property
+    def depths(self) -> tuple[tuple[float, float], ...]:
+        """For each leg the depths of the feet [m] between which it surely keeps its gait.
+
+        Worked out when it is first asked for, in as long as the prediction took.
+        """
+        return depths(self.robot)
+
+    @property
     def motion(self) -> Motion:
         """In a word; a robot that turns by 3° or more in a cycle turns, however far it goes."""
         if abs(self.turn) >= TURNS:
@@ -247,9 +261,10 @@ class Prediction:
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         # Nothing is ever minus zero.
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
+        least, most = (1e3 * end for end in common(self.depths))
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
-            f"turn {turn:.1f}°{doubt})"
+            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
         )
 
 
@@ -278,15 +293,47 @@ def predict(robot: Robot) -> Prediction:
     return Prediction(robot, legs, x / most, y / most, turn)
 
 
+@lru_cache(maxsize=32)
+def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
+    """Between which depths of the feet each leg surely keeps the gait that is predicted.
+
+    Args:
+        robot: any robot.
+
+    Returns:
+        For each leg the least and the largest depth of the feet below the supports [m] at which
+        its gait is the same whatever the force that the prediction does not know, all else as it
+        is; twice their own depth where it may be another already.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found = rounds(robot)
+    known: dict[Hashable, tuple[float, float]] = {}
+    for i, one in enumerate(found):
+        if _alike(one) not in known:
+            known[_alike(one)] = _depths(robot, i, found)
+    return tuple(known[_alike(one)] for one in found)
+
+
+def common(depths: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Depths of the feet [m] at which all legs keep their gaits."""
+    least, most = zip(*depths, strict=True)
+    return max(least), min(most)
+
+
+def _alike(one: Round) -> Hashable:
+    """What two legs share that are the same in a mirror: so is what can be doubted of them."""
+    return one.leg.chain, *(np.round([*f.load, *f.sharing], 9).tobytes() for f in one.stances)
+
+
 def _leg(
     robot: Robot, index: int, found: Sequence[Round], moved: Slide, doubts: dict[Hashable, Doubt]
 ) -> LegPrediction:
     one = found[index]
     leg, gait = one.leg, one.gait()
     unknown = _uncertainty(robot, leg)
-    # The other leg is most often the same in a mirror, and so is what can be doubted of it.
-    stands = [np.round([*foot.load, *foot.sharing], 9).tobytes() for foot in one.stances]
-    alike = (leg.chain, *stands)
+    alike = _alike(one)
     if alike not in doubts:
         others = {one.gait(tolerance) for tolerance in TOLERANCES} | set(_otherwise(robot, one))
         doubts[alike] = (*_margin(robot, one), tuple(sorted(others - {gait})))
@@ -342,6 +389,34 @@ def _margin(robot: Robot, one: Round) -> tuple[float, str]:
             if change is not None and change[0] < best:
                 best, nearest = change
     return best, nearest
+
+
+def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, float]:
+    """Depths of the feet [m] between which a leg keeps its gait, whatever is not known."""
+    foot, leg = robot.foot, robot.legs[index]
+    unknown, gait = _uncertainty(robot, leg), found[index].gait()
+    # No robot's feet stand deeper than its cells can lift them.
+    deepest = 0.999 * float(foot.depth(0.0) - foot.depth(leg.chain.cells[-1].full_travel))
+
+    def deep(below: float) -> str:
+        other = replace(robot, foot=replace(foot, below=below))
+        stances = stances_beside(other, index, found)
+        for force in (unknown, -unknown):
+            extra = np.zeros(len(leg.chain))
+            extra[-1] = force
+            after = go_round(other, leg, stances, extra).gait()
+            if after != gait:
+                return after
+        return gait
+
+    def until(looks: list[float]) -> float:
+        change = first_change(deep, [foot.below, *looks], DEPTH_HALVINGS)
+        return looks[-1] if change is None else change[0]
+
+    if deep(foot.below) != gait:
+        return foot.below, foot.below
+    deeper = [foot.below + more for more in DEEPER if foot.below + more < deepest]
+    return until([foot.below / 2, 0.0]), until([*deeper, max(deepest, foot.below)])
 
 
 def _otherwise(robot: Robot, one: Round) -> list[str]:
