@@ -292,12 +292,12 @@ def test_alike_cells_whose_forces_turn_are_followed():
 
 
 def test_alike_cells_that_reach_their_stops_together_all_get_there():
-    # One stood a last digit before its stop for ever after, and its arrival was lost.
+    # One stood a last digit before its stop for ever after, and 111011 was missing.
     rng = np.random.default_rng([236, 66])
     rng.integers(1, 4)
     kinds = [any_cell(rng) for _ in range(3)]
     cycle = sw.Chain([kinds[i] for i in (2, 2, 0, 0, 2, 2)]).cycle()
-    assert str(cycle.sequence) == "000000>110011>111111>001100>000100>000000"
+    assert str(cycle.sequence) == "000000>110011>111011>111111>001100>000100>000000"
     full = np.array([cell.full_travel for cell in cycle.chain.cells])
     assert not np.any((cycle.path.travel < full) & (cycle.path.travel > (1 - 1e-14) * full))
 
