@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -17,6 +17,8 @@ from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import full_cycle, short
 from stepwell.design._interval import interval_95
+from stepwell.design._orders import by_cells_at_1
+from stepwell.design._reached import unsearchable
 from stepwell.design._sensitivity import Sensitivities, sensitivities
 from stepwell.design._tally import Tally
 from stepwell.design.tolerances import Tolerances
@@ -66,11 +68,14 @@ class Yield:
         chain: the drawing.
         tolerances: how far the parts may be from it.
         n, seed: how many mechanisms, and which.
-        wanted: the sequence of states of a full cycle.
+        wanted: the sequence of states of a full cycle; or "states", and those wanted.
+        states: those that shall be in reach from all cells at 0 and no others; None where the
+            cycle counts.
         successes: how many do it, without a tie.
-        outcomes: what the others do, most frequent first: a sequence, "a tie", "cannot be
-            built", "no answer" from the engine, "another sequence" for all that are not told
-            apart (chains of ten cells or more, the rarest ones).
+        outcomes: what the others do, most frequent first: a sequence, or which states they reach
+            beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
+            engine, "another sequence" for all that are not told apart (chains of ten cells or
+            more, the rarest ones).
         critical: the pair of neighbours in the wanted order that is most often in the other
             order, or nearest to it where none is; None where nothing was judged in closed form,
             or there is no such pair.
@@ -84,6 +89,7 @@ class Yield:
     n: int
     seed: int
     wanted: str
+    states: tuple[str, ...] | None
     successes: int
     outcomes: Mapping[str, int]
     critical: Critical | None
@@ -198,7 +204,7 @@ def yields(
     *,
     n: int = 100_000,
     seed: int = 0,
-    wanted: str | None = None,
+    wanted: str | Iterable[str] | None = None,
     sensitivity: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Yield:
@@ -209,7 +215,9 @@ def yields(
     equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
     pushed through its whole travel in a snap. All other mechanisms are followed by the general
     engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-    takes milliseconds for each, and a smaller n is wise.
+    takes milliseconds for each, and a smaller n is wise. So it is where states are wanted: then
+    the engine follows every branch of each, but where all 2^N states are wanted of cells of one
+    travel and every two loops are nested, which proves it.
 
     The same seed gives the same mechanisms, and a larger n keeps the first ones.
 
@@ -218,8 +226,9 @@ def yields(
         tolerances: how far the parts may be from it.
         n: how many mechanisms to make.
         seed: which ones.
-        wanted: the full cycle that counts as success, such as "00>10>11>01>00"; by default what
-            the drawing does.
+        wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default what
+            the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
+            in reach from all cells at 0, and no others.
         sensitivity: also ask which part's tolerance counts, by Sobol' indices of the smallest
             gap between neighbours in the wanted order.
         progress: called with (done, n).
@@ -228,16 +237,18 @@ def yields(
         The share that works, its confidence interval, and what the others do.
 
     Raises:
-        ValueError: numbers out of range, a sequence that is no full cycle of this chain, or
-            sensitivities where no gap decides.
+        ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
+            where not all that can be reached can be looked at (friction, more than eight cells),
+            or sensitivities where no gap decides.
         StaticsError: the drawing itself has no answer, and `wanted` was not given.
 
     Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
     """
     _refuse(chain, tolerances, n, seed)
-    drawing = cycle(chain) if wanted is None else None
-    wanted = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
-    tally = Tally(Draws(chain, tolerances, seed), wanted)
+    states = _states(chain, tolerances, wanted)
+    drawing = cycle(chain) if wanted is None or states is not None else None
+    target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
+    tally = Tally(Draws(chain, tolerances, seed), target, states)
     judge = tally.judge
     if sensitivity and (judge is None or tally.orders is None):
         raise ValueError(
@@ -250,7 +261,8 @@ def yields(
         tolerances,
         n,
         seed,
-        wanted,
+        target if states is None else f"states {' '.join(by_cells_at_1(states))}",
+        None if states is None else by_cells_at_1(states),
         tally.successes,
         MappingProxyType(tally.outcomes()),
         _critical(tally),
@@ -258,6 +270,26 @@ def yields(
         _assumptions(tally, n) + ("; the drawing is a tie" if _is_tie(drawing) else ""),
         sensitivities(tally.draws, lambda d: judge(d).gap) if sensitivity and judge else None,
     )
+
+
+def _states(
+    chain: Chain, tolerances: Tolerances, wanted: str | Iterable[str] | None
+) -> frozenset[str] | None:
+    """The states wanted; None where a cycle is."""
+    if wanted is None or isinstance(wanted, str):
+        return None
+    states = frozenset(str(state) for state in wanted)
+    if not states or any(len(s) != len(chain) or set(s) - {"0", "1"} for s in states):
+        raise ValueError(
+            f"wanted = {sorted(states)}: must be states of {len(chain)} characters 0 or 1, one a "
+            f"cell, inner first."
+        )
+    why = unsearchable(chain, tolerances.friction)
+    if why:
+        raise ValueError(
+            f"wanted = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
+        )
+    return states
 
 
 def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
@@ -301,7 +333,12 @@ def _critical(tally: Tally) -> Critical | None:
 
 
 def _assumptions(tally: Tally, n: int) -> str:
-    if tally.judge is None:
+    if tally.states is not None:
+        how = (
+            f"the general engine followed {tally.by_engine} along every branch that can be "
+            f"reached, and of the others all states are proved to be"
+        )
+    elif tally.judge is None:
         how = (
             f"no closed form for such cells (several bands, a bent law or a load), so the general "
             f"engine followed all {n}, slowly"
@@ -313,8 +350,8 @@ def _assumptions(tally: Tally, n: int) -> str:
         )
     return (
         f"assumed: every part varies by itself, anchors, levers and friction evenly within their "
-        f"tolerance, k and ℓ0 normally; quasi-static full cycle; a tie, or a mechanism that cannot "
-        f"be built or followed, counts as a failure; {how}"
+        f"tolerance, k and ℓ0 normally; quasi-static{' full cycle' * (tally.states is None)}; a "
+        f"tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
     )
 
 
