@@ -60,6 +60,7 @@ class Tally:
         judge: the closed form; None where there is none.
         judged, by_engine: of how many it told the orders, and how many the engine followed.
         successes: how many do what is wanted.
+        followed_well: of each that the engine followed, in order, whether it does.
         wrong, narrowest: (2, N - 1) as in `_many.many`, of those judged.
     """
 
@@ -73,6 +74,7 @@ class Tally:
         some = self.orders if self.orders is not None else np.tile(np.arange(cells), (2, 1))
         self.judge = Judge.of(draws.chain, draws.spread, some)
         self.successes = self.judged = self.by_engine = 0
+        self.followed_well: list[bool] = []
         self.wrong = np.zeros((2, cells - 1), np.int64)
         self.narrowest = self.wrong.copy()
         self._told_apart = cells <= _MOST_CELLS
@@ -119,6 +121,7 @@ class Tally:
     def _follow(self, draw: Floats) -> None:
         self.by_engine += 1
         does = followed(self.draws, draw, self.states)
+        self.followed_well.append(does == self._success)
         if does == self._success:
             self.successes += 1
         else:

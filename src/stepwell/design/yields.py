@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -18,9 +18,10 @@ from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import full_cycle, short
 from stepwell.design._interval import interval_95
 from stepwell.design._orders import by_cells_at_1
-from stepwell.design._reached import unsearchable
-from stepwell.design._sensitivity import Sensitivities, sensitivities
+from stepwell.design._reached import reached, unsearchable
+from stepwell.design._sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design._tally import Tally
+from stepwell.design._why_none import why_none
 from stepwell.design.tolerances import Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _SHOWN = 4  # outcomes printed
+_COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +84,7 @@ class Yield:
         by_engine: how many were followed by the general engine, a few milliseconds each.
         assumptions: under which all this holds.
         sensitivities: which part's tolerance counts; None unless asked for.
+        advice: where none does what is wanted, why, and what to ask for instead; else "".
     """
 
     chain: Chain = field(repr=False)
@@ -96,6 +99,7 @@ class Yield:
     by_engine: int
     assumptions: str
     sensitivities: Sensitivities | None
+    advice: str = ""
 
     @property
     def share(self) -> float:
@@ -180,6 +184,8 @@ class Yield:
             f"{_percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
             f"(95 % confidence: {_percent(low)} to {_percent(high)})"
         ]
+        if self.advice:
+            lines.append(self.advice)
         shown = list(self.outcomes.items())[:_SHOWN]
         lines += [f"{_percent(count / self.n)}: {short(text)}" for text, count in shown]
         if len(self.outcomes) > _SHOWN:
@@ -230,7 +236,8 @@ def yields(
             the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
             in reach from all cells at 0, and no others.
         sensitivity: also ask which part's tolerance counts, by Sobol' indices of the smallest
-            gap between neighbours in the wanted order.
+            gap between neighbours in the wanted order. Where the engine follows every mechanism,
+            they come with how well the gap tells what it finds.
         progress: called with (done, n).
 
     Returns:
@@ -239,7 +246,7 @@ def yields(
     Raises:
         ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
             where not all that can be reached can be looked at (friction, more than eight cells),
-            or sensitivities where no gap decides.
+            or sensitivities where the cycle has no two orders, or not all can be built.
         StaticsError: the drawing itself has no answer, and `wanted` was not given.
 
     Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
@@ -249,11 +256,10 @@ def yields(
     drawing = cycle(chain) if wanted is None or states is not None else None
     target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
     tally = Tally(Draws(chain, tolerances, seed), target, states)
-    judge = tally.judge
-    if sensitivity and (judge is None or tally.orders is None):
+    if sensitivity and tally.orders is None:
         raise ValueError(
-            "sensitivity = True: a smallest gap decides only where every cell has one linear band "
-            "and no load, and every step of the wanted cycle moves one cell; leave it out here."
+            f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
+            f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
     tally.count(n, progress)
     return Yield(
@@ -268,7 +274,8 @@ def yields(
         _critical(tally),
         tally.by_engine,
         _assumptions(tally, n) + ("; the drawing is a tie" if _is_tie(drawing) else ""),
-        sensitivities(tally.draws, lambda d: judge(d).gap) if sensitivity and judge else None,
+        _sensitivities(tally, n) if sensitivity else None,
+        _advice(tally, target),
     )
 
 
@@ -309,6 +316,28 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
         )
 
 
+def _advice(tally: Tally, wanted: str) -> str:
+    if tally.successes:
+        return ""
+    if tally.states is None:
+        return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
+    found = reached(tally.draws.chain)
+    return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
+
+
+def _sensitivities(tally: Tally, n: int) -> Sensitivities:
+    draws, judge, orders = tally.draws, tally.judge, tally.orders
+    if judge is not None:
+        return sensitivities(draws, lambda rows: judge(rows).gap)
+    assert orders is not None
+    found = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
+    # The engine followed every one, so it can be asked how far the gap is to be believed.
+    some = np.array(tally.followed_well[:_COMPARED])
+    gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
+    some = some[: len(gaps)]
+    return replace(found, agreed=float(np.mean((gaps > 0) == some)))
+
+
 def _is_tie(drawing: Cycle | None) -> bool:
     return drawing is not None and bool(drawing.degenerate)
 
@@ -335,8 +364,8 @@ def _critical(tally: Tally) -> Critical | None:
 def _assumptions(tally: Tally, n: int) -> str:
     if tally.states is not None:
         how = (
-            f"the general engine followed {tally.by_engine} along every branch that can be "
-            f"reached, and of the others all states are proved to be"
+            f"{tally.by_engine} followed along every branch by the general engine, and "
+            f"{n - tally.by_engine} proved to reach all states, every two loops being nested"
         )
     elif tally.judge is None:
         how = (

@@ -232,6 +232,8 @@ def _yield(found: Yield) -> dict[str, Any]:
         "by_engine": found.by_engine,
         "assumptions": found.assumptions,
         "gap_deviation_N": None if table is None else finite(table.deviation),
+        "advice": found.advice,
+        "gap_agreement": None if table is None else table.agreed,
         "sensitivities": None
         if table is None
         else [
