@@ -17,6 +17,7 @@ from stepwell.statics import StaticsError
 Floats = NDArray[np.float64]
 
 _DRAWN = 5000  # placements of each attempt
+_NEAR = 200  # places round the best one of each cell
 # Cells of the chains that the engine looks at in all: some seconds.
 _LOOKED_AT = 2400
 
@@ -35,8 +36,8 @@ def another(
     """
     rng = np.random.default_rng(seed)
     pool: list[tuple[float, int, Attempt, Candidates]] = []
-    for attempt in attempts:
-        if not all(len(table.q) for table in attempt.tables):
+    for attempt in [one for given in attempts for one in (given, _near(given, rng))]:
+        if not attempt.tables or not all(len(table.q) for table in attempt.tables):
             continue
         table = joined(attempt.tables)
         picks = _drawn(attempt, rng)
@@ -59,6 +60,19 @@ def _does(goal: Goal, attempt: Attempt, actuator_stiffness: float) -> bool:
     except (StaticsError, ValueError):
         return False
     return not goal.misses(seen, attempt.orders)
+
+
+def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
+    """The attempt with tables of places at random round its best ones, near and far."""
+    if attempt.best is None or attempt.holes is not None:
+        return replace(attempt, tables=[])
+    tables: list[Candidates] = []
+    for region, q, kind in zip(
+        attempt.regions, attempt.best.cells.q, attempt.best.cells.kind, strict=True
+    ):
+        away = attempt.pitch * rng.uniform(0.01, 4.0, (_NEAR, 1)) * rng.standard_normal((_NEAR, 2))
+        tables.append(attempt.rule.these(region.clamped(q + away), np.full(_NEAR, kind)))
+    return replace(attempt, tables=tables, owner=tuple(range(len(tables))))
 
 
 def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:

@@ -1,7 +1,7 @@
 """`python -m stepwell.paper.any_cycle FILE [PAGE.md …]`: how surely chains make any cycle.
 
-The counts of cells in the claims are those of one cycle, the one that goes back the way it came. Here
-chains of the same lengths are designed for all cycles, or where these are too many for a sample.
+The counts of cells in the claims are those of one cycle, the one that goes back the way it came.
+Here chains of the same lengths are designed for all cycles, or for a sample of too many.
 It takes a second a cycle, so what FILE holds already is kept, and what is missing is added.
 """
 
