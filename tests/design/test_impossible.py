@@ -55,16 +55,15 @@ def cycle(loading, unloading) -> str:
     return ">".join(states)
 
 
-def random_case(rng: np.random.Generator, cells: int, holes: int):
-    """A box of about so many holes, anywhere, and a band that may fold back or go slack there."""
-    pitch = rng.choice([0.004, 0.005, 0.007])
-    wide = rng.integers(1, 3 if cells > 2 else 4)
-    tall = max(1, holes // (wide + 1) - 1)
-    left, bottom = rng.uniform(-0.014, 0.008), rng.uniform(-0.014, 0.004)
+def random_case(rng: np.random.Generator, cells: int):
+    """A box of a few holes, anywhere, and a band that may fold back or go slack there."""
+    pitch = float(rng.choice([0.004, 0.005, 0.007]))
+    wide, tall = [(1, 1), (2, 1), (1, 2)][rng.integers(3)]
+    left, bottom = rng.uniform(-0.020, 0.006), rng.uniform(-0.014, 0.008)
     box = AnchorBox(left, left + wide * pitch, bottom, bottom + tall * pitch)
-    band = Stock(rng.uniform(15, 60), rng.choice([0.004, 0.010, 0.016, 0.022]))
+    band = Stock(rng.uniform(15, 60), float(rng.choice([0.004, 0.008, 0.012])))
     orders = [rng.permutation(cells).tolist() for _ in range(2)]
-    return box, float(pitch), band, cycle(*orders)
+    return box, pitch, band, cycle(*orders)
 
 
 def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
@@ -82,26 +81,27 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     assert "not all cells are proved concave" in made.assumptions
 
 
-@pytest.mark.parametrize(("cells", "holes", "cases"), [(2, 9, 8), (3, 6, 4)])
-def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, holes, cases):
+@pytest.mark.parametrize(("cells", "cases"), [(2, 20), (3, 10)])
+def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
     rng = np.random.default_rng(cells)
-    proved = found = folded = 0
+    proved = found = tried = 0
     for _ in range(examples(cases)):
-        box, pitch, band, wanted = random_case(rng, cells, holes)
+        box, pitch, band, wanted = random_case(rng, cells)
         ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
-        folded += len(ways)
-        # All choices, labels included: nothing here knows of symmetry or of end forces.
-        doing = {c for c in product(range(len(ways)), repeat=cells)
-                 if sequence(tuple(ways[k] for k in c)) == wanted}  # fmt: skip
+        # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
+        # cannot be told apart, so they do not go one after the other.
+        numbers = permutations(range(len(ways)), cells)
+        doing = [c for c in numbers if sequence(tuple(ways[k] for k in c)) == wanted]
         made = answer(wanted, within=box, holes=pitch, bands=(band,))
         if isinstance(made, Impossible):
             proved += made.proved
+            tried += "were run by the engine" in str(made)
             assert not (made.proved and doing), (box, pitch, band, wanted, doing)
         else:
             found += 1
             assert doing
             assert sequence(made.chain.cells) == wanted
-    assert proved > 0 and found > 0 and folded > 0
+    assert proved > 0 and found > 0 and tried > 0
 
 
 def test_sets_of_states_called_impossible_and_proved_have_no_witness():
@@ -110,7 +110,7 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
     for cells, cases in ((2, 6), (3, 3)):
         every = ["".join(bits) for bits in product("01", repeat=cells)]
         for _ in range(examples(cases)):
-            box, pitch, band, _ = random_case(rng, cells, 5)
+            box, pitch, band, _ = random_case(rng, cells)
             ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
             middle = [s for s in every[1:-1] if rng.random() < 0.6]
             wanted = {every[0], *middle, every[-1]}
