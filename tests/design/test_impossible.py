@@ -69,13 +69,13 @@ def random_case(rng: np.random.Generator, cells: int):
 def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     made = design(
-        ISSUE, within=box, holes=0.005, bands=(LONG,), tolerances=Tolerances(anchor=0.001), n=300
+        ISSUE, within=box, holes=0.005, bands=(LONG,), tolerances=Tolerances(anchor=0.001), n=100
     )
     assert str(made.chain.cycle().sequence) == ISSUE == made.sequence
     known = [(0.010, 0.010), (0.010, -0.005), (0.005, -0.010)]
     other = sw.Chain([c for q in known if (c := cell(LONG, q)) is not None])
-    same = other.yields(Tolerances(anchor=0.001), n=300, wanted=ISSUE)
-    assert 0.7 < same.share <= made.yield_.share + 0.05
+    same = other.yields(Tolerances(anchor=0.001), n=100, wanted=ISSUE)
+    assert 0.6 < same.share <= made.yield_.share + 0.1
     assert not made.proved
     assert "that no closed form decides" in made.method
     assert "not all cells are proved concave" in made.assumptions
@@ -112,14 +112,18 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
         for _ in range(examples(cases)):
             box, pitch, band, _ = random_case(rng, cells)
             ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
-            middle = [s for s in every[1:-1] if rng.random() < 0.6]
-            wanted = {every[0], *middle, every[-1]}
+            columns, wanted = [], set()
+            while len(set(columns)) < cells:  # so that equal cells are out of the question
+                wanted = {every[0], *(s for s in every[1:-1] if rng.random() < 0.6), every[-1]}
+                columns = list(zip(*sorted(wanted), strict=True))
             made = answer(states=wanted, within=box, holes=pitch, bands=(band,))
             if not isinstance(made, Impossible):
                 assert {s for s in made.chain.graph(start="0" * cells) if "-" not in s} == wanted
                 continue
             proved += made.proved
-            for choice in product(ways, repeat=cells) if made.proved else ():
+            # By symmetry equal cells are in different states only after a tie.
+            choices = permutations(ways, cells)
+            for choice in choices if made.proved else ():
                 try:
                     graph = sw.Chain(choice).graph(start="0" * cells)
                 except (StaticsError, ValueError):

@@ -54,6 +54,12 @@ class Goal:
             return None
         return self.wish.states or frozenset(self.wish.orders[0].states)
 
+    @property
+    def twins(self) -> bool:
+        """Whether two cells are always in the same state, as two equal ones are until they tie."""
+        columns = list(zip(*(self.states or ()), strict=True))
+        return len(set(columns)) < len(columns)
+
     def look(self, chain: Chain) -> Seen:
         """What a chain does, by the engine.
 

@@ -87,7 +87,7 @@ def tried(
         progress: called with (done, total) choices.
     """
     different = list(dict.fromkeys(regions))
-    alike, again = len(set(regions)) == 1, goal.states is not None
+    alike, again = len(set(regions)) == 1, goal.twins
     most = (_THROUGH_A_CYCLE if goal.states is None else _ALONG_ALL_BRANCHES) // goal.cells
     found: list[Chain] = []
     ways = left = done = unanswered = 0
@@ -135,7 +135,7 @@ def _ways(rule: Rule, region: Region, holes: float) -> list[Way]:
 
 
 def _count(tables: list[list[Way]], alike: bool, again: bool, settled: bool) -> int:
-    """How many choices there are; cells in the same hole tie, unless they move together."""
+    """How many choices there are; equal cells never part without a tie, `again` if they may."""
 
     def all_of(sizes: list[int]) -> int:
         if not alike:
