@@ -55,8 +55,9 @@ def another(
 
 
 def _does(goal: Goal, attempt: Attempt, actuator_stiffness: float) -> bool:
+    chain = attempt.chain(actuator_stiffness, "")
     try:
-        seen = goal.look(attempt.chain(actuator_stiffness, ""))
+        seen = goal.look(chain)
     except (StaticsError, ValueError):
         return False
     return not goal.misses(seen, attempt.orders)

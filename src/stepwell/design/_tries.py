@@ -124,8 +124,9 @@ class Tries:
 
     def _fault(self, attempt: Attempt) -> str:
         """What the engine finds that is not as wanted; "" if it is."""
+        chain = attempt.chain(self.actuator_stiffness, "")
         try:
-            seen = self.goal.look(attempt.chain(self.actuator_stiffness, ""))
+            seen = self.goal.look(chain)
         except (StaticsError, ValueError) as failure:
             return str(failure)
         return short(self.goal.misses(seen, attempt.orders))

@@ -57,7 +57,7 @@ def table(rows: list[dict[str, Any]]) -> str:
         "| anchors | cells | cycles | best | median | worst | make it in 99 % |",
         "|---|---|---|---|---|---|---|",
     ]
-    for row in rows:
+    for row in (row for row in rows if row["shares"]):
         shares, cells = np.array(row["shares"]), row["cells"]
         whole = len(shares) == math.factorial(cells)
         looked = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
