@@ -32,8 +32,8 @@ def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
     """Anchors for a chain that its turning points bring to every state.
 
-    Proved where of every two cells the one that loads first unloads first (theory page, "Stroke
-    programs"), which this cycle says; so what makes it counts.
+    Proved where of every two cells the one that loads first unloads first, which this cycle says;
+    so what makes it counts (theory page, "Stroke programs").
     """
     order = tuple((i,) for i in range(cells))
     return design(str(Sequence("0" * cells, order + order)), tolerances=tolerances, n=n)
