@@ -1,6 +1,7 @@
 """What is called impossible and proved has no witness: every choice of holes is run anew."""
 
 import math
+from collections.abc import Sequence
 from itertools import combinations, permutations, product
 
 import numpy as np
@@ -29,7 +30,7 @@ def cell(band: Stock, q: tuple[float, float]) -> sw.Cell | None:
         return None
 
 
-def sequence(cells: tuple[sw.Cell, ...]) -> str:
+def sequence(cells: Sequence[sw.Cell]) -> str:
     """What a choice does; "" where the engine has no answer, or a tie."""
     try:
         found = sw.Chain(cells).cycle()

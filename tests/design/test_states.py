@@ -165,7 +165,7 @@ def test_what_cannot_be_searched_whole_says_so():
         (crossed(), Tolerances(friction=0.1), WANTED, "with friction"),
         (crossed(), Tolerances(), ["00", "11"], "3 characters 0 or 1"),
         (crossed(), Tolerances(), [], "3 characters 0 or 1"),
-        (sw.Chain(crossed().cells * 3), Tolerances(), ["0" * 9, "1" * 9], "more than 8 cells"),
+        (sw.Chain([*crossed().cells] * 3), Tolerances(), ["0" * 9, "1" * 9], "more than 8 cells"),
     ],
 )
 def test_states_that_cannot_be_counted_are_refused(chain, tolerances, wanted, words):

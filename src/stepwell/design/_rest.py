@@ -36,14 +36,12 @@ class Tried:
 
     Attributes:
         chains: those that do what is wanted.
-        ways: how many ways there are to build a cell.
         open: how many choices there are that no closed form decides.
         tried: how many of them were followed.
         unanswered: of how many of those the engine could not tell what they do.
     """
 
     chains: tuple[Chain, ...]
-    ways: int
     open: int
     tried: int
     unanswered: int
@@ -90,13 +88,13 @@ def tried(
     alike, again = len(set(regions)) == 1, goal.twins
     most = (_THROUGH_A_CYCLE if goal.states is None else _ALONG_ALL_BRANCHES) // goal.cells
     found: list[Chain] = []
-    ways = left = done = unanswered = 0
+    left = done = unanswered = 0
     for rule in rules:
         mine = [_ways(rule, region, holes) for region in different]
         tables = [mine[different.index(region)] for region in regions]
         settled = decided and len({kind.lever for kind in rule.kinds}) == 1
         count = _count(tables, alike, again, settled)
-        ways, left = ways + sum(map(len, mine)), left + count
+        left += count
         room = most - done
         picked = (
             _every(tables, alike, again, settled)
@@ -117,7 +115,7 @@ def tried(
                 continue
             mine_now = [cells[k].cell for k in order]
             found.append(named(mine_now, actuator_stiffness, f"Designed for {goal.text}"))
-    return Tried(tuple(found), ways, left, done, unanswered)
+    return Tried(tuple(found), left, done, unanswered)
 
 
 def _ways(rule: Rule, region: Region, holes: float) -> list[Way]:

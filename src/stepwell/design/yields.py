@@ -364,8 +364,9 @@ def _critical(tally: Tally) -> Critical | None:
 def _assumptions(tally: Tally, n: int) -> str:
     if tally.states is not None:
         how = (
-            f"{tally.by_engine} followed along every branch by the general engine, and "
-            f"{n - tally.by_engine} proved to reach all states, every two loops being nested"
+            f"{tally.by_engine} followed along every branch by the general engine"
+            + (n > tally.by_engine)
+            * f", {n - tally.by_engine} proved to reach all states, every two loops being nested"
         )
     elif tally.judge is None:
         how = (
