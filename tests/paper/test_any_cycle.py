@@ -57,8 +57,8 @@ def test_a_table_calls_a_sample_a_sample(tmp_path):
         {"anchor_mm": 0.3, "cells": 10, "shares": [0.5, 0.25]},
     ]
     text = any_cycle.table(rows).splitlines()
-    assert text[2] == "| ±1 mm | 3 | all 6 | 100.0 % | 98.5 % | 90.0 % | 50 % of them |"
-    assert text[3] == "| ±0.3 mm | 10 | a sample of 2 | 50.0 % | 37.5 % | 25.0 % | 0 % of them |"
+    assert text[2] == "| ±1 mm | 3 | all 6 | 100.0 % | 98.5 % | 90.0 % | 3 of 6 |"
+    assert text[3] == "| ±0.3 mm | 10 | a sample of 2 | 50.0 % | 37.5 % | 25.0 % | 0 of 2 |"
     with pytest.raises(ValueError, match="no place for the table"):
         any_cycle.replaced("a page", "text")
 

@@ -62,7 +62,7 @@ def table(rows: list[dict[str, Any]]) -> str:
         whole = len(shares) == math.factorial(cells)
         looked = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
         told = [f"{100 * x:.1f} %" for x in (shares.max(), np.median(shares), shares.min())]
-        many = f"{100 * np.mean(shares >= WANTED):.0f} % of them"
+        many = f"{int(np.sum(shares >= WANTED))} of {len(shares)}"
         lines.append(
             f"| ±{row['anchor_mm']:g} mm | {cells} | {looked} | {' | '.join(told)} | {many} |"
         )
