@@ -60,6 +60,33 @@ def test_another_cycle_may_be_wanted(stepwell):
     assert json.loads(stepwell("yield", "forward.toml", *options).stdout)["share"] == 0
 
 
+def test_what_one_stroke_cannot_do_is_said_with_what_to_ask_instead(stepwell):
+    text = stepwell("yield", "forward.toml", "--wanted", "00>11>00", "--samples", 50).stdout
+    assert "Yield     0 %" in text
+    assert "One stroke out and back cannot do it: 00>11 moves 2 cells at once" in text
+    assert "stepwell program --to 11" in text.replace("\n", " ")
+
+
+def test_states_may_be_wanted(stepwell):
+    options = ("--wanted", "00,10,01,11", "--samples", 20, "--json")
+    record = json.loads(stepwell("yield", "forward.toml", *options).stdout)
+    assert record["share"] == 1
+    assert record["wanted_states"] == ["00", "10", "01", "11"]
+    assert record["advice"] == ""
+
+
+def test_sensitivities_of_a_band_with_a_table_come_with_how_well_they_tell(stepwell, tmp_path):
+    text = (
+        (tmp_path / "forward.toml")
+        .read_text()
+        .replace("stiffness_N_per_m = 28.5", "table_mm_N = [[0, 0], [10, 0.285], [40, 1.14]]")
+    )
+    (tmp_path / "table.toml").write_text(text)
+    shown = stepwell("yield", "table.toml", "--sensitivity", "--samples", 20).stdout
+    assert "Share of the variance of the smallest gap" in shown
+    assert "The gap tells what the engine finds in 100 %" in shown
+
+
 def test_sensitivities_are_sorted_and_never_below_zero(stepwell):
     text = stepwell("yield", "forward.toml", *ROUGH, "--sensitivity").stdout
     table = text.split("with others\n")[2].split("\n\n")[0]

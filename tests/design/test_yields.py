@@ -382,7 +382,7 @@ def test_a_sequence_that_is_no_full_cycle_is_refused_with_an_example(wanted, adv
         ({"seed": -1}, "seed = -1"),
         ({"tolerances": 0.05}, "must be Tolerances, for example"),
         ({"tolerances": Tolerances(lever=0.02)}, "must be smaller than the shortest lever"),
-        ({"sensitivity": True, "wanted": "00>11>00"}, "every step of the wanted cycle"),
+        ({"sensitivity": True, "wanted": "00>11>00"}, "not every step moves one cell"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
@@ -471,12 +471,6 @@ def test_cells_of_one_name_are_told_apart_by_number():
     assert found is not None and found.parameters == ("0.lever", "1.lever")
 
 
-def test_chains_without_a_smallest_gap_have_no_sensitivities():
-    double = sw.Chain((sw.Cell((cell(10).bands[0], cell(12).bands[0])), cell(14)))
-    with pytest.raises(ValueError, match="one linear band and no load"):
-        yields(double, Tolerances(), n=2, wanted=CLOCKWISE, sensitivity=True)
-
-
 # --- the result -------------------------------------------------------------------------------
 
 
@@ -534,3 +528,73 @@ def test_progress_rises_to_all():
     done = [a for a, _ in calls]
     assert done == sorted(done) and calls[-1] == (40, 40) and len(calls) > 2
     assert {b for _, b in calls} == {40}
+
+
+# --- what one stroke cannot do, and cells that have no closed form ----------------------------
+
+
+@pytest.mark.parametrize(
+    ("wanted", "words"),
+    [
+        ("00>11>00", "00>11 moves 2 cells at once"),
+        ("00>10>01>11>00", "from 10 to 01 the stroke does not rise"),
+        ("00>10>11>10>01>00", "from 10 to 01 the stroke does not fall"),
+        ("00>10>11>00", "11>00 moves 2 cells at once"),
+    ],
+)
+def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, words):
+    found = yields(leg(), Tolerances(anchor=0.0003), n=50, wanted=wanted)
+    assert found.share == 0.0
+    assert "one stroke out and back cannot do it" in found.advice
+    assert words in found.advice and found.advice in str(found)
+    assert "stepwell program" in found.advice
+
+
+def test_any_other_cycle_that_none_makes_comes_with_one_that_the_drawing_makes():
+    found = yields(leg(), Tolerances(anchor=0.0003), n=50, wanted="00>01>11>10>00")
+    assert found.advice.endswith(f"such as {CLOCKWISE}, which the drawing makes")
+    assert "cannot" not in found.advice
+    assert yields(leg(), Tolerances(anchor=0.0003), n=50).advice == ""
+
+
+def test_cells_that_move_together_are_not_told_that_they_cannot():
+    rising = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 30.0, 0.0))
+    stiffer = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 31.0, 0.0))
+    pair = sw.Chain((rising, stiffer))
+    found = yields(pair, Tolerances(anchor=0.0002), n=5, wanted=CLOCKWISE)
+    assert found.by_engine == 5
+    assert "cells of falling force" not in found.advice
+
+
+def tables(rest: float = 0.010) -> sw.Chain:
+    """A pair whose bands are measured, at more and more extension by Hooke's law."""
+    extension = [0.0, 0.010, 0.020, 0.040]
+    band = [
+        sw.Band.from_table((-0.010, 0.0), (x, 0.0), rest, extension, [28.5 * e for e in extension])
+        for x in (0.010, 0.014)
+    ]
+    return sw.Chain([sw.Cell(one) for one in band])
+
+
+def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds():
+    tolerances = Tolerances(anchor=0.002, stiffness=0.05, rest_length=0.02)
+    found = yields(tables(), tolerances, n=20, sensitivity=True).sensitivities
+    closed = yields(leg(), tolerances, n=20, sensitivity=True).sensitivities
+    assert found is not None and closed is not None
+    assert found.parameters == closed.parameters
+    assert (found.points, closed.points) == (1024, 4096)
+    np.testing.assert_allclose(found.first_order, closed.first_order, atol=0.06)
+    np.testing.assert_allclose(found.total, closed.total, atol=0.06)
+    assert found.deviation == pytest.approx(closed.deviation, rel=0.05)
+    assert closed.agreed is None
+    assert found.agreed == 1.0 and "the gap tells what the engine finds in 100.0 %" in str(found)
+
+
+def test_parts_of_several_bands_in_a_cell_are_one_part():
+    two = sw.Cell((*cell(10).bands, *cell(12).bands))
+    chain = sw.Chain((two, cell(18)), 100.0)
+    found = yields(chain, Tolerances(stiffness=0.05), n=5, sensitivity=True).sensitivities
+    assert found is not None
+    assert found.parameters == ("inner.stiffness", "outer.stiffness")
+    assert np.all(found.total > 0.05)
+    assert found.first_order.sum() == pytest.approx(1.0, abs=0.1)

@@ -33,16 +33,22 @@ def show(record: dict[str, Any]) -> None:
             for cell in cells
         ],
     )
-    show_text(record["reason"], record["assumptions"])
+    reach = [] if record["states_whole"] else [_more(record)]
+    show_text(record["reason"], *reach, record["assumptions"])
 
 
 def _states(record: dict[str, Any]) -> list[str]:
     count, states = record["state_count"], record["states"]
+    listed = f"{count} states" if record["states_whole"] else f"{count} states surely"
     if states is None:
-        return [f"In reach  {count} states"]
+        return [f"In reach  {listed}"]
     more = f" and {len(states) - MOST_STATES} more" if len(states) > MOST_STATES else ""
-    listed = f"{count} states: {', '.join(states[:MOST_STATES])}{more}"
+    listed += f": {', '.join(states[:MOST_STATES])}{more}"
     return [f"Sequence  {record['sequence']}", f"In reach  {listed}"]
+
+
+def _more(record: dict[str, Any]) -> str:
+    return f"more states may be in reach: {record['states_how']}"
 
 
 _ANCHORS = ("q_mm", "p_mm")

@@ -36,14 +36,11 @@ Friction = Annotated[
     typer.Option(metavar="N", help="Every cell has up to this more friction [N].", min=0),
 ]
 Samples = Annotated[
-    int,
-    typer.Option(metavar="N", help="How many mechanisms are made at random.", min=1, max=10**9),
-]
-SomeSamples = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        help="How many mechanisms are made at random; 100000, or 500 with --program.",
+        help="How many mechanisms are made at random; 100000, or 500 where each is followed along "
+        "a program or all its branches.",
         show_default=False,
         min=1,
         max=10**9,

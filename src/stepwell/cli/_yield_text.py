@@ -13,6 +13,8 @@ def show(record: dict[str, Any]) -> None:
     show_lines(*title, *lines(record, record["cells"]))
     if "outcomes" not in record:
         return
+    if record["advice"]:
+        show_text(record["advice"])
     outcomes = record["outcomes"]
     if outcomes:
         show_table(
@@ -79,6 +81,8 @@ def _sensitivities(record: dict[str, Any]) -> None:
         ],
         hidden=len(rows) - MOST_ROWS,
     )
+    if record["gap_agreement"] is not None:
+        show_lines(f"The gap tells what the engine finds in {percent(record['gap_agreement'])}")
 
 
 def _share(value: float) -> str:

@@ -88,7 +88,7 @@ def design(
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    samples: given.Samples = 100_000,
+    samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
     as_json: Json = False,

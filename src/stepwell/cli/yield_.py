@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 _Wanted = Annotated[
     str | None,
     typer.Option(
-        metavar="SEQUENCE",
-        help="The cycle that counts, such as 00>10>11>01>00; what the drawing does by default.",
+        metavar="TARGET",
+        help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and no "
+        "others, as 00,10,11; the cycle of the drawing by default.",
         show_default=False,
     ),
 ]
@@ -40,7 +41,7 @@ def yield_(
     wanted: _Wanted = None,
     sensitivity: _Sensitivity = False,
     program: _Program = False,
-    samples: given.SomeSamples = None,
+    samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
     as_json: Json = False,
@@ -68,13 +69,14 @@ def yield_(
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
         record, names = _survival(text, design, spread, samples or 500, seed, out)
     else:
+        states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
             found = yields(
                 files.loads_chain(text, design),
                 spread,
-                n=samples or 100_000,
+                n=samples or (500 if states else 100_000),
                 seed=seed,
-                wanted=wanted,
+                wanted=states or wanted,
                 sensitivity=sensitivity,
                 progress=tell,
             )

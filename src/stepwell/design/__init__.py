@@ -7,6 +7,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
+from stepwell.design._reached import Reached
 from stepwell.design.boundary import Boundary, BoundaryKind
 from stepwell.design.change import Change
 from stepwell.design.designed import Design
@@ -46,6 +47,7 @@ __all__ = [
     "Margin",
     "ParameterBoundary",
     "Push",
+    "Reached",
     "Reprogramming",
     "Robustness",
     "Sensitivities",

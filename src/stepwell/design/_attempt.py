@@ -1,6 +1,7 @@
 """One try at a design, with given orders, bands and levers."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from stepwell.design._orders import Orders
 from stepwell.design._outline import outlines
 from stepwell.design._place import Placement, Search, choose, measured, shared
 from stepwell.design.region import Region, lattice
-from stepwell.mechanism import Band, Cell, Chain
+from stepwell.mechanism import Cell, Chain
 
 Floats = NDArray[np.float64]
 
@@ -64,6 +65,16 @@ class Attempt:
         return self.best is not None and self.best.smallest > 0.0
 
     @property
+    def left_out(self) -> str:
+        """Of how many places the band is not proved, or too strong for the actuator."""
+        if self.holes is None:
+            return ""
+        every = [lattice(region, self.holes) for region in dict.fromkeys(self.regions)]
+        ways = len(self.rule.kinds) * sum(len(q) for q in every)
+        out = ways - self.candidates
+        return f"{out} of {ways} holes" if out else ""
+
+    @property
     def candidates(self) -> int:
         """How many ways to build a cell were looked at first."""
         return sum(len(table.q) for table in self.tables)
@@ -84,17 +95,9 @@ class Attempt:
     def chain(self, actuator_stiffness: float, title: str) -> Chain:
         """The best placement as a chain."""
         assert self.best is not None
-        n = len(self.orders)
-        names = ("inner", "outer") if n == 2 else tuple(f"cell {i + 1}" for i in range(n))
-        cells: list[Cell] = []
-        for name, (x, y), k in zip(
-            names, self.best.cells.q.tolist(), self.best.cells.kind.tolist(), strict=True
-        ):
-            kind = self.rule.kinds[k]
-            stock = kind.band
-            band = Band(self.rule.p, (x, y), stock.stiffness, stock.rest_length)
-            cells.append(Cell(band, kind.lever, kind.limit, name=name))
-        return Chain(cells, actuator_stiffness, title)
+        q, kinds = self.best.cells.q.tolist(), self.best.cells.kind.tolist()
+        cells = [self.rule.cell((x, y), k) for (x, y), k in zip(q, kinds, strict=True)]
+        return named(cells, actuator_stiffness, title)
 
     def smallest_gap(self) -> float:
         """The smallest gap between neighbours in the wanted orders, as found [N]."""
@@ -119,6 +122,14 @@ class Attempt:
         return tuple(
             curve for region in dict.fromkeys(self.regions) for curve in outlines(self.rule, region)
         )
+
+
+def named(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain:
+    """A chain of cells with names."""
+    n = len(cells)
+    names = ("inner", "outer") if n == 2 else tuple(f"cell {i + 1}" for i in range(n))
+    called = tuple(replace(cell, name=name) for cell, name in zip(cells, names, strict=True))
+    return Chain(called, actuator_stiffness, title)
 
 
 def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> Attempt:

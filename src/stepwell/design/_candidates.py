@@ -15,6 +15,7 @@ from stepwell.design._worst import SIDES, Proof, extremes, farthest
 from stepwell.design.region import Region
 from stepwell.design.stock import Stock
 from stepwell.design.tolerances import Tolerances
+from stepwell.mechanism import Band, Cell
 from stepwell.statics.concave import Simple
 
 Floats = NDArray[np.float64]
@@ -83,6 +84,8 @@ class Rule:
         worst: judge by the largest displacement that all anchors may have at once, instead of
             by the tolerances.
         looked_at: rectangle that holds all outer anchors.
+        as_drawn: whether a band must be proved taut and concave only where it is drawn, not
+            everywhere within the tolerances.
     """
 
     p: tuple[float, float]
@@ -91,6 +94,17 @@ class Rule:
     most_force: float
     worst: bool
     looked_at: Box
+    as_drawn: bool = False
+
+    def cell(self, q: tuple[float, float], k: int) -> Cell:
+        """The k-th kind with its outer anchor at q [m].
+
+        Raises:
+            ValueError: it cannot be built.
+        """
+        kind = self.kinds[k]
+        band = Band(self.p, q, kind.band.stiffness, kind.band.rest_length)
+        return Cell(band, kind.lever, kind.limit)
 
     def combined(self, a: Floats, b: Floats) -> Floats:
         """How far two end forces may come out nearer than drawn."""
@@ -99,9 +113,9 @@ class Rule:
     def everything(self, region: Region, q: Floats, radius: float = 0.0) -> Candidates:
         """Every kind at every one of (m, 2) anchors, brought inside the region.
 
-        Left out is what is not proved taut and concave for all anchors within the tolerances,
-        or is beyond the actuator's force. In the worst case, `radius` [m] is the
-        displacement for which the candidates' `down` and `up` are meant.
+        Left out is what is not proved taut and concave, or is beyond the actuator's force. In the
+        worst case, `radius` [m] is the displacement for which the candidates' `down` and `up` are
+        meant.
         """
         q = region.clamped(q)
         return joined([self._of_kind(q, k, radius) for k in range(len(self.kinds))])
@@ -131,11 +145,14 @@ class Rule:
         return self.proved(q, k) & weak
 
     def proved(self, q: Floats, k: int) -> NDArray[np.bool_]:
-        """At which of (m, 2) anchors the k-th kind is taut and concave, whatever the tolerances."""
+        """At which of (m, 2) anchors the k-th kind is taut and concave."""
         cell = self.kinds[k].cell
+        out = np.empty(len(q), bool)
+        if self.as_drawn:
+            certified_within(self._d(q), cell, 0.0, out)
+            return out
         # A longer rest length makes the proof harder, as any displacement does.
         longest = cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
-        out = np.empty(len(q), bool)
         certified_within(self._d(q), cell._replace(rest=longest), 2.0 * self.tolerances.anchor, out)
         return out
 

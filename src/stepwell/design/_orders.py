@@ -53,7 +53,27 @@ class Orders:
         for j in self.loading:
             ideals |= {ideal | {j} for ideal in ideals if needs[j] <= ideal}
         found = ["".join("01"[i in ideal] for i in range(n)) for ideal in ideals]
-        return tuple(sorted(found, key=lambda s: (s.count("1"), s[::-1])))
+        return by_cells_at_1(found)
+
+    @property
+    def count(self) -> int:
+        """How many these states are: antichains, counted without listing them (theory page)."""
+        place = {cell: k for k, cell in enumerate(self.unloading)}
+        ending: list[int] = []  # antichains whose cell of largest F0 is this one
+        for j, cell in enumerate(self.loading):
+            before = zip(ending, self.loading[:j], strict=True)
+            ending.append(1 + sum(n for n, other in before if place[other] < place[cell]))
+        return 1 + sum(ending)
+
+    @property
+    def nested(self) -> bool:
+        """Whether of every two cells the one that loads first unloads first: 2^N states."""
+        return self.loading == self.unloading
+
+
+def by_cells_at_1(states: Iterable[str]) -> tuple[str, ...]:
+    """States in the order in which they are listed everywhere."""
+    return tuple(sorted(set(states), key=lambda s: (s.count("1"), s[::-1])))
 
 
 class NoOrders(Exception):
@@ -87,16 +107,30 @@ class Wish:
     Attributes:
         orders: different ones; any will do.
         complete: whether there are no others.
+        states: those wanted, where they were listed.
+        why: why there are no orders, where there are none.
+        never: whether that forbids it to every chain, of whatever cells.
+        stepwise: whether some of the states lead from all cells at 0 to all at 1, one cell at a
+            time, as the cycle of any chain of concave cells does.
     """
 
     orders: tuple[Orders, ...]
-    complete: bool
+    complete: bool = True
+    states: frozenset[str] | None = None
+    why: str = ""
+    never: bool = False
+    stepwise: bool = True
+
+    @property
+    def cells(self) -> int:
+        """How many cells are wanted."""
+        return len(self.orders[0]) if self.orders else len(next(iter(self.states or ("",))))
 
 
 def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wish:
     """Orders for which exactly these states can be reached from all cells at 0.
 
-    The states that can be reached are the order ideals of i < j where F0_i < F0_j and
+    What two orders tell that can be reached are the order ideals of i < j where F0_i < F0_j and
     F1_i < F1_j. So the wanted ones must be all ideals of some partial order, which is that of
     "j is at 1 only where i is", and it must be met by two orders of the cells.
 
@@ -108,9 +142,35 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
 
     Raises:
         ValueError: text that is no set of states.
-        NoOrders: no chain of concave cells reaches exactly these.
     """
-    below = _partial_order(*_listed(states, cells)) if states != "all" else _antichain(cells)
+    if states == "all":
+        return _realised(_antichain(cells), alike, None)
+    wanted, n = _listed(states, cells)
+    listed = frozenset(wanted)
+    for name, state in (("0", "0" * n), ("1", "1" * n)):
+        if state not in wanted:
+            why = (
+                f"{state} is not among the wanted states, but a chain has all its cells at {name} "
+                f"in every full cycle: add it"
+            )
+            return Wish((), states=listed, why=why, never=True)
+    try:
+        return _realised(_partial_order(wanted, n), alike, listed)
+    except NoOrders as reason:
+        return Wish((), states=listed, why=str(reason), stepwise=_stepwise(wanted, n))
+
+
+def _stepwise(wanted: set[str], n: int) -> bool:
+    """Whether states of the wanted ones lead from all cells at 0 to all at 1, one by one."""
+    front = {"0" * n}
+    for _ in range(n):
+        more = {s[:i] + "1" + s[i + 1 :] for s in front for i in range(n) if s[i] == "0"}
+        front = more & wanted
+    return bool(front)
+
+
+def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wish:
+    """The pairs of orders that agree on exactly this partial order."""
     clash = _clash(below)
     if clash is not None:
         a, b = clash
@@ -126,8 +186,8 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
         if alike and antichain:
             break  # all others have the same pattern
         if len(found) == _TRIED or looked_at == _LOOKED_AT:
-            return Wish(tuple(found.values()), False)
-    return Wish(tuple(found.values()), True)
+            return Wish(tuple(found.values()), False, states)
+    return Wish(tuple(found.values()), True, states)
 
 
 def _antichain(cells: int | None) -> "Below":
@@ -159,12 +219,6 @@ Below = list[list[bool]]  # below[i][j]: j is at 1 only where i is
 def _partial_order(wanted: set[str], n: int) -> Below:
     # Birkhoff: a family with empty and full set, closed under union and intersection, holds
     # exactly the ideals of the preorder that it makes.
-    for name, state in (("0", "0" * n), ("1", "1" * n)):
-        if state not in wanted:
-            raise NoOrders(
-                f"{state} is not among the wanted states, but a chain has all its cells at {name} "
-                f"in every full cycle: add it"
-            )
     numbers = {int(state, 2) for state in wanted}
     for a, b in combinations(sorted(numbers), 2):
         for made, words in ((a | b, "either of them"), (a & b, "both")):

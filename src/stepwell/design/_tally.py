@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import numbered_cycle, orders
 from stepwell.design._many import ASK, DOES, OTHER, TIE, Judge
+from stepwell.design._reached import one_travel, searched, unlike
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 
@@ -25,34 +26,55 @@ _MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
 _KEPT = 100  # outcomes told apart
 
 
-def followed(draws: Draws, draw: Floats) -> str:
-    """What the mechanism of one draw does, by the general engine."""
+def followed(draws: Draws, draw: Floats, states: frozenset[str] | None = None) -> str:
+    """What the mechanism of one draw does, by the general engine.
+
+    Returns:
+        Its sequence; or where states are wanted, what else it reaches, and what not.
+    """
     try:
-        result = cycle(draws.built(draw))
+        made = draws.built(draw)
     except ValueError:
         return NOT_BUILT
-    except StaticsError:
+    try:
+        if states is not None:
+            found, ties = searched(made)
+            return TIED if ties else unlike(found, states)
+        result = cycle(made)
+    except (StaticsError, ValueError):
         return NO_ANSWER
     return TIED if result.degenerate else str(result.sequence)
 
 
 class Tally:
-    """What the first n mechanisms of some draws do, counted against one wanted cycle.
+    """What the first n mechanisms of some draws do, counted against what is wanted.
+
+    Args:
+        draws: the mechanisms.
+        wanted: the cycle that counts; where states are wanted, the one whose orders are compared.
+        states: those that shall be reached and no others; None where the cycle counts.
 
     Attributes:
-        orders: (2, N) of the wanted cycle; None where it is not one cell after the other.
+        states: as given.
+        orders: (2, N) of that cycle; None where it is not one cell after the other.
         judge: the closed form; None where there is none.
-        judged, by_engine: how many it judged, and how many the engine followed.
+        judged, by_engine: of how many it told the orders, and how many the engine followed.
         successes: how many do what is wanted.
+        followed_well: of each that the engine followed, in order, whether it does.
         wrong, narrowest: (2, N - 1) as in `_many.many`, of those judged.
     """
 
-    def __init__(self, draws: Draws, wanted: str):
-        self.draws, self.wanted, self.orders = draws, wanted, orders(wanted)
+    def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
+        self.draws, self.orders, self.states = draws, orders(wanted), states
+        self._success = wanted if states is None else ""
         cells = len(draws.chain)
+        # Where every two loops are nested all states are reached (theory page, "Stroke programs").
+        whole = states is not None and len(states) == 2**cells
+        self._nested_do = whole and one_travel(draws.chain) and not draws.tolerances.lever
         some = self.orders if self.orders is not None else np.tile(np.arange(cells), (2, 1))
         self.judge = Judge.of(draws.chain, draws.spread, some)
         self.successes = self.judged = self.by_engine = 0
+        self.followed_well: list[bool] = []
         self.wrong = np.zeros((2, cells - 1), np.int64)
         self.narrowest = self.wrong.copy()
         self._told_apart = cells <= _MOST_CELLS
@@ -80,6 +102,11 @@ class Tally:
         self.judged += int(np.sum(~ask))
         self.wrong += found.wrong
         self.narrowest += found.narrowest
+        if self.states is not None:
+            halves = np.divmod(found.does, len(self.draws.chain) ** len(self.draws.chain))
+            nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
+            self.successes += int(np.sum(nested))
+            return ~nested
         self._add(TIED, int(np.sum(found.verdict == TIE)))
         does, other = found.verdict == DOES, found.verdict == OTHER
         if self.orders is None:
@@ -93,11 +120,13 @@ class Tally:
 
     def _follow(self, draw: Floats) -> None:
         self.by_engine += 1
-        does = followed(self.draws, draw)
-        if does == self.wanted:
+        does = followed(self.draws, draw, self.states)
+        self.followed_well.append(does == self._success)
+        if does == self._success:
             self.successes += 1
         else:
-            known = self._told_apart or does in (TIED, NOT_BUILT, NO_ANSWER)
+            kinds = (TIED, NOT_BUILT, NO_ANSWER)
+            known = self._told_apart or self.states is not None or does in kinds
             self._add(does if known else ANOTHER, 1)
 
     def _add(self, text: str, times: int) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.design._full_cycle import short
-from stepwell.design._orders import Orders
+from stepwell.design._reached import Reached, reached
 from stepwell.design._sorted import SortedChain
 from stepwell.design.robustness import Robustness, robustness
 from stepwell.design.yields import Critical, Yield
@@ -23,16 +23,19 @@ class Design:
     """A chain that does what is wanted, and how surely.
 
     Attributes:
-        chain: its cycle is verified by the engine.
+        chain: its cycle is verified by the engine, and where states were wanted, what it reaches.
         sequence: that cycle.
-        loading, unloading: cells in ascending F0 and in descending F1, 0 the innermost.
-        yield_: the share of built mechanisms that make this cycle, and its tolerances.
+        loading, unloading: cells in the order in which they load and unload, 0 the innermost:
+            concave ones in ascending F0 and in descending F1.
+        yield_: the share of built mechanisms that do what was wanted, and its tolerances.
         region: the pairs (F0, F1) [N] that a cell can have: closed curves (m, 2) round them, or
             where there are holes all of them.
         holes: pitch of the drilled holes [m]; None where anchors may be anywhere.
         candidates: how many ways to build a cell were looked at first.
-        proved: whether no other choice of holes is better by the objective.
+        proved: whether no other choice of holes is better by the objective, of those where the
+            band is proved taut with falling force.
         method: what was searched, by which objective, and what of it is proved.
+        standing: what is known of the cells.
     """
 
     chain: Chain
@@ -45,6 +48,7 @@ class Design:
     candidates: int
     proved: bool
     method: str
+    standing: str = field(repr=False)
 
     @property
     def anchors(self) -> Floats:
@@ -56,14 +60,18 @@ class Design:
         """(N, 2) F0 and F1 of every cell [N]."""
         return np.array([(cell.force_0, cell.force_1) for cell in self.chain.cells])
 
+    @cached_property
+    def reached(self) -> Reached:
+        """The states that can be reached from all cells at 0, and whether these are all."""
+        return reached(self.chain)
+
     @property
     def states(self) -> tuple[str, ...]:
         """What can surely be reached from all cells at 0, turning back early included.
 
-        Source: order ideals of i < j where F0_i < F0_j and F1_i < F1_j, theory page, which also
-        says when there are more.
+        `reached` tells whether it is all.
         """
-        return Orders(self.loading, self.unloading).states
+        return self.reached.states
 
     @property
     def critical(self) -> Critical | None:
@@ -78,15 +86,11 @@ class Design:
     @property
     def assumptions(self) -> str:
         """Under which all this holds."""
-        return (
-            "concave cells: one taut band with falling force in each, proved for all anchors "
-            "within the tolerances; cells load in ascending F0 and "
-            "unload in descending F1, which the engine has confirmed for the drawing; yield: "
-            f"{self.yield_.assumptions}"
-        )
+        return f"{self.standing}; yield: {self.yield_.assumptions}"
 
     def __str__(self):
-        lines = [f"{short(self.sequence)}, {len(self.states)} states in reach"]
+        surely = "" if self.reached.whole else " surely"
+        lines = [f"{short(self.sequence)}, {self.reached.count} states{surely} in reach"]
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
             (x, y), band = cell.bands[0].q, cell.bands[0]
             lines.append(

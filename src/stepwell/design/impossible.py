@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from stepwell.design._attempt import Attempt
 from stepwell.design._candidates import TIE
 from stepwell.design._full_cycle import short
+from stepwell.design._goal import Goal
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +19,8 @@ class Impossible(ValueError):
 
     Attributes:
         wanted: as text.
-        proved: True for a proof; False where a search has only not found it.
+        proved: True for a proof, which then covers all that is allowed, as it is drawn: no choice
+            does it without a tie. False where something was not tried, and the text says what.
         region: the pairs (F0, F1) [N] that a cell can have: closed curves round them, or all of
             them where there are holes; empty where there are none, or none was looked at.
         largest_gap: the largest smallest gap between neighbours in the wanted orders of F0 and
@@ -43,55 +45,80 @@ class Impossible(ValueError):
         super().__init__(f"{short(wanted)}: {'impossible' if proved else 'not found'}: {why}.")
 
 
-def nothing_works(wanted: str, attempts: list[Attempt], all_orders: bool) -> Impossible:
-    """Why no attempt met its orders; `all_orders` if no others would do."""
+def nothing_works(
+    goal: Goal, attempts: list[Attempt], missed: str, rest: str, *, proved: bool
+) -> Impossible:
+    """Why nothing does what is wanted.
+
+    Args:
+        goal: what is wanted.
+        attempts: to have the end forces in its orders.
+        missed: what the engine finds of those that have them.
+        rest: what else the engine has tried.
+        proved: whether nothing was left out.
+    """
+    if not attempts:
+        return Impossible(goal.text, _with(goal.wish.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
-    candidates = max(attempt.candidates for attempt in attempts)
     kind = "lattice places" if nearest.holes is None else "holes"
     if any(not len(table.q) for table in nearest.tables):
         # Elsewhere than on holes there may be a place between those looked at.
-        return Impossible(
-            wanted,
-            f"at none of the {kind} of some cell is the band proved taut with falling force, for "
-            f"all anchors within the tolerances, and weak enough for the actuator: allow other "
-            f"places or another band, tighter tolerances or a stronger actuator",
-            proved=nearest.holes is not None,
+        why = (
+            f"at none of the {kind} of some cell is the band proved taut with falling force and "
+            f"weak enough for the actuator"
         )
-    proved = nearest.holes is not None and all_orders and all(a.complete for a in attempts)
-    force = np.concatenate([table.force for table in nearest.tables])
+        advice = "allow other places or another band, tighter tolerances or a stronger actuator"
+        return Impossible(goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved)
+    region, force = nearest.region(), np.concatenate([table.force for table in nearest.tables])
     needed = TIE * float(np.max(np.abs(force)))
-    if proved:
+    if missed:
+        why = (
+            f"with F0 and F1 in the wanted orders the engine finds that it {_does(goal, missed)}, "
+            f"as can be with unequal levers, or where a cell overtakes another in a snap"
+        )
+        advice = "allow equal_levers=True, other places or other levers"
+        gap = nearest.smallest_gap()
+        return Impossible(
+            goal.text,
+            f"{_with(why, rest, proved)}: {advice}",
+            proved=proved,
+            region=region,
+            largest_gap=gap,
+            gap_needed=needed,
+        )
+    orders, complete = nearest.orders, all(attempt.complete for attempt in attempts)
+    if complete and nearest.holes is not None:
         nodes = sum(attempt.nodes for attempt in attempts)
         largest = nearest.largest_gap()
-        how = f"none of all choices among {candidates} usable holes and bands puts"
+        how = f"none of all choices among {nearest.candidates} holes and bands proved concave puts"
         found = f"complete search, {nodes} partial choices; the largest smallest gap is"
     else:
         largest = max(a.smallest_gap() for a in attempts)
-        how = f"a search from {candidates} {kind} and bands has not put"
+        how = f"a search from {nearest.candidates} {kind} and bands has not put"
         found = "not a proof; the largest smallest gap found is"
-    orders = nearest.orders
-    return Impossible(
-        wanted,
+    why = (
         f"{how} F0 in the order {_order(orders.rising[0])} and F1 in the order "
         f"{_order(orders.rising[1])} of cells ({found} {largest * 1e3:.4g} mN, and more than "
-        f"{needed * 1e3:.2g} mN is needed): allow more places or other bands",
+        f"{needed * 1e3:.2g} mN is needed)"
+    )
+    return Impossible(
+        goal.text,
+        f"{_with(why, rest, proved)}: allow more places or other bands",
         proved=proved,
-        region=nearest.region(),
+        region=region,
         largest_gap=largest,
         gap_needed=needed,
     )
 
 
-def engine_disagrees(wanted: str, attempt: Attempt, does: str) -> Impossible:
-    """The orders are met, but the chain does something else."""
-    return Impossible(
-        wanted,
-        f"with F0 and F1 in the wanted orders the engine finds {short(does)}, as can be with "
-        f"unequal levers: allow equal_levers=True, or other levers",
-        proved=False,
-        region=attempt.region(),
-        largest_gap=attempt.smallest_gap(),
-    )
+def _with(why: str, rest: str, proved: bool) -> str:
+    if rest:
+        return f"{why}; {rest}, and none does it"
+    return why if proved else f"{why}; other cells than these were not tried"
+
+
+def _does(goal: Goal, missed: str) -> str:
+    return missed if goal.states is not None else f"does {missed}"
 
 
 def _order(cells: tuple[int, ...]) -> str:

@@ -8,20 +8,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.design._attempt import Attempt, look
+from stepwell.design._attempt import Attempt
 from stepwell.design._box import Box
 from stepwell.design._candidates import Kind, Rule
 from stepwell.design._full_cycle import short
-from stepwell.design._orders import NoOrders, Wish, of_sequence, of_states
+from stepwell.design._goal import Goal
+from stepwell.design._orders import Wish, by_cells_at_1, of_sequence, of_states
+from stepwell.design._reached import unsearchable
+from stepwell.design._tries import Placed, Tries
 from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible, engine_disagrees, nothing_works
 from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, Region
 from stepwell.design.stock import PAPER_BAND, Stock
 from stepwell.design.tolerances import Tolerances
-from stepwell.design.yields import yields
+from stepwell.design.yields import Yield, yields
 from stepwell.mechanism import Chain
-from stepwell.sequences import cycle, graph
-from stepwell.statics import StaticsError
+from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
 
@@ -30,9 +31,8 @@ USUAL = Tolerances(anchor=0.0003, stiffness=0.05)
 
 PAPER_LEVER = 0.010 * math.sqrt(2.0)
 _OBJECTIVES = ("yield", "worst")
-_REFINED = 3  # attempts
-# The longest chain whose states are all looked at by the engine.
-_SEEN_WHOLE = 8
+# Mechanisms made for a yield: judged by their end forces, or followed one by one.
+_QUICKLY, _ONE_BY_ONE = 100_000, 500
 
 
 def design(
@@ -51,7 +51,7 @@ def design(
     objective: str = "yield",
     most_force: float = math.inf,
     actuator_stiffness: float = math.inf,
-    n: int = 100_000,
+    n: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Design:
@@ -64,8 +64,9 @@ def design(
 
     Args:
         sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
-        states: all states that shall be in reach from all cells at 0, and no others, or "all";
-            looked at one by one by the engine for chains of up to eight cells.
+        states: all states that shall be in reach from all cells at 0, and no others, or "all".
+            For chains of up to eight cells the engine follows every branch, of the drawing and
+            of each mechanism made for the yield; `Design.reached` says whether that was done.
         cells: how many, for states="all".
         within: where the outer anchors may be, for all cells or one for each.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
@@ -82,7 +83,8 @@ def design(
             displacement that all outer anchors may have at once, as `robustness` tells.
         most_force: that the actuator has: no |F0| or |F1| is larger [N].
         actuator_stiffness: K, infinite for a prescribed stroke [N/m].
-        n: mechanisms made at random for the yield.
+        n: mechanisms made at random for the yield; by default 100,000 where their end forces
+            tell what they do, and 500 where the engine has to follow each.
         seed: which ones.
         progress: called with (done, total).
 
@@ -92,16 +94,18 @@ def design(
 
     Raises:
         Impossible: nothing that is allowed does it, with the proof; or, and it says so, none was
-            found.
+            found. Among holes the closed form decides all choices of cells proved concave, and
+            the engine tries the others, as many as take some seconds.
         ValueError: a wish or a number that makes no sense.
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
-    wanted, wish, regions = _wanted(sequence, states, cells, within)
+    goal, regions = _wanted(sequence, states, cells, within)
     levers = [float(r) for r in np.atleast_1d(lever)]
     _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
     sets = [[(band, r) for band in bands] for r in levers]
-    if not equal_levers and len(levers) > 1:
+    mixed = not equal_levers and len(levers) > 1
+    if mixed:
         sets.insert(0, [kind for kinds in sets for kind in kinds])
     rules = [
         Rule(
@@ -114,66 +118,38 @@ def design(
         )
         for kinds in sets
     ]
-    tasks = [(rule, orders) for rule in rules for orders in wish.orders]
-    steps = len(tasks) + _REFINED + 1
-
-    def tell(done: int) -> None:
-        if progress is not None:
-            progress(done, steps)
-
-    attempts: list[Attempt] = []
-    for done, (rule, orders) in enumerate(tasks):
-        tell(done)
-        attempts.append(look(rule, orders, regions, holes))
-    attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
-    for k in range(min(_REFINED, len(attempts))):
-        tell(len(tasks) + k)
-        attempts[k] = attempts[k].refined()
-    tell(steps - 1)
-    found, chain, refused = _verified(wanted, attempts, wish.complete, actuator_stiffness)
-    text = str(found.orders.sequence)
-    share = yields(chain, _widest(found, tolerances), n=n, seed=seed, wanted=text)
-    tell(steps)
+    tries = Tries(goal, regions, holes, actuator_stiffness, seed, progress, len(rules))
+    placed = tries.placed(rules)
+    if placed.found is None and holes is not None:
+        # As drawn more cells are proved concave than within all tolerances.
+        placed = tries.placed([replace(rule, as_drawn=True) for rule in rules])
+    if placed.found is not None:
+        found = placed.found
+        chain, how = found.chain(actuator_stiffness, f"Designed for {goal.text}"), ""
+        quick = not found.rule.as_drawn
+    else:
+        # The union of all levers holds what each of them alone can do.
+        chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
+        found, quick = None, False
+    result = cycle(chain)
+    counted = _counted(goal, chain, tolerances, str(result.sequence))
+    made = (_QUICKLY if quick and isinstance(counted, str) else _ONE_BY_ONE) if n is None else n
+    widest = _widest(found, chain, bands, tolerances)
+    share = yields(chain, widest, n=made, seed=seed, wanted=counted)
+    tries.end()
     return Design(
         chain,
-        text,
-        found.orders.loading,
-        found.orders.unloading,
+        str(result.sequence),
+        result.loading_order,
+        result.unloading_order,
         share,
-        found.region(),
+        () if found is None else found.region(),
         holes,
-        found.candidates,
-        holes is not None and wish.complete and all(a.complete for a in attempts),
-        _method(found, len(tasks), refused),
+        placed.candidates,
+        found is not None and placed.best,
+        how if found is None else _method(found, placed),
+        _standing(found) + _not_searched(goal, share),
     )
-
-
-def _verified(
-    wanted: str, attempts: list[Attempt], complete: bool, actuator_stiffness: float
-) -> tuple[Attempt, Chain, str]:
-    """The best attempt that does by the engine what its orders say, and what a better one does."""
-    attempts = sorted(attempts, key=lambda attempt: attempt.quality, reverse=True)
-    working = [attempt for attempt in attempts if attempt.works]
-    if not working:
-        raise nothing_works(wanted, attempts, complete)
-    does = ""
-    for attempt in working:
-        chain = attempt.chain(actuator_stiffness, f"Designed for {wanted}")
-        try:
-            result = cycle(chain)
-        except StaticsError as failure:
-            does = does or str(failure)
-            continue
-        if result.sequence == attempt.orders.sequence and not result.degenerate:
-            return attempt, chain, does
-        does = does or str(result.sequence)
-    raise engine_disagrees(wanted, working[0], does)
-
-
-def _reached(chain: Chain) -> frozenset[str]:
-    """States with every cell at a stop that the actuator can bring the chain to from all at 0."""
-    found = graph(chain, start="0" * len(chain)).reachable()
-    return frozenset(label for label in found if "-" not in label)
 
 
 def _wanted(
@@ -181,8 +157,8 @@ def _wanted(
     states: Iterable[str] | str | None,
     cells: int | None,
     within: Region | Sequence[Region],
-) -> tuple[str, Wish, tuple[Region, ...]]:
-    """What is wanted as text and as orders, and the region of every cell."""
+) -> tuple[Goal, tuple[Region, ...]]:
+    """What is wanted, and the region of every cell."""
     if (sequence is None) == (states is None):
         raise ValueError(
             'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
@@ -196,21 +172,35 @@ def _wanted(
     alike = len(set(some)) == 1
     if states is None:
         orders = of_sequence(str(sequence))
-        wanted, wish = str(orders.sequence), Wish((orders,), True)
+        goal = Goal(short(str(orders.sequence)), Wish((orders,)), by_states=False)
     else:
         states = states if isinstance(states, str) else tuple(states)
         every = f"all states of {cells} cells"
-        wanted = every if states == "all" else f"states {' '.join(states)}"
-        try:
-            wish = of_states(states, cells, alike)
-        except NoOrders as reason:
-            raise Impossible(wanted, str(reason), proved=True) from None
-    count = len(wish.orders[0])
-    if len(some) not in (1, count):
+        text = every if states == "all" else f"states {' '.join(states)}"
+        goal = Goal(short(text), of_states(states, cells, alike), by_states=True)
+    if len(some) not in (1, goal.cells):
         raise ValueError(
-            f"within has {len(some)} regions for {count} cells: must be one for all, or one each."
+            f"within has {len(some)} regions for {goal.cells} cells: must be one for all, or one "
+            f"each."
         )
-    return short(wanted), wish, some if len(some) == count else some * count
+    return goal, some if len(some) == goal.cells else some * goal.cells
+
+
+def _counted(
+    goal: Goal, chain: Chain, tolerances: Tolerances, sequence: str
+) -> str | tuple[str, ...]:
+    """What counts as success of what is built: the states wanted, or where not, the cycle."""
+    if goal.states is None or unsearchable(chain, tolerances.friction):
+        return sequence
+    return by_cells_at_1(goal.states)
+
+
+def _not_searched(goal: Goal, share: Yield) -> str:
+    """What is not known of the mechanisms that the yield counts."""
+    if not goal.by_states or share.states is not None:
+        return ""
+    why = unsearchable(share.chain, share.tolerances.friction)
+    return f"; the yield counts those that make the drawing's cycle, because {why}"
 
 
 def _refuse(
@@ -221,7 +211,7 @@ def _refuse(
     tolerances: Tolerances,
     objective: str,
     most_force: float,
-    n: int,
+    n: int | None,
 ) -> None:
     if len(p) != 2 or not all(math.isfinite(x) for x in p):
         raise ValueError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
@@ -237,7 +227,7 @@ def _refuse(
         raise ValueError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
     if not most_force > 0:
         raise ValueError(f"most_force = {most_force} N: must be > 0.")
-    if n < 1:
+    if n is not None and n < 1:
         raise ValueError(f"n = {n}: must be 1 mechanism or more.")
 
 
@@ -252,15 +242,31 @@ def _round(regions: tuple[Region, ...]) -> Box:
     )
 
 
-def _widest(found: Attempt, tolerances: Tolerances) -> Tolerances:
+def _widest(
+    found: Attempt | None, chain: Chain, bands: Sequence[Stock], tolerances: Tolerances
+) -> Tolerances:
     """The tolerances with the largest spread of the bands that were chosen."""
-    assert found.best is not None
-    chosen = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
-    spread = max(tolerances.stiffness if one is None else one for one in chosen)
+    if found is not None and found.best is not None:
+        spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
+    else:
+        chosen = {(cell.bands[0].stiffness, cell.bands[0].rest_length) for cell in chain.cells}
+        spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
+    spread = max(tolerances.stiffness if one is None else one for one in spreads)
     return replace(tolerances, stiffness=spread)
 
 
-def _method(found: Attempt, tried: int, refused: str) -> str:
+def _standing(found: Attempt | None) -> str:
+    """What the motion of the drawing stands on."""
+    if found is None:
+        return "not all cells are proved concave, and the engine has followed the drawing"
+    where = "as drawn" if found.rule.as_drawn else "for all anchors within the tolerances"
+    return (
+        f"concave cells: one taut band with falling force in each, proved {where}; cells load in "
+        f"ascending F0 and unload in descending F1, which the engine has confirmed for the drawing"
+    )
+
+
+def _method(found: Attempt, placed: Placed) -> str:
     objective = (
         "the largest displacement of all anchors at once for which the order stays and every cell "
         "is proved taut and concave"
@@ -273,10 +279,14 @@ def _method(found: Attempt, tried: int, refused: str) -> str:
     how += f" among {found.candidates} {'places' if found.holes is None else 'holes'} for a band"
     if found.holes is None:
         how += "; from there each cell in turn on finer and finer lattices: a local optimum"
-    if tried > 1:
-        how += f"; the best of {tried} combinations of orders and levers"
-    if refused:
-        how += f"; what seemed better with unequal levers does {short(refused)} by the engine"
+    if found.left_out:
+        how += f"; {found.left_out} where the band is not proved taut and concave were left out"
+    if placed.tried > 1:
+        how += f"; the best of {placed.tried} combinations of orders and levers"
+    if placed.missed:
+        how += f"; what seemed better does not by the engine ({placed.missed})"
+    if placed.others:
+        how += f"; the surest of {placed.others} random choices looked at that does it"
     if len({kind.band.spread for kind in found.rule.kinds}) > 1:
         objective += "; the yield gives all bands the widest spread of those chosen"
     return f"searched: {how}; objective: {objective}"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -17,8 +17,11 @@ from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import full_cycle, short
 from stepwell.design._interval import interval_95
-from stepwell.design._sensitivity import Sensitivities, sensitivities
+from stepwell.design._orders import by_cells_at_1
+from stepwell.design._reached import reached, unsearchable
+from stepwell.design._sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design._tally import Tally
+from stepwell.design._why_none import why_none
 from stepwell.design.tolerances import Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _SHOWN = 4  # outcomes printed
+_COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,17 +70,21 @@ class Yield:
         chain: the drawing.
         tolerances: how far the parts may be from it.
         n, seed: how many mechanisms, and which.
-        wanted: the sequence of states of a full cycle.
+        wanted: the sequence of states of a full cycle; or "states", and those wanted.
+        states: those that shall be in reach from all cells at 0 and no others; None where the
+            cycle counts.
         successes: how many do it, without a tie.
-        outcomes: what the others do, most frequent first: a sequence, "a tie", "cannot be
-            built", "no answer" from the engine, "another sequence" for all that are not told
-            apart (chains of ten cells or more, the rarest ones).
+        outcomes: what the others do, most frequent first: a sequence, or which states they reach
+            beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
+            engine, "another sequence" for all that are not told apart (chains of ten cells or
+            more, the rarest ones).
         critical: the pair of neighbours in the wanted order that is most often in the other
             order, or nearest to it where none is; None where nothing was judged in closed form,
             or there is no such pair.
         by_engine: how many were followed by the general engine, a few milliseconds each.
         assumptions: under which all this holds.
         sensitivities: which part's tolerance counts; None unless asked for.
+        advice: where none does what is wanted, why, and what to ask for instead; else "".
     """
 
     chain: Chain = field(repr=False)
@@ -84,12 +92,14 @@ class Yield:
     n: int
     seed: int
     wanted: str
+    states: tuple[str, ...] | None
     successes: int
     outcomes: Mapping[str, int]
     critical: Critical | None
     by_engine: int
     assumptions: str
     sensitivities: Sensitivities | None
+    advice: str = ""
 
     @property
     def share(self) -> float:
@@ -174,6 +184,8 @@ class Yield:
             f"{_percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
             f"(95 % confidence: {_percent(low)} to {_percent(high)})"
         ]
+        if self.advice:
+            lines.append(self.advice)
         shown = list(self.outcomes.items())[:_SHOWN]
         lines += [f"{_percent(count / self.n)}: {short(text)}" for text, count in shown]
         if len(self.outcomes) > _SHOWN:
@@ -198,7 +210,7 @@ def yields(
     *,
     n: int = 100_000,
     seed: int = 0,
-    wanted: str | None = None,
+    wanted: str | Iterable[str] | None = None,
     sensitivity: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Yield:
@@ -209,7 +221,9 @@ def yields(
     equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
     pushed through its whole travel in a snap. All other mechanisms are followed by the general
     engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-    takes milliseconds for each, and a smaller n is wise.
+    takes milliseconds for each, and a smaller n is wise. So it is where states are wanted: then
+    the engine follows every branch of each, but where all 2^N states are wanted of cells of one
+    travel and every two loops are nested, which proves it.
 
     The same seed gives the same mechanisms, and a larger n keeps the first ones.
 
@@ -218,31 +232,34 @@ def yields(
         tolerances: how far the parts may be from it.
         n: how many mechanisms to make.
         seed: which ones.
-        wanted: the full cycle that counts as success, such as "00>10>11>01>00"; by default what
-            the drawing does.
+        wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default what
+            the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
+            in reach from all cells at 0, and no others.
         sensitivity: also ask which part's tolerance counts, by Sobol' indices of the smallest
-            gap between neighbours in the wanted order.
+            gap between neighbours in the wanted order. Where the engine follows every mechanism,
+            they come with how well the gap tells what it finds.
         progress: called with (done, n).
 
     Returns:
         The share that works, its confidence interval, and what the others do.
 
     Raises:
-        ValueError: numbers out of range, a sequence that is no full cycle of this chain, or
-            sensitivities where no gap decides.
+        ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
+            where not all that can be reached can be looked at (friction, more than eight cells),
+            or sensitivities where the cycle has no two orders, or not all can be built.
         StaticsError: the drawing itself has no answer, and `wanted` was not given.
 
     Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
     """
     _refuse(chain, tolerances, n, seed)
-    drawing = cycle(chain) if wanted is None else None
-    wanted = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
-    tally = Tally(Draws(chain, tolerances, seed), wanted)
-    judge = tally.judge
-    if sensitivity and (judge is None or tally.orders is None):
+    states = _states(chain, tolerances, wanted)
+    drawing = cycle(chain) if wanted is None or states is not None else None
+    target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
+    tally = Tally(Draws(chain, tolerances, seed), target, states)
+    if sensitivity and tally.orders is None:
         raise ValueError(
-            "sensitivity = True: a smallest gap decides only where every cell has one linear band "
-            "and no load, and every step of the wanted cycle moves one cell; leave it out here."
+            f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
+            f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
     tally.count(n, progress)
     return Yield(
@@ -250,14 +267,36 @@ def yields(
         tolerances,
         n,
         seed,
-        wanted,
+        target if states is None else f"states {' '.join(by_cells_at_1(states))}",
+        None if states is None else by_cells_at_1(states),
         tally.successes,
         MappingProxyType(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
         _assumptions(tally, n) + ("; the drawing is a tie" if _is_tie(drawing) else ""),
-        sensitivities(tally.draws, lambda d: judge(d).gap) if sensitivity and judge else None,
+        _sensitivities(tally, n) if sensitivity else None,
+        _advice(tally, target),
     )
+
+
+def _states(
+    chain: Chain, tolerances: Tolerances, wanted: str | Iterable[str] | None
+) -> frozenset[str] | None:
+    """The states wanted; None where a cycle is."""
+    if wanted is None or isinstance(wanted, str):
+        return None
+    states = frozenset(str(state) for state in wanted)
+    if not states or any(len(s) != len(chain) or set(s) - {"0", "1"} for s in states):
+        raise ValueError(
+            f"wanted = {sorted(states)}: must be states of {len(chain)} characters 0 or 1, one a "
+            f"cell, inner first."
+        )
+    why = unsearchable(chain, tolerances.friction)
+    if why:
+        raise ValueError(
+            f"wanted = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
+        )
+    return states
 
 
 def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
@@ -275,6 +314,28 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )
+
+
+def _advice(tally: Tally, wanted: str) -> str:
+    if tally.successes:
+        return ""
+    if tally.states is None:
+        return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
+    found = reached(tally.draws.chain)
+    return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
+
+
+def _sensitivities(tally: Tally, n: int) -> Sensitivities:
+    draws, judge, orders = tally.draws, tally.judge, tally.orders
+    if judge is not None:
+        return sensitivities(draws, lambda rows: judge(rows).gap)
+    assert orders is not None
+    found = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
+    # The engine followed every one, so it can be asked how far the gap is to be believed.
+    some = np.array(tally.followed_well[:_COMPARED])
+    gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
+    some = some[: len(gaps)]
+    return replace(found, agreed=float(np.mean((gaps > 0) == some)))
 
 
 def _is_tie(drawing: Cycle | None) -> bool:
@@ -301,7 +362,13 @@ def _critical(tally: Tally) -> Critical | None:
 
 
 def _assumptions(tally: Tally, n: int) -> str:
-    if tally.judge is None:
+    if tally.states is not None:
+        how = (
+            f"{tally.by_engine} followed along every branch by the general engine"
+            + (n > tally.by_engine)
+            * f", {n - tally.by_engine} proved to reach all states, every two loops being nested"
+        )
+    elif tally.judge is None:
         how = (
             f"no closed form for such cells (several bands, a bent law or a load), so the general "
             f"engine followed all {n}, slowly"
@@ -313,8 +380,8 @@ def _assumptions(tally: Tally, n: int) -> str:
         )
     return (
         f"assumed: every part varies by itself, anchors, levers and friction evenly within their "
-        f"tolerance, k and ℓ0 normally; quasi-static full cycle; a tie, or a mechanism that cannot "
-        f"be built or followed, counts as a failure; {how}"
+        f"tolerance, k and ℓ0 normally; quasi-static{' full cycle' * (tally.states is None)}; a "
+        f"tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
     )
 
 

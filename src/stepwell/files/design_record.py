@@ -80,8 +80,10 @@ def design_record(found: Design) -> dict[str, Any]:
         "sequence": found.sequence,
         "loading_order": list(found.loading),
         "unloading_order": list(found.unloading),
-        "state_count": _reached(found),
+        "state_count": found.reached.count,
         "states": list(found.states) if len(chain) <= MOST_CELLS else None,
+        "states_whole": found.reached.whole,
+        "states_how": found.reached.how,
         "actuator": actuator_record(chain),
         "cells": _cells(chain),
         "holes_mm": None if found.holes is None else finite(found.holes, 1e3),
@@ -161,16 +163,6 @@ def _head(title: str, *, possible: bool, proved: bool) -> dict[str, Any]:
     }
 
 
-def _reached(found: Design) -> int:
-    """How many states can be reached: antichains, counted without listing them (theory page)."""
-    place = {cell: k for k, cell in enumerate(found.unloading)}
-    ending: list[int] = []  # antichains whose cell of largest F0 is this one
-    for j, cell in enumerate(found.loading):
-        before = zip(ending, found.loading[:j], strict=True)
-        ending.append(1 + sum(n for n, other in before if place[other] < place[cell]))
-    return 1 + sum(ending)
-
-
 def _cells(chain: Chain) -> list[dict[str, Any]]:
     """What has to be built; every cell has one band."""
     return [
@@ -225,6 +217,7 @@ def _yield(found: Yield) -> dict[str, Any]:
     critical, table = found.critical, found.sensitivities
     return {
         "wanted": found.wanted,
+        "wanted_states": None if found.states is None else list(found.states),
         **_counted(found),
         "outcomes": [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
         "critical": None
@@ -239,6 +232,8 @@ def _yield(found: Yield) -> dict[str, Any]:
         "by_engine": found.by_engine,
         "assumptions": found.assumptions,
         "gap_deviation_N": None if table is None else finite(table.deviation),
+        "advice": found.advice,
+        "gap_agreement": None if table is None else table.agreed,
         "sensitivities": None
         if table is None
         else [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -198,7 +198,7 @@ class Chain:
         *,
         n: int = 100_000,
         seed: int = 0,
-        wanted: str | None = None,
+        wanted: str | Iterable[str] | None = None,
         sensitivity: bool = False,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
@@ -208,7 +208,8 @@ class Chain:
             tolerances: how far the parts may be from the drawing.
             n: how many to make.
             seed: which ones.
-            wanted: the full cycle that counts as success; what the drawing does by default.
+            wanted: the full cycle that counts as success, what the drawing does by default; or a
+                list of the states that shall be in reach, and no others.
             sensitivity: also ask which part's tolerance counts.
             progress: called with (done, n).
 

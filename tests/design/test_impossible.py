@@ -1,0 +1,199 @@
+"""What is called impossible and proved has no witness: every choice of holes is run anew."""
+
+import math
+from collections.abc import Sequence
+from itertools import combinations, permutations, product
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from conftest import examples
+from stepwell.design import _covered
+from stepwell.design._candidates import Kind, Rule
+from stepwell.design.designed import Design
+from stepwell.design.impossible import Impossible
+from stepwell.design.inverse import PAPER_LEVER, design
+from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
+from stepwell.design.stock import PAPER_BAND, Stock
+from stepwell.design.tolerances import Tolerances
+from stepwell.statics import StaticsError
+
+ISSUE = "000>001>011>111>011>010>000"
+LONG = Stock(28.5, 0.020)
+
+
+def cell(band: Stock, q: tuple[float, float]) -> sw.Cell | None:
+    try:
+        return sw.Cell(sw.Band((-0.010, 0.0), q, band.stiffness, band.rest_length))
+    except ValueError:
+        return None
+
+
+def sequence(cells: Sequence[sw.Cell]) -> str:
+    """What a choice does; "" where the engine has no answer, or a tie."""
+    try:
+        found = sw.Chain(cells).cycle()
+    except StaticsError:
+        return ""
+    return "" if found.degenerate else str(found.sequence)
+
+
+def answer(*wanted: str, **how) -> Design | Impossible:
+    """The design, or why there is none."""
+    try:
+        return design(*wanted, n=1, **how)
+    except Impossible as reason:
+        return reason
+
+
+def cycle(loading, unloading) -> str:
+    state, states = ["0"] * len(loading), ["0" * len(loading)]
+    for order, to in ((loading, "1"), (unloading, "0")):
+        for i in order:
+            state[i] = to
+            states.append("".join(state))
+    return ">".join(states)
+
+
+def random_case(rng: np.random.Generator, cells: int):
+    """A box of a few holes, anywhere, and a band that may fold back or go slack there."""
+    pitch = float(rng.choice([0.004, 0.005, 0.007]))
+    wide, tall = [(1, 1), (2, 1), (1, 2)][rng.integers(3)]
+    left, bottom = rng.uniform(-0.020, 0.006), rng.uniform(-0.014, 0.008)
+    box = AnchorBox(left, left + wide * pitch, bottom, bottom + tall * pitch)
+    band = Stock(rng.uniform(15, 60), float(rng.choice([0.004, 0.008, 0.012])))
+    orders = [rng.permutation(cells).tolist() for _ in range(2)]
+    return box, pitch, band, cycle(*orders)
+
+
+def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
+    box = AnchorBox(0.0, 0.010, -0.010, 0.010)
+    made = design(
+        ISSUE, within=box, holes=0.005, bands=(LONG,), tolerances=Tolerances(anchor=0.001), n=100
+    )
+    assert str(made.chain.cycle().sequence) == ISSUE == made.sequence
+    known = [(0.010, 0.010), (0.010, -0.005), (0.005, -0.010)]
+    other = sw.Chain([c for q in known if (c := cell(LONG, q)) is not None])
+    same = other.yields(Tolerances(anchor=0.001), n=100, wanted=ISSUE)
+    assert 0.6 < same.share <= made.yield_.share + 0.1
+    assert not made.proved
+    assert "that no closed form decides" in made.method
+    assert "not all cells are proved concave" in made.assumptions
+
+
+@pytest.mark.parametrize(("cells", "cases"), [(2, 20), (3, 10)])
+def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
+    rng = np.random.default_rng(cells)
+    proved = found = tried = 0
+    for _ in range(examples(cases)):
+        box, pitch, band, wanted = random_case(rng, cells)
+        ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+        # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
+        # cannot be told apart, so they do not go one after the other.
+        numbers = permutations(range(len(ways)), cells)
+        doing = [c for c in numbers if sequence(tuple(ways[k] for k in c)) == wanted]
+        made = answer(wanted, within=box, holes=pitch, bands=(band,))
+        if isinstance(made, Impossible):
+            proved += made.proved
+            tried += "were run by the engine" in str(made)
+            assert not (made.proved and doing), (box, pitch, band, wanted, doing)
+        else:
+            found += 1
+            assert doing
+            assert sequence(made.chain.cells) == wanted
+    assert proved > 0 and found > 0 and tried > 0
+
+
+def test_sets_of_states_called_impossible_and_proved_have_no_witness():
+    rng = np.random.default_rng(4)
+    proved = 0
+    for cells, cases in ((2, 6), (3, 3)):
+        every = ["".join(bits) for bits in product("01", repeat=cells)]
+        for _ in range(examples(cases)):
+            box, pitch, band, _ = random_case(rng, cells)
+            ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+            columns, wanted = [], set()
+            while len(set(columns)) < cells:  # so that equal cells are out of the question
+                wanted = {every[0], *(s for s in every[1:-1] if rng.random() < 0.6), every[-1]}
+                columns = list(zip(*sorted(wanted), strict=True))
+            made = answer(states=wanted, within=box, holes=pitch, bands=(band,))
+            if not isinstance(made, Impossible):
+                assert {s for s in made.chain.graph(start="0" * cells) if "-" not in s} == wanted
+                continue
+            proved += made.proved
+            # By symmetry equal cells are in different states only after a tie.
+            choices = permutations(ways, cells)
+            for choice in choices if made.proved else ():
+                try:
+                    graph = sw.Chain(choice).graph(start="0" * cells)
+                except (StaticsError, ValueError):
+                    continue
+                reach = {label.partition("#")[0] for label in graph if "-" not in label}
+                assert graph.ties or reach != wanted, (box, pitch, band, wanted, choice)
+    assert proved > 0
+
+
+def test_what_is_left_out_is_not_called_proved(monkeypatch):
+    from stepwell.design import _rest
+
+    box = AnchorBox(0.0, 0.010, -0.010, 0.010)
+    monkeypatch.setattr(_rest, "_THROUGH_A_CYCLE", 6)
+    with pytest.raises(Impossible, match=r"2 of 371 choices .* were run") as refusal:
+        design(ISSUE, within=box, holes=0.005, bands=(LONG,), n=1)
+    assert not refusal.value.proved
+    assert str(refusal.value).startswith(f"{ISSUE}: not found: ")
+
+
+def test_states_without_orders_are_impossible_only_where_no_cell_could_do_it():
+    # No chain of concave cells goes from 000 to 111 by these, and all bands here are such.
+    with pytest.raises(Impossible) as refusal:
+        design(states=["000", "110", "111"])
+    assert refusal.value.proved
+    # Where bands may fold back other cells might.
+    folded = AnchorBox(-0.02, 0.02, -0.015, 0.015)
+    with pytest.raises(Impossible) as refusal:
+        design(states=["000", "110", "111"], within=folded)
+    assert not refusal.value.proved and "not tried" in str(refusal.value)
+    # A cell that overtakes might reach what no orders tell.
+    with pytest.raises(Impossible) as refusal:
+        design(states=["000", "100", "001", "110", "111"])
+    assert not refusal.value.proved
+    # Of any cells: a cycle passes all at 1.
+    with pytest.raises(Impossible) as refusal:
+        design(states=["00", "10"], within=folded)
+    assert refusal.value.proved
+
+
+def test_cells_that_are_not_concave_do_move_together():
+    # So that the state with one of them at 1 is never there: two that only pull back.
+    slow = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 30.0, 0.0))
+    force = slow.force(np.linspace(-slow.limit, slow.limit, 50))
+    assert np.all(np.diff(force) > 0)
+    pair = sw.Chain((slow, slow))
+    assert str(pair.cycle().sequence) == "00>11>00"
+    assert {s for s in pair.graph(start="00") if "-" not in s} == {"00", "11"}
+
+
+@pytest.mark.parametrize("region", [PAPER_BOX, AnchorPolygon(((0, 0), (0.02, 0), (0, 0.01)))])
+def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
+    def rule(band: Stock) -> Rule:
+        kind = Kind(band, PAPER_LEVER, math.pi / 4)
+        return Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, False, region.bounds)
+
+    assert _covered.all_proved(rule(PAPER_BAND), region)
+    assert not _covered.all_proved(rule(Stock(28.5, 0.030)), region)
+
+
+def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
+    box, pitch = AnchorBox(-0.004, 0.004, 0.0, 0.008), 0.004
+    ways = [c for q in lattice(box, pitch).tolist() if (c := cell(LONG, tuple(q)))]
+    does = {sequence((a, b)) for a, b in combinations(ways, 2)}
+    does |= {sequence((b, a)) for a, b in combinations(ways, 2)}
+    for loading, unloading in product(permutations(range(2)), repeat=2):
+        wanted = cycle(loading, unloading)
+        made = answer(wanted, within=box, holes=pitch, bands=(LONG,))
+        if isinstance(made, Impossible):
+            assert wanted not in does or not made.proved
+        else:
+            assert sequence(made.chain.cells) == wanted
