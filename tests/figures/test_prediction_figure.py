@@ -54,4 +54,17 @@ def test_each_flip_stands_at_its_displacement(predictions):
         marks = [points(line)[0, 0] for line in lines(figure, f"flip {antenna.name}")]
         flips = [flip for flip in found.flips if flip.antenna == antenna.name]
         assert marks == pytest.approx([flip.displacement * 1e3 for flip in flips])
-    assert len(figures.prediction(predictions["forward"]).axes) == 2
+    assert len(figures.prediction(predictions["forward"]).axes) == 3
+
+
+@pytest.mark.parametrize("name", ["forward", "antennas"])
+def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, predictions):
+    found = predictions[name]
+    figure = figures.prediction(found)
+    for leg, (least, most) in zip(found.legs, found.depths, strict=True):
+        (bar,) = boxes(figure, f"depths {leg.name}")
+        assert bar.get_x() == pytest.approx(least * 1e3)
+        assert bar.get_x() + bar.get_width() == pytest.approx(most * 1e3)
+        assert f"{least * 1e3:.2f} to {most * 1e3:.2f} mm" in says(figure)
+    (below,) = lines(figure, "below")
+    assert points(below)[:, 0] == pytest.approx(found.robot.foot.below * 1e3)
