@@ -160,10 +160,10 @@ def test_two_cells_of_one_name_are_told_apart_by_number():
         ("inner.stiffness", 0.0, "must be > 0"),
         ("inner.stiffness", "stiff", r"must be a number \[N/m\]"),
         ("inner.friction", math.nan, r"must be a number \[N\]"),
-        ("inner.limit", 1.6, "must be < π/2"),
+        ("inner.limit", 1.6, "0.01° to 89.9°"),
         ("inner.q", 0.010, r"must be a place \(x, y\)"),
         ("inner.q.x", math.inf, "must be finite"),
-        ("actuator_stiffness", -1.0, "must be >= 0"),
+        ("actuator_stiffness", -1.0, "must be from 1e-06"),
     ],
 )
 def test_a_value_that_cannot_be_is_refused(name, value, words):

@@ -324,7 +324,7 @@ def test_a_curve_prints_what_changes_and_how_it_was_found():
         (("inner.q.x", [0.0, 1.0]), ("0.q.x", [0.0, 1.0]), "are both 'inner.q.x'"),
         (("inner.q", [0.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "is a place, not a number"),
         (("inner.stiffness", [-1.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "must be > 0"),
-        (("inner.limit", [0.5, 2.0]), ("outer.q.x", [0.0, 1.0]), "must be < π/2"),
+        (("inner.limit", [0.5, 2.0]), ("outer.q.x", [0.0, 1.0]), "0.01° to 89.9°"),
         (("inner.stifness", [1.0, 2.0]), ("outer.q.x", [0.0, 1.0]), "Did you mean"),
         (("inner.stiffness", [2.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "must rise"),
         ("inner.stiffness", ("outer.q.x", [0.0, 1.0]), "the name of a parameter and its values"),

@@ -184,6 +184,6 @@ def test_a_spring_too_stiff_for_the_cells_is_refused_and_not_decided_by_the_last
 def test_a_cell_without_force_behind_a_spring_is_refused_too():
     slack = sw.Cell(sw.Band((0, 0), (-0.0085, 0.0007), rest_length=0.0156))
     assert not np.any(slack.force(slack.angle(np.linspace(0, slack.full_travel, 99))))
-    with pytest.raises(ValueError, match="too stiff for cells"):
-        graph(sw.Chain([slack]), 1e3)
+    with pytest.raises(ValueError, match="no cell has any force"):
+        graph(sw.Chain([slack]), 1e4)
     assert graph(sw.Chain([slack])).vertices == ("0", "1")

@@ -62,12 +62,12 @@ def starting_state(
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     alpha, beta = drive_weights(chain)
-    if alpha > 0 and beta > 0 and scale <= NO_FORCE:
-        raise ValueError(
-            "no cell has any force, so nothing tells where they stand behind a spring: tighten a "
-            "band, or prescribe the stroke (math.inf, or 'rigid')."
-        )
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+        if scale <= NO_FORCE:
+            raise ValueError(
+                "no cell has any force, so nothing tells where they stand behind a spring: tighten "
+                "a band, or prescribe the stroke (math.inf, or 'rigid')."
+            )
         raise ValueError(
             f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
             f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
