@@ -105,7 +105,7 @@ def test_our_antennas_turn_the_opposite_step_round():
     "arena",
     [
         _steering.wall_ahead(math.radians(_steering.WALLS_DEG[4])),
-        _steering.wall_ahead(-math.radians(_steering.BETWEEN_DEG[1])),
+        _steering.wall_ahead(-math.radians(_steering.BETWEEN_DEG[3])),
         _steering.cylinder_ahead(_steering.OFFSETS_MM[6] / 1e3),
     ],
     ids=lambda arena: arena.title,
