@@ -52,9 +52,8 @@ _BROKEN = {
 def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: float) -> NoReturn:
     """Raise StaticsError for a computed path that breaks its own certificate at `drive`."""
     what = _BROKEN[promise].format(by=by, mJ=by * 1e3, scale=scale)
-    unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
     raise StaticsError(
-        f"no answer: at drive {value:.6g} {unit} {what}, so the result would break its own "
+        f"no answer: at {_drive(chain, drive)} {what}, so the result would break its own "
         f"certificate. Its numbers are too far apart for double precision: look for a step in a "
         f"load or table that is all but vertical, an anchor far outside the mechanism, or forces "
         f"that cancel to less than a millionth of themselves."
@@ -70,26 +69,29 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bo
         drive: where [m], or [N] under force control.
         drifts: whether the cells drift together, at the same constant force.
     """
-    unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
-    names = [chain.names[c] for c in cells]
-    where = f"at drive {value:.6g} {unit}"
+    names, where = [chain.names[c] for c in cells], _drive(chain, drive)
     if len(cells) == 1:
         return (
-            f"Two landings of the snap of {names[0]} {where} are closer than the tolerance, so "
+            f"Two landings of the snap of {names[0]} at {where} are closer than the tolerance, so "
             f"friction will decide. Move an anchor of {names[0]} by 0.1 mm or more and look again."
         )
     if drifts:
         return (
-            f"{names[0]} and {names[1]} offer the same constant force up to {where[3:]}, so only "
+            f"{names[0]} and {names[1]} offer the same constant force up to {where}, so only "
             f"friction tells how they share the motion. Keep a band taut, give one of them "
             f"friction, or pass prefer= to say which one goes first."
         )
     step = _anchor_step(chain, cells[1])
     return (
-        f"{names[0]} and {names[1]} tie {where}, so friction will decide; {names[0]} was taken "
+        f"{names[0]} and {names[1]} tie at {where}, so friction will decide; {names[0]} was taken "
         f"first. Move an anchor of {names[1]} by more than {step * 1e3:.2g} mm to set them one "
         f"percent of its peak force apart, or pass prefer= to say which one you mean."
     )
+
+
+def _drive(chain: Chain, drive: float) -> str:
+    unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
+    return f"drive {value:.6g} {unit}"
 
 
 def _anchor_step(chain: Chain, index: int) -> float:

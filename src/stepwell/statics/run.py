@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from threading import Thread
 
 import numpy as np
 
@@ -170,30 +170,19 @@ def _watched(
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is."""
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
-    ended: list[int] = []
-    failed: list[BaseException] = []
-
-    def work() -> None:
+    with ThreadPoolExecutor(1) as pool:
+        running = pool.submit(run)
         try:
-            ended.append(run())
-        except BaseException as error:  # handed on to the caller's thread
-            failed.append(error)
-
-    worker = Thread(target=work, daemon=True)
-    worker.start()
-    try:
-        while worker.is_alive():
-            worker.join(_LOOK_AFTER)
-            if progress is not None and worker.is_alive():
-                leg = int(effort[f.LEGS])
-                here = drive_of(state.travel, float(state.force[0]), alpha, beta)
-                progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
-    finally:
-        effort[f.MOST] = -1
-        worker.join()
-    if failed:
-        raise failed[0]
-    return ended[0]
+            while True:
+                try:
+                    return running.result(_LOOK_AFTER)
+                except TimeoutError:
+                    if progress is not None:
+                        leg = int(effort[f.LEGS])
+                        here = drive_of(state.travel, float(state.force[0]), alpha, beta)
+                        progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
+        finally:
+            effort[f.MOST] = -1
 
 
 def _as_path(
