@@ -8,6 +8,7 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 import numpy as np
 
 from stepwell.statics._compile import kernel
+from stepwell.statics._effort import overspent
 from stepwell.statics._law import Floats, Ints, Laws, law
 from stepwell.statics._pieces import Pieces, invert
 
@@ -122,8 +123,7 @@ def first_fold(
     while waiting > 0:
         waiting -= 1
         a, b = one[waiting], two[waiting]
-        effort[0] += 60 * len(movers)
-        if effort[0] > effort[1]:
+        if overspent(effort, 60 * len(movers)):
             break
         bound, at_b = _highest(laws, pieces, movers, on, offset, alpha, beta, a, b)
         if bound < 0.0:

@@ -4,6 +4,7 @@ import numpy as np
 
 from stepwell.statics._branch import smallest_eigenvalue
 from stepwell.statics._compile import kernel
+from stepwell.statics._effort import overspent
 from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
 
 _STEPS = 30_000
@@ -319,8 +320,7 @@ def flow(
     stiffest = np.max(np.abs(slope)) + scale / np.min(laws.full)
     h = 1e-2 / stiffest
     for step in range(_STEPS):
-        effort[0] += 4 * n
-        if effort[0] > effort[1]:
+        if overspent(effort, 4 * n):
             break
         shared = _rates(laws, travel, drive, alpha, beta, shared, force, f0)
         fastest = np.max(np.abs(f0))

@@ -16,6 +16,7 @@ from stepwell.statics._branch import (
     point_at,
 )
 from stepwell.statics._compile import kernel
+from stepwell.statics._effort import LEGS, SPENT, overspent
 from stepwell.statics._flow import flow, unstable_direction
 from stepwell.statics._landing import JOINED, STOPPED, UNDECIDED, slide
 from stepwell.statics._law import Floats, Ints, Laws, law, stored
@@ -52,9 +53,6 @@ class Log(NamedTuple):
 # Where two forces turn together both 1/κ are without bound and the sum of them is rounding. It is
 # looked at this share of the largest force further on.
 BLUNT = 1e-7
-# What the present leg of a run has cost, in forces looked at; how much it may cost at most; how
-# many legs are done. Whoever lowers the second while a run goes on, from another thread, stops it.
-SPENT, MOST, LEGS = 0, 1, 2
 
 
 class State(NamedTuple):
@@ -176,8 +174,8 @@ def _choose(
         if i == leader or (rising and (state.mode[i] == FREE or state.way[i] == -direction)):
             goes[i] = 1
             total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
-    if _turn_here(laws, pieces, state, goes, leader, scale):
-        moved = np.flatnonzero(goes)
+    moved = np.flatnonzero(goes)
+    if _turn_here(laws, pieces, state, moved, leader, scale):
         offset = state.way[moved] * laws.friction[moved]
         level = state.force[0] - direction * BLUNT * scale
         total = compliance(laws, pieces, moved, state.piece[moved], offset, alpha, beta, level)
@@ -189,13 +187,12 @@ def _choose(
 
 @kernel
 def _turn_here(
-    laws: Laws, pieces: Pieces, state: State, goes: Ints, leader: int, scale: float
+    laws: Laws, pieces: Pieces, state: State, moved: Ints, leader: int, scale: float
 ) -> bool:
     """Whether the leader and another moving cell stand where their forces turn."""
     others, leads = 0, False
-    for i in range(len(goes)):
-        if not goes[i]:
-            continue
+    for m in range(len(moved)):
+        i = int(moved[m])
         piece, travel = state.piece[i], state.travel[i]
         if travel == pieces.left[piece] or travel == pieces.right[piece]:
             slope = law(laws, i, pieces.picked[piece], travel)[1]
@@ -729,7 +726,6 @@ def _move(
     target: float,
     alpha: float,
     beta: float,
-    goes: Ints,
     moved: Ints,
     on: Ints,
     offset: Floats,
@@ -781,7 +777,7 @@ def _move(
     folds = False
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
         begin, end = force, level
-        if _turn_here(laws, pieces, state, goes, leader, scale):
+        if _turn_here(laws, pieces, state, moved, leader, scale):
             begin = force + toward * BLUNT * scale
         if company and not releases:
             end = level - toward * BLUNT * scale
@@ -887,8 +883,7 @@ def _leg(
         furthest = drive
         if idle > 40 * n + 400:
             return STALLED
-        effort[SPENT] += 10 * n
-        if effort[SPENT] > effort[MOST]:
+        if overspent(effort, 10 * n):
             return GAVE_UP
         choice, leader = _choose(laws, pieces, state, direction, alpha, beta, scale, goes)
         if choice == 0 and _join_flat(laws, pieces, state, direction, 1e-9 * scale):
@@ -923,7 +918,7 @@ def _leg(
             else:
                 status = _move(
                     laws, pieces, state, direction, choice * direction, leader, target, alpha,
-                    beta, goes, moved, on, offset, rank, scale, note, log, effort,
+                    beta, moved, on, offset, rank, scale, note, log, effort,
                 )  # fmt: skip
         if status != GOES_ON:
             return DONE if to_the_end and status == RUNS_AWAY else status
@@ -953,6 +948,5 @@ def follow(
             )
             if status != DONE:
                 # What ran out of looks may say that it did not settle.
-                spent = effort[SPENT] > effort[MOST]
-                return GAVE_UP if spent and status != LOG_FULL else status
+                return GAVE_UP if status != LOG_FULL and overspent(effort, 0) else status
     return DONE

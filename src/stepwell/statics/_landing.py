@@ -8,6 +8,7 @@ first place where the driving force vanishes, or at a stop.
 import numpy as np
 
 from stepwell.statics._compile import kernel
+from stepwell.statics._effort import overspent
 from stepwell.statics._law import Ints, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 
@@ -93,8 +94,7 @@ def slide(
         waiting = 1 if end > begin else 0
         while waiting > 0:
             looks += 1
-            effort[0] += 4
-            if looks > 200_000 or effort[0] > effort[1]:
+            if overspent(effort, 4) or looks > 200_000:
                 return UNDECIDED, begin, force
             waiting -= 1
             a, b = lefts[waiting], rights[waiting]

@@ -11,6 +11,7 @@ from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._branch import drive_of
 from stepwell.statics._certificate import KEPT, audit
+from stepwell.statics._effort import LEGS, MOST
 from stepwell.statics._law import Floats, Ints, Laws
 from stepwell.statics._outcome import StaticsError, refuse_broken, refuse_failure
 from stepwell.statics._pack import pack
@@ -178,11 +179,11 @@ def _watched(
                     return running.result(_LOOK_AFTER)
                 except TimeoutError:
                     if progress is not None:
-                        leg = int(effort[f.LEGS])
+                        leg = int(effort[LEGS])
                         here = drive_of(state.travel, float(state.force[0]), alpha, beta)
                         progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
         finally:
-            effort[f.MOST] = -1
+            effort[MOST] = -1
 
 
 def _as_path(
