@@ -7,6 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from stepwell.paper.table import replaced as between
+
 ROOT = Path(__file__).resolve().parents[2]
 BEGIN = "<!-- short claims: written by `python tests/docs/short_claims.py`, not by hand -->"
 END = "<!-- end of short claims -->"
@@ -51,11 +53,7 @@ def short(record: dict[str, Any]) -> str:
 
 def replaced(page: str, table: str) -> str:
     """The page with its short claims written anew."""
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f"the page has no place for the claims: put in {BEGIN} and {END}.")
-    return f"{before}{begin}\n\n{table}\n\n{end}{after}"
+    return between(page, table, BEGIN, END)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ import numpy as np
 from stepwell.design import Tolerances, design
 from stepwell.files import write_atomic
 from stepwell.paper._more_cells import SPREAD, WANTED
+from stepwell.paper.table import replaced as between
 from stepwell.sequences import Sequence
 
 BEGIN = "<!-- any cycle: written by `python -m stepwell.paper.any_cycle`, not by hand -->"
@@ -70,16 +71,12 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 
 def replaced(page: str, text: str) -> str:
-    """A page with what stands between its two markers replaced.
+    """A page with its table replaced.
 
     Raises:
         ValueError: a marker is missing.
     """
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f"the page has no place for the table: put in {BEGIN} and {END}.")
-    return f"{before}{begin}\n\n{text}\n\n{end}{after}"
+    return between(page, text, BEGIN, END, "table")
 
 
 def main(file: Path, pages: list[Path]) -> None:

@@ -27,17 +27,17 @@ def markdown(verdicts: Iterable[Verdict]) -> str:
     return "\n".join(lines)
 
 
-def replaced(page: str, table: str) -> str:
-    """A page with the text between its two claims markers replaced.
+def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str = "claims") -> str:
+    """A page with the text between its two markers replaced; `what` it is, for who forgot them.
 
     Raises:
         ValueError: a marker is missing.
     """
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f"the page has no place for the claims: put in {BEGIN} and {END}.")
-    return f"{before}{begin}\n\n{table}\n\n{end}{after}"
+    before, first, rest = page.partition(begin)
+    _, last, after = rest.partition(end)
+    if not (first and last):
+        raise ValueError(f"the page has no place for the {what}: put in {begin} and {end}.")
+    return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 
 def _cell(text: str) -> str:
