@@ -1,6 +1,7 @@
 """Predicted gaits: the paper's robots, and what margin, drag limit and flip mean."""
 
 import math
+import sys
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
 
@@ -13,6 +14,7 @@ from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, leg, robot
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Limit, Motion, Robot
 from stepwell.robot._search import changes
 from stepwell.robot.predict import depths
+from stepwell.statics import StaticsError
 
 designs = st.floats(0.002, 0.025)
 floors = st.builds(Floor, drag=st.floats(0.05, 0.8))
@@ -257,6 +259,22 @@ def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_
     # Without room both ends are its own depth.
     deep = below(one, high + 2e-5)
     assert depths(deep) == ((deep.foot.below,) * 2,) * 2
+
+
+def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_text(monkeypatch):
+    one = replace(robot(), title="Robot of this test alone")
+    module = sys.modules[depths.__module__]  # its name is that of its function
+    honest = module.go_round
+
+    def lost_when_deeper(other, *arguments):
+        if other.foot.below > 0.95e-3:
+            raise StaticsError("the engine could not go on")
+        return honest(other, *arguments)
+
+    said = one.predict()
+    monkeypatch.setattr(module, "go_round", lost_when_deeper)
+    assert said.depths[0][1] == pytest.approx(0.95e-3, abs=2e-5)
+    assert "feet 0.00 to 0.9" in repr(said)
 
 
 def test_the_depths_of_unlike_legs_are_told_for_each():

@@ -17,6 +17,7 @@ from stepwell.robot._slide import STEPS, Slide, slide
 from stepwell.robot.antenna import Antenna
 from stepwell.robot.leg import Leg
 from stepwell.robot.robot import Robot
+from stepwell.statics import StaticsError
 
 Array = NDArray[np.float64]
 # Margin, what the gait then becomes, and alternatives.
@@ -404,7 +405,10 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
         for force in (unknown, -unknown):
             extra = np.zeros(len(leg.chain))
             extra[-1] = force
-            after = go_round(other, leg, stances, extra).gait()
+            try:
+                after = go_round(other, leg, stances, extra).gait()
+            except StaticsError:
+                return "not followed"  # so it is not sure
             if after != gait:
                 return after
         return gait
