@@ -62,7 +62,8 @@ class Cell:
         if not least * (1 - 1e-12) <= self.limit <= most * (1 + 1e-12):
             raise ValueError(
                 f"limit = {self.limit} rad: must be from {least:.6g} to {most:.6g} (0.01° to "
-                f"89.9°), nearer to a right angle the force at the stops is without bound."
+                f"89.9°; angles are in rad): below there is no travel to speak of, above the force "
+                f"at the stops is without bound."
             )
         if self.load is not None:
             _refuse_steps(self.load, self.full_travel)
