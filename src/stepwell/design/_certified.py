@@ -1,9 +1,10 @@
 """Which anchors make a cell whose order of motion is known from its end forces, proved."""
 
-from stepwell.statics.concave import Simple, certify, kernel
+from stepwell.kernels import entry
+from stepwell.statics.concave import Simple, certify
 
 
-@kernel
+@entry(1.5e-5, "d")
 def certified_within(d, cell: Simple, reach: float, out):
     """Which differences d, (m, 2) [m], are proved concave and taut for all anchors within reach.
 

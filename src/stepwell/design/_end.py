@@ -4,10 +4,11 @@ from math import inf
 
 import numpy as np
 
-from stepwell.statics.concave import Simple, band_length, kernel, length_slopes
+from stepwell.kernels import entry, kernel
+from stepwell.statics.concave import Simple, band_length, length_slopes
 
 
-@kernel
+@entry()
 def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, float, float]:
     """F0 (side -1) or F1 (side +1) [N] of the cell with its anchors at d, and ∂F/∂d [N/m].
 
@@ -27,7 +28,7 @@ def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, flo
     )
 
 
-@kernel
+@entry(1e-5, "d")
 def end_forces_at(cell: Simple, side: int, d, out):
     """`end_force` of every row of d, (m, 2) [m], into out, (m, 3)."""
     for i in range(len(d)):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.design._orders import Orders
-from stepwell.statics.concave import kernel
+from stepwell.kernels import entry, kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -15,6 +15,8 @@ Bools = NDArray[np.bool_]
 # The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
 _MOST_ENTRIES = 20_000_000
 _MOST_CANDIDATES = 1000
+# A search that takes more is worth waiting for the compiler.
+_FEW_NODES = 2000
 
 
 def fits(cells: int, candidates: int) -> bool:
@@ -74,19 +76,14 @@ def best_choice(
     _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
     # Rank in F1 of the cells taken by rising F0.
     ranks = np.argsort(rising[1])[rising[0]]
+    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments
+    bounds = _edges(segments, allowed[rising[1]]), ahead
+    few = min(most_nodes, _FEW_NODES) if _search.interpreted else most_nodes
     picks = np.full(n, -1)
-    value, nodes, complete = _search(
-        np.ascontiguousarray(gap[0]),
-        allowed[rising[0]],
-        ranks,
-        segments,
-        _edges(segments, allowed[rising[1]]),
-        ahead,
-        add,
-        floor,
-        most_nodes,
-        picks,
-    )
+    value, nodes, complete = _search(*table, *bounds, add, floor, few, picks)
+    if not complete and few < most_nodes:
+        picks[:] = -1
+        value, nodes, complete = _search.compiled()(*table, *bounds, add, floor, most_nodes, picks)
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
     return Choice(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
@@ -97,7 +94,7 @@ def _with(a: float, b: float, add: bool) -> float:
     return a + b if add else min(a, b)
 
 
-@kernel
+@entry(4e-7, "gap", "allowed")
 def _best_paths(gap, allowed, add: bool, out):
     """The best path from rank u at candidate a to rank v at b, out[u, v, a, b], (N, N, m, m)."""
     n, m = allowed.shape
@@ -118,7 +115,7 @@ def _best_paths(gap, allowed, add: bool, out):
                                     out[u, v, a, b] = value
 
 
-@kernel
+@entry(5e-7, "allowed")
 def _best_ends(gap, allowed, add: bool, out):
     """The best path from place u at candidate a to the last place, out[u, a], (N, m)."""
     n, m = allowed.shape
@@ -184,7 +181,7 @@ def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, valu
         out[c] = bound
 
 
-@kernel
+@entry()
 def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, most_nodes, found):
     n, m = allowed.shape
     picks = np.full(n, -1)
@@ -195,7 +192,7 @@ def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, most_nodes,
     value[0] = 0.0 if add else np.inf
     best, nodes, depth, c = floor, 0, 0, 0
     _bounds(0, gap, allowed, ranks, segments, edges, ahead, add, picks, value[0], bound[0])
-    order[0] = np.argsort(-bound[0])
+    order[0] = np.argsort(-bound[0], kind="mergesort")
     while depth >= 0:
         if at[depth] < m:
             c = order[depth, at[depth]]
@@ -233,5 +230,5 @@ def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, most_nodes,
             value[depth],
             bound[depth],
         )
-        order[depth] = np.argsort(-bound[depth])
+        order[depth] = np.argsort(-bound[depth], kind="mergesort")
     return (best if found[0] >= 0 else -np.inf), nodes, True

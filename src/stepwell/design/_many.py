@@ -4,12 +4,12 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain
-from stepwell.statics.concave import Simple, certify, end_forces, kernel, push, simple
+from stepwell.statics.concave import Simple, certify, end_forces, push, simple
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -20,16 +20,16 @@ ASK, DOES, OTHER, TIE = 0, 1, 2, 3
 # How the actuator drives the chain.
 RIGID, COMPLIANT, FORCE = 0, 1, 2
 
-BLOCK = 256  # samples that one thread takes at a time
+_BLOCK = 4096  # samples that one core takes at a time
 _TIE = 1e-9  # of the largest force: closer than this, the engine calls it a tie
 _SAME = 1e-12  # relative difference of travels that are meant to be equal
 
 
-@kernel
+@entry()
 def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
     """A place evenly distributed over a disc [m], from two numbers even over 0..1."""
     away, angle = radius * np.sqrt(u), 2.0 * np.pi * v
-    return away * np.cos(angle), away * np.sin(angle)
+    return away * math.cos(angle), away * math.sin(angle)
 
 
 @kernel
@@ -89,7 +89,7 @@ def _keeps(made, friction, full, key, order) -> bool:
     return True
 
 
-@numba.njit(cache=True, error_model="numpy", parallel=True)
+@entry(6e-6, "draws")
 def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowest):
     """Judge every draw by the order of the forces at which its cells let go.
 
@@ -109,55 +109,54 @@ def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowe
         does: (m,) out, both orders as digits of base N; wraps where they are too many.
         gap: (m,) out, smallest gap [N] between neighbours of the wanted orders, negative where
             two of them are in the other order; infinite for a single cell.
-        wrong: (blocks, 2, N - 1) out, how often a pair of neighbours is in the other order.
+        wrong: (2, N - 1) out, how often a pair of neighbours is in the other order, added up.
         narrowest: the same, how often their gap is the smallest.
     """
-    m, n = len(draws), len(cells)
-    for block in numba.prange(len(wrong)):
-        made = [Simple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(n)]
-        friction, full = np.empty(n), np.empty(n)
-        key, order = np.empty((2, n)), np.empty((2, n), np.int64)
-        for sample in range(block * BLOCK, min((block + 1) * BLOCK, m)):
-            proved = True
-            scale, longest, least = 0.0, 0.0, np.inf
-            for i in range(n):
-                made[i], friction[i] = _made(draws[sample], cells, spread, i)
-                proved = proved and certify(made[i], 0.0)
-                force_0, force_1 = end_forces(made[i])
-                key[0, i], key[1, i] = force_0 + friction[i], friction[i] - force_1
-                full[i] = 2.0 * made[i].lever * made[i].sin_limit
-                scale = max(scale, abs(force_0), abs(force_1), friction[i])
-                longest, least = max(longest, full[i]), min(least, full[i])
-            smallest, where = np.inf, 0
-            tie = False
-            number, right = 0, True
+    n = len(cells)
+    made = [Simple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(n)]
+    friction, full = np.empty(n), np.empty(n)
+    key, order = np.empty((2, n)), np.empty((2, n), np.int64)
+    for sample in range(len(draws)):
+        proved = True
+        scale, longest, least = 0.0, 0.0, np.inf
+        for i in range(n):
+            made[i], friction[i] = _made(draws[sample], cells, spread, i)
+            proved = proved and certify(made[i], 0.0)
+            force_0, force_1 = end_forces(made[i])
+            key[0, i], key[1, i] = force_0 + friction[i], friction[i] - force_1
+            full[i] = 2.0 * made[i].lever * made[i].sin_limit
+            scale = max(scale, abs(force_0), abs(force_1), friction[i])
+            longest, least = max(longest, full[i]), min(least, full[i])
+        smallest, where = np.inf, 0
+        tie = False
+        number, right = 0, True
+        for side in range(2):
+            _sort(key[side], wanted[side], order[side])
+            for place in range(n):
+                number = number * n + order[side, place]
+                right = right and order[side, place] == wanted[side, place]
+            for place in range(n - 1):
+                before, after = order[side, place], order[side, place + 1]
+                tie = tie or key[side, after] - key[side, before] <= _TIE * scale
+                apart = key[side, wanted[side, place + 1]] - key[side, wanted[side, place]]
+                if apart < smallest:
+                    smallest, where = apart, side * (n - 1) + place
+        gap[sample] = smallest
+        does[sample] = number
+        if proved and longest - least > _SAME * longest and drive != FORCE:
+            proved = drive == RIGID and _keeps(made, friction, full, key, order)
+        if not proved:
+            verdict[sample] = ASK
+            continue
+        verdict[sample] = TIE if tie else DOES if right else OTHER
+        if n == 1:
+            continue
+        narrowest[where // (n - 1), where % (n - 1)] += 1
+        if verdict[sample] == OTHER:
             for side in range(2):
-                _sort(key[side], wanted[side], order[side])
-                for place in range(n):
-                    number = number * n + order[side, place]
-                    right = right and order[side, place] == wanted[side, place]
                 for place in range(n - 1):
-                    before, after = order[side, place], order[side, place + 1]
-                    tie = tie or key[side, after] - key[side, before] <= _TIE * scale
-                    apart = key[side, wanted[side, place + 1]] - key[side, wanted[side, place]]
-                    if apart < smallest:
-                        smallest, where = apart, side * (n - 1) + place
-            gap[sample] = smallest
-            does[sample] = number
-            if proved and longest - least > _SAME * longest and drive != FORCE:
-                proved = drive == RIGID and _keeps(made, friction, full, key, order)
-            if not proved:
-                verdict[sample] = ASK
-                continue
-            verdict[sample] = TIE if tie else DOES if right else OTHER
-            if n == 1:
-                continue
-            narrowest[block, where // (n - 1), where % (n - 1)] += 1
-            if verdict[sample] == OTHER:
-                for side in range(2):
-                    for place in range(n - 1):
-                        first, second = wanted[side, place], wanted[side, place + 1]
-                        wrong[block, side, place] += key[side, second] < key[side, first]
+                    first, second = wanted[side, place], wanted[side, place + 1]
+                    wrong[side, place] += key[side, second] < key[side, first]
 
 
 class Judged(NamedTuple):
@@ -195,13 +194,19 @@ class Judge:
 
     def __call__(self, draws: Floats) -> Judged:
         """The verdicts on draws (m, 8 N)."""
-        m, pairs = len(draws), (-(-len(draws) // BLOCK), 2, len(self.cells) - 1)
-        judged = Judged(
-            np.empty(m, np.int8),
-            np.empty(m, np.int64),
-            np.empty(m),
-            np.zeros(pairs, np.int64),
-            np.zeros(pairs, np.int64),
-        )
-        many(draws, self.cells, self.spread, self.wanted, self.drive, *judged)
-        return judged._replace(wrong=judged.wrong.sum(0), narrowest=judged.narrowest.sum(0))
+        m, n = len(draws), len(self.cells)
+        verdict, does, gap = np.empty(m, np.int8), np.empty(m, np.int64), np.empty(m)
+        counts: list[Ints] = []
+
+        def judge(begin: int, end: int) -> None:
+            counted = np.zeros((2, 2, n - 1), np.int64)
+            here = slice(begin, end)
+            many(
+                draws[here], self.cells, self.spread, self.wanted, self.drive,
+                verdict[here], does[here], gap[here], counted[0], counted[1],
+            )  # fmt: skip
+            counts.append(counted)
+
+        in_blocks(judge, m, _BLOCK)
+        wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
+        return Judged(verdict, does, gap, wrong, narrowest)

@@ -1,9 +1,12 @@
 """The nearest anchor at which an end force has a given value."""
 
+import math
+
 import numpy as np
 
 from stepwell.design._end import end_force, steepest
-from stepwell.statics.concave import Simple, band_length, certify, kernel
+from stepwell.kernels import entry, kernel
+from stepwell.statics.concave import Simple, band_length, certify
 
 _DIRECTIONS = 64
 _STEPS = 400
@@ -59,21 +62,21 @@ def nearest(
     """
     _, fx, fy = end_force(cell, side, cell.dx, cell.dy)
     # The steepest way first: it leaves the others little to search.
-    heading = np.arctan2(up * fy, up * fx)
+    heading = math.atan2(up * fy, up * fx)
     best, at = most, np.nan
     for i in range(_DIRECTIONS):
         angle = heading + 2.0 * np.pi * i / _DIRECTIONS
-        away = first_crossing(cell, side, force, np.cos(angle), np.sin(angle), best)
+        away = first_crossing(cell, side, force, math.cos(angle), math.sin(angle), best)
         if away < np.inf and not away > best:
             best, at = away, angle
     if np.isnan(at):
-        return np.inf, np.cos(heading), np.sin(heading)
+        return np.inf, math.cos(heading), math.sin(heading)
     if best == 0.0:
-        return 0.0, np.cos(heading), np.sin(heading)
+        return 0.0, math.cos(heading), math.sin(heading)
     low, high = at - 2.0 * np.pi / _DIRECTIONS, at + 2.0 * np.pi / _DIRECTIONS
     for _ in range(42):
         angle = 0.5 * (low + high)
-        ux, uy = np.cos(angle), np.sin(angle)
+        ux, uy = math.cos(angle), math.sin(angle)
         # A little more room than the best so far, for the rays on either side of it.
         away = first_crossing(cell, side, force, ux, uy, 1.5 * best)
         if away < np.inf:
@@ -87,10 +90,10 @@ def nearest(
             low = angle
         else:
             high = angle
-    return best, np.cos(at), np.sin(at)
+    return best, math.cos(at), math.sin(at)
 
 
-@kernel
+@entry()
 def concave_disc(cell: Simple, radius: float) -> bool:
     """Whether every anchor within `radius` [m] of the cell's own is proved concave and taut.
 
@@ -124,7 +127,7 @@ def concave_disc(cell: Simple, radius: float) -> bool:
     return True
 
 
-@kernel
+@entry(1e-2, "side")
 def nearest_of(cell: Simple, side, force, up, most: float, out):
     """The nearest of several curves: side, force and up are (m,); out is (3,), as `nearest`.
 

@@ -1,10 +1,11 @@
 """Which pieces of the anchor plane can hold given end forces: bounds that throw the others out."""
 
 from stepwell.design._end import end_force, steepest
-from stepwell.statics.concave import Simple, kernel
+from stepwell.kernels import entry
+from stepwell.statics.concave import Simple
 
 
-@kernel
+@entry(1e-5, "d", "side")
 def sift(cell: Simple, d, radius: float, side, force, up, held, inside):
     """Look at discs around the differences d = q - p, (m, 2) [m], `radius` [m] wide.
 

@@ -1,11 +1,10 @@
 """The transition map's inner loops: many designs of a pair, each in closed form."""
 
-import numba
+from stepwell.kernels import entry
+from stepwell.statics.concave import Simple, certify, end_forces, pair
 
-from stepwell.statics.concave import Simple, certify, end_forces, kernel, pair
 
-
-@numba.njit(cache=True, error_model="numpy", parallel=True)
+@entry(8e-5, "x", "y")
 def sweep(x, y, p, fixed, moving, cell, pathway, snap_loading, snap_unloading, margin, monostable):
     """Fill the (y, x) arrays; designs that are not certified keep what was in them.
 
@@ -21,7 +20,7 @@ def sweep(x, y, p, fixed, moving, cell, pathway, snap_loading, snap_unloading, m
     """
     fixed_0, fixed_1 = end_forces(fixed)
     scale = fixed.stiffness * fixed.lever
-    for row in numba.prange(len(y)):
+    for row in range(len(y)):
         dy = y[row] - p[1]
         for column in range(len(x)):
             dx = x[column] - p[0]
@@ -39,7 +38,7 @@ def sweep(x, y, p, fixed, moving, cell, pathway, snap_loading, snap_unloading, m
             monostable[row, column] = force_0 <= 0.0 or force_1 >= 0.0
 
 
-@kernel
+@entry(4e-5, "d")
 def decide(d, fixed, moving, cell, out):
     """The same for a list of differences d = q - p, (m, 2) [m]: only the pathway, as in `sweep`."""
     for i in range(len(d)):

@@ -13,6 +13,7 @@ from stepwell._version import __version__
 from stepwell.design._pairs import axis, closed, moved, which
 from stepwell.design._pathways import BY_ORDER, IMPOSSIBLE, UNSOLVED
 from stepwell.design._sweep import sweep
+from stepwell.kernels import in_blocks
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway, cycle
 from stepwell.statics import StaticsError
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 # Below this gap, in units of k r, no maker and no rounding error can tell the order.
 TIE = 1e-9
 _CODES = tuple(Pathway)
+_BLOCK = 20_000  # designs that one core takes at a time
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,12 @@ def _in_closed_form(fields: _Fields, chain: Chain, cell: int, x: Floats, y: Floa
     order = np.full(fields.pathway.shape, -1, np.int8)
     strokes = fields.snap_loading, fields.snap_unloading
     p = chain.cells[cell].bands[0].p
-    sweep(x, y, p, fixed, moving, cell, order, *strokes, fields.margin, fields.monostable)
+    out = (order, *strokes, fields.margin, fields.monostable)
+
+    def rows(begin: int, end: int) -> None:
+        sweep(x, y[begin:end], p, fixed, moving, cell, *(field[begin:end] for field in out))
+
+    in_blocks(rows, len(y), max(1, _BLOCK // len(x)))
     # The last code is for -1, what is still open.
     codes = np.array([_CODES.index(p) for p in BY_ORDER] + [UNSOLVED], np.int8)
     fields.pathway[:] = codes[order]

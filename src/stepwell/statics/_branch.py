@@ -7,16 +7,16 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 
 import numpy as np
 
-from stepwell.statics._compile import kernel
+from stepwell.kernels import kernel
 from stepwell.statics._effort import overspent
-from stepwell.statics._law import Floats, Ints, Laws, law
+from stepwell.statics._law import Floats, Ints, Laws, law, summed
 from stepwell.statics._pieces import Pieces, invert
 
 
 @kernel
 def drive_of(travel: Floats, force: float, alpha: float, beta: float) -> float:
     """U = α Σ s_i + β λ."""
-    return alpha * np.sum(travel) + beta * force
+    return alpha * summed(travel) + beta * force
 
 
 @kernel

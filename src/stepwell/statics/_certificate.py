@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from stepwell.kernels import entry, kernel
 from stepwell.statics._branch import inverse_slope, smallest_eigenvalue
-from stepwell.statics._compile import kernel
 from stepwell.statics._follow import (
     CELL,
     DRIVE_1,
@@ -95,7 +95,7 @@ def _beyond(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) ->
     return np.inf
 
 
-@kernel
+@entry()
 def audit(
     laws: Laws,
     pieces: Pieces,

@@ -1,6 +1,6 @@
 """What a run may cost, counted in forces looked at."""
 
-from stepwell.statics._compile import kernel
+from stepwell.kernels import kernel
 from stepwell.statics._law import Ints
 
 # What the present leg has cost; how much it may cost at most; how many legs are done. Whoever

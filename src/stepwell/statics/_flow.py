@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from stepwell.kernels import kernel
 from stepwell.statics._branch import smallest_eigenvalue
-from stepwell.statics._compile import kernel
 from stepwell.statics._effort import overspent
-from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
+from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows, summed
 
 _STEPS = 30_000
 
@@ -64,7 +64,7 @@ def _rates(
     if beta == 0.0:
         shared = _balance(laws, travel, force, shared)
     else:
-        shared = (drive - alpha * np.sum(travel)) / beta
+        shared = (drive - alpha * summed(travel)) / beta
     for i in range(len(travel)):
         out[i] = _rate(laws, i, travel[i], force[i], shared)
     return shared
@@ -93,7 +93,7 @@ def _smooth_rates(
             out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
             total += out[i]
             count += 1
-    shared = total / count if beta == 0.0 else (drive - alpha * np.sum(travel)) / beta
+    shared = total / count if beta == 0.0 else (drive - alpha * summed(travel)) / beta
     for i in range(len(travel)):
         out[i] = shared - out[i] if sense[i] != 0 else 0.0
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.kernels import entry, kernel
 from stepwell.statics._branch import (
     compliance,
     drive_of,
@@ -15,11 +16,10 @@ from stepwell.statics._branch import (
     inverse_slope,
     point_at,
 )
-from stepwell.statics._compile import kernel
 from stepwell.statics._effort import LEGS, SPENT, overspent
 from stepwell.statics._flow import flow, unstable_direction
 from stepwell.statics._landing import JOINED, STOPPED, UNDECIDED, slide
-from stepwell.statics._law import Floats, Ints, Laws, law, stored
+from stepwell.statics._law import Floats, Ints, Laws, law, stored, summed
 from stepwell.statics._pieces import Pieces, find_piece, invert
 
 # What happens on a segment of the log.
@@ -423,12 +423,12 @@ def _leave(
     else:
         way = np.ones(1)
     if beta == 0.0 and count > 1:
-        if abs(np.sum(way)) > 1e-6:
+        if abs(summed(way)) > 1e-6:
             # Two slopes alike to the last digit have no direction of their own.
             way[:] = -1.0 / (count - 1)
             way[mine] = 1.0
         # The stroke stays what it is, to rounding.
-        way[mine] -= np.sum(way)
+        way[mine] -= summed(way)
     step = share * np.min(laws.full) * (sense if way[mine] > 0.0 else -sense)
     # One length for all cells, short of every stop, or the stroke would not stay what it is.
     for m in range(count):
@@ -485,7 +485,7 @@ def _take_snap(
     if status != DONE:
         return status
     # A snap at a prescribed stroke that does not keep it is no answer.
-    lost = beta == 0.0 and abs(np.sum(state.travel - before)) > 1e-9 * np.sum(laws.full)
+    lost = beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full)
     if lost:
         return NOT_SETTLED
     changed = state.travel != before
@@ -499,11 +499,11 @@ def _take_snap(
         i = int(moved[m])
         released += _energy(laws, pieces, i, before[i]) - _energy(laws, pieces, i, state.travel[i])
     # A cell that yields and comes back has rubbed as well.
-    friction_work = float(np.sum(laws.friction * rubbed))
+    friction_work = float(summed(laws.friction * rubbed))
     if beta > 0.0:
         # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
         # way no large numbers are subtracted.
-        released += 0.5 * (force + state.force[0]) * np.sum(state.travel - before)
+        released += 0.5 * (force + state.force[0]) * summed(state.travel - before)
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and note[NOTE_A] < 0:
@@ -577,7 +577,7 @@ def _drift(
     ends = pieces.right[on] if direction > 0 else pieces.left[on]
     room = np.min(np.abs(ends - before[moved]))
     # A target within rounding of the end of the piece is that end.
-    span = alpha * (len(moved) * room - 1e-13 * np.sum(laws.full))
+    span = alpha * (len(moved) * room - 1e-13 * summed(laws.full))
     reached = alpha > 0.0 and direction * (target - drive) < span
     if reached:
         room = direction * (target - drive) / (alpha * len(moved))
@@ -738,7 +738,7 @@ def _move(
     """Follow one branch to its first event or to the target; λ moves `toward`."""
     count = len(moved)
     tie_force = 1e-9 * scale
-    small_drive = alpha * 1e-13 * np.sum(laws.full) + beta * 1e-13 * scale
+    small_drive = alpha * 1e-13 * summed(laws.full) + beta * 1e-13 * scale
     before = state.travel.copy()
     force = state.force[0]
     drive = drive_of(before, force, alpha, beta)
@@ -768,7 +768,7 @@ def _move(
         return RUNS_AWAY
     else:
         # Nothing is left to happen: the drive only changes the force.
-        state.force[0] = (target - alpha * np.sum(before)) / beta
+        state.force[0] = (target - alpha * summed(before)) / beta
         status = _write(
             log, HOLD, direction, before, state, moved, on, offset, drive, target, force,
             0.0, 0.0, note,
@@ -789,7 +789,7 @@ def _move(
         if not np.isnan(fold) and abs(fold - level) > 1e-12 * scale:
             folds, level = True, fold
     places = np.empty(count)
-    rest = float(np.sum(before))
+    rest = float(summed(before))
     for m in range(count):
         i = int(moved[m])
         rest -= float(before[i])
@@ -803,7 +803,7 @@ def _move(
             alike = abs(places[m] - there) <= 1e-15 * laws.full[moved[m]]
             if m == who or alike or (company and near):
                 places[m] = there
-    following = alpha * (rest + float(np.sum(places))) + beta * level
+    following = alpha * (rest + float(summed(places))) + beta * level
     reached = direction * (following - target) > small_drive
     if reached and count == 1 and beta == 0.0:
         places[0] = target - rest
@@ -863,14 +863,14 @@ def _leg(
     n = len(state.mode)
     goes = np.zeros(n, np.int64)
     note = np.array([-1, direction, FOLD, 0, -1, -1])
-    small_drive = alpha * 1e-13 * np.sum(laws.full) + beta * 1e-13 * scale
+    small_drive = alpha * 1e-13 * summed(laws.full) + beta * 1e-13 * scale
     for i in range(n):
         if state.mode[i] == SLIDES or state.mode[i] == LETS_GO:
             _hold(laws, pieces, state, i)
     # With all the stroke used up every cell is at its stop: ask for that and not for a number,
     # which rounding could meet one cell early.
     to_the_end = beta == 0.0 and (
-        target >= np.sum(laws.full) - small_drive if direction > 0 else target <= small_drive
+        target >= summed(laws.full) - small_drive if direction > 0 else target <= small_drive
     )
     if to_the_end:
         target = direction * np.inf
@@ -924,7 +924,7 @@ def _leg(
             return DONE if to_the_end and status == RUNS_AWAY else status
 
 
-@kernel
+@entry()
 def follow(
     laws: Laws,
     pieces: Pieces,

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.kernels import kernel
 from stepwell.mechanism import _geometry
-from stepwell.statics._compile import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,6 +28,15 @@ class Laws(NamedTuple):
     band_rows: Ints  # (B + 1,) rows of band b
     load_rows: Ints  # (N, 2) rows of the load of cell i
     rows: Floats  # (M, 6) piecewise cubics, see mechanism/curves.py
+
+
+@kernel
+def summed(values: Floats) -> float:
+    """The sum of (N,) numbers from first to last, where NumPy's own order hangs on its version."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 @kernel

@@ -4,11 +4,12 @@ Everything exact in this room rests on it: on such a piece the force has one inv
 any part of it the force and the slope are bounded by their end values.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.statics._compile import kernel
+from stepwell.kernels import entry, kernel
 from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows
 
 _NODES = 13
@@ -62,7 +63,7 @@ def cut_points(laws: Laws, cell: int) -> Floats:
     used = 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, _, rest = laws.band[b]
-        reach = np.hypot(dx, dy)
+        reach = np.sqrt(dx * dx + dy * dy)
         # Looking from where the band is longest and where it is shortest puts the dense ends of
         # the Chebyshev points at the only places where its law can turn sharply.
         sine = dy / reach if reach > 0.0 else 2.0
@@ -79,10 +80,10 @@ def cut_points(laws: Laws, cell: int) -> Floats:
             if not -1.0 <= cosine <= 1.0:
                 continue
             for side in (-1.0, 1.0):
-                angle = np.arctan2(dy, dx) + side * np.arccos(cosine)
-                angle = np.arctan2(np.sin(angle), np.cos(angle))
+                angle = math.atan2(dy, dx) + side * math.acos(cosine)
+                angle = math.atan2(math.sin(angle), math.cos(angle))
                 if abs(angle) < np.pi / 2:
-                    travel = r * (np.sin(angle) + sin_limit)
+                    travel = r * (math.sin(angle) + sin_limit)
                     if 0.0 < travel < full:
                         points[used] = travel
                         used += 1
@@ -116,7 +117,10 @@ def _verdict(
     values = np.empty(_NODES)
     for i in range(_NODES):
         values[i] = _look(laws, cell, picked, order, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])
-    series = _TO_SERIES @ values
+    series = np.zeros(_NODES)
+    for k in range(_NODES):
+        for i in range(_NODES):
+            series[k] += _TO_SERIES[k, i] * values[i]
     rest, size = 0.0, abs(series[0])
     for k in range(1, _NODES):
         rest += abs(series[k])
@@ -218,7 +222,7 @@ def _roots(
     return used
 
 
-@kernel
+@entry(6e-3, "laws.lever")
 def cut(laws: Laws) -> Pieces:
     """All pieces of all cells."""
     cells = len(laws.lever)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from stepwell.kernels import entry
 from stepwell.statics._branch import point_at
 from stepwell.statics._certificate import certify
-from stepwell.statics._compile import kernel
 from stepwell.statics._follow import (
     CELL,
     DIRECTION,
@@ -22,11 +22,11 @@ from stepwell.statics._follow import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics._law import Floats, Ints, Laws, law
+from stepwell.statics._law import Floats, Ints, Laws, law, summed
 from stepwell.statics._pieces import Pieces, find_piece
 
 
-@kernel
+@entry()
 def count_samples(log: Log, points: int) -> int:
     """How many samples `sample` will write."""
     total = 1
@@ -36,7 +36,7 @@ def count_samples(log: Log, points: int) -> int:
     return total
 
 
-@kernel
+@entry(1e-4, "travel")
 def sample(
     laws: Laws,
     pieces: Pieces,
@@ -59,7 +59,7 @@ def sample(
     now = start.copy()
     at = 0
     part = 0
-    drive[0] = alpha * np.sum(start) + beta * start_force
+    drive[0] = alpha * summed(start) + beta * start_force
     travel[0], force[0], branch[0], snap_after[0] = now, start_force, 0, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
     residual[0], stability[0] = certify(
@@ -92,7 +92,7 @@ def sample(
             )
             at += 1
             continue
-        rest = np.sum(now)
+        rest = summed(now)
         for j in range(m):
             rest -= movers[j, TRAVEL_0]
         count = 2 if kind == HOLD else points

@@ -6,9 +6,9 @@ at hand; anything else goes to the follower.
 
 import numpy as np
 
+from stepwell.kernels import entry, kernel
 from stepwell.mechanism import Linear
 from stepwell.statics import _follow as f
-from stepwell.statics._compile import kernel
 from stepwell.statics._law import Floats, Ints, Laws, band_length
 from stepwell.statics.concave import Simple, certify, end_forces, push, travel_at
 
@@ -42,7 +42,7 @@ def _most_bend(cell: Simple) -> float:
     longest = r + np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
     g = abs(cell.dy) + cell.dx * t / c
     g1 = cell.dx / (r * c * c * c)
-    g2 = 3.0 * cell.dx * t / (r * r * c**5)
+    g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
     first = g / shortest
     second = (g1 + first * first) / shortest
     third = (g2 + 3.0 * first * second) / shortest
@@ -103,7 +103,7 @@ def _mover(log: f.Log, cell: int, before: float, after: float) -> None:
     log.used[1] = m + 1
 
 
-@kernel
+@entry(1e-4, "table")
 def load_sorted(
     table: Floats, order: Ints, full: float, start_force: float, scale: float, log: f.Log
 ) -> bool:
@@ -213,7 +213,7 @@ def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     return log, begin
 
 
-@kernel
+@entry(1e-5, "table")
 def _certified(table: Floats, forces: Floats) -> bool:
     for i in range(len(table)):
         cell = _cell(table, i)

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.kernels import entry, kernel
 from stepwell.mechanism import Cell, Linear
-from stepwell.statics._compile import kernel
 from stepwell.statics._law import band_length, length_slopes
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "band_length",
     "certify",
     "end_forces",
-    "kernel",
     "length_slopes",
     "pair",
     "push",
@@ -65,7 +64,7 @@ def simple(cell: Cell) -> Simple | None:
     return Simple(*band.d, band.stiffness, band.rest_length, cell.lever, sin_limit)
 
 
-@kernel
+@entry()
 def certify(cell: Simple, reach: float) -> bool:
     """Whether the band is taut and F falls strictly over the whole travel, proved.
 
@@ -119,7 +118,7 @@ def certify(cell: Simple, reach: float) -> bool:
     return False
 
 
-@kernel
+@entry()
 def end_forces(cell: Simple) -> tuple[float, float]:
     """F0 and F1 [N] of a taut band."""
     t = cell.sin_limit
@@ -185,7 +184,7 @@ def travel_at(cell: Simple, force: float) -> float:
     return travel
 
 
-@kernel
+@entry()
 def pair(inner: Simple, outer: Simple) -> Pair:
     """The full cycle of two certified cells under a rigid actuator.
 

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from time import monotonic
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,10 @@ from stepwell.statics.path import Path
 _MOST_SEGMENTS = 4_000_000
 # Chains of up to so many cells look at so many forces at most between two turning points.
 _SHORT, _MOST_LOOKS = 16, 20_000_000
-_LOOK_AFTER = 0.1  # s
+# A run that looks no oftener than this, compiled or not, is over before anyone asks for it.
+_UNWATCHED, _UNWATCHED_INTERPRETED = 1_000_000, 50_000
+_LOOK_AFTER, _ASK_AFTER = 0.1, 1.0  # s
+_MACHINE_CODE_CAME = -1
 Progress = Callable[[float, float], None]
 
 
@@ -134,8 +138,9 @@ def _follow_from(
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else np.iinfo(np.int64).max
-    short = len(chain) * len(turning) <= 3 * _SHORT and progress is None
+    watched = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
+        few = _UNWATCHED_INTERPRETED if f.follow.interpreted else _UNWATCHED
         trial = _copied(state)
         log = f.Log(
             np.zeros((room, f.SEGMENT_COLUMNS)),
@@ -143,9 +148,15 @@ def _follow_from(
             np.zeros((4 * room, f.MOVER_COLUMNS)),
             np.zeros(2, np.int64),
         )
-        effort = np.array([0, most, 0])
-        run = partial(f.follow, laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
-        status = run() if short else _watched(run, trial, turning, alpha, beta, effort, progress)
+        effort = np.array([0, most if watched else min(most, few), 0])
+        problem = (laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
+        status = _watched(problem, progress) if watched else f.follow(*problem)
+        if status == _MACHINE_CODE_CAME:
+            f.follow.compiled()
+            continue
+        if status == f.GAVE_UP and not watched and few < most:
+            watched = True
+            continue
         if status == f.LOG_FULL and room > _MOST_SEGMENTS:
             status = f.STALLED
         if status != f.LOG_FULL:
@@ -159,25 +170,26 @@ def _follow_from(
     return _as_path(chain, laws, turning, travels, start_force, log)
 
 
-def _watched(
-    run: Callable[[], int],
-    state: f.State,
-    turning: Floats,
-    alpha: float,
-    beta: float,
-    effort: Ints,
-    progress: Progress | None,
-) -> int:
-    """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is."""
+def _watched(problem: tuple[Any, ...], progress: Progress | None) -> int:
+    """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
+
+    An interpreted run is given up for a compiled one as soon as there is machine code.
+    """
+    _, _, alpha, beta, turning, state, _, _, _, effort = problem
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
+    interpreted, patience = f.follow.interpreted, monotonic() + _ASK_AFTER
     with ThreadPoolExecutor(1) as pool:
-        running = pool.submit(run)
+        running = pool.submit(f.follow, *problem)
         try:
             while True:
                 try:
                     return running.result(_LOOK_AFTER)
                 except TimeoutError:
+                    if interpreted and f.follow.ready():
+                        return _MACHINE_CODE_CAME
+                    if interpreted and monotonic() > patience:
+                        f.follow.ask_for_machine_code(*problem)
                     if progress is not None:
                         leg = int(effort[LEGS])
                         here = drive_of(state.travel, float(state.force[0]), alpha, beta)

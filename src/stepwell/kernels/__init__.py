@@ -1,0 +1,12 @@
+"""Formulas that run at once, and as machine code once that pays: the same bits either way.
+
+A `kernel` is an ordinary function of numbers and arrays. An `entry` is one that the rest of the
+program calls: it is interpreted while the work is small, compiled by a process of its own when
+it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
+"""
+
+from stepwell.kernels._entry import Entry, entry
+from stepwell.kernels._fingerprint import kernel
+from stepwell.kernels.blocks import in_blocks
+
+__all__ = ["Entry", "entry", "in_blocks", "kernel"]

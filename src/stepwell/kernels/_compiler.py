@@ -1,0 +1,107 @@
+"""The process that compiles: beside the one that asks, so that this one never waits in vain."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
+
+from stepwell.kernels import _store
+
+# A background compiler that has not been heard of for so long is gone.
+_SILENT_AFTER = 60.0  # s
+# The compiler itself, and a program without one, compile where they are.
+here = False
+
+
+def busy() -> bool:
+    """Whether a background compiler is at work, of whatever process."""
+    place = _store.folder()
+    with suppress(OSError):
+        return place is not None and time.time() - _sign(place).stat().st_mtime < _SILENT_AFTER
+    return False
+
+
+def begin(function: FunctionType, kinds: bytes) -> bool:
+    """Have a kernel compiled for a kind of arguments, in the background; whether that began.
+
+    Whoever asks may end meanwhile; what is compiled next time is what is still missing.
+    """
+    return _possible() and not busy() and _started(function, kinds, background=True) is not None
+
+
+def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
+    """Have one kernel compiled for one kind of arguments, and wait; whether that was done."""
+    global here
+    if not _possible():
+        return False
+    process = _started(function, kinds, background=False)
+    if process is None:
+        here = True
+        return False
+    try:
+        try:
+            process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            _store.say(f"compiling {function.__name__.strip('_')}, once; kept in {_store.folder()}")
+            while True:
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(0.1)
+                    break
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
+    if process.returncode == -signal.SIGINT:
+        raise KeyboardInterrupt
+    # Where it cannot be done elsewhere, it is done here.
+    here = process.returncode != 0
+    return not here
+
+
+def _possible() -> bool:
+    frozen = getattr(sys, "frozen", False)
+    return not here and bool(sys.executable) and not frozen and _store.folder() is not None
+
+
+def _started(
+    function: FunctionType, kinds: bytes, *, background: bool
+) -> "subprocess.Popen[bytes] | None":
+    place = _store.folder()
+    assert place is not None
+    order = pickle.dumps((str(place), background, function.__module__, function.__name__, kinds))
+    package = Path(__file__).parents[2]
+    path = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH")]))
+    environment = {**os.environ, "PYTHONPATH": path}
+    # In the background it does not hear the Ctrl-C that ends its parent.
+    apart = 0
+    if background and sys.platform == "win32":
+        apart = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.DETACHED_PROCESS
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "stepwell.kernels"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env=environment,
+            cwd=place,
+            start_new_session=background,
+            creationflags=apart,
+        )
+        assert process.stdin is not None
+        with process.stdin:
+            process.stdin.write(order)
+    except OSError:
+        return None
+    if background:
+        # Nobody waits for it: it is not reported as left behind.
+        process.returncode = 0
+    return process
+
+
+def _sign(place: Path) -> Path:
+    return place / "compiling"
