@@ -4,11 +4,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell._version import __version__
-from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Tolerances, Yield, design, margin, transition_map
     from stepwell.files import load, preset, presets, save
+    from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
@@ -20,12 +20,18 @@ if TYPE_CHECKING:
     )
     from stepwell.statics import Event, EventKind, Path
 
-# Rooms open when a name is first asked for, so that `import stepwell` costs NumPy and no more.
+# Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
     "Arena": "robot",
+    "Band": "mechanism",
+    "Cell": "mechanism",
+    "Chain": "mechanism",
+    "Cubic": "mechanism",
     "Cycle": "sequences",
     "Event": "statics",
     "EventKind": "statics",
+    "Linear": "mechanism",
+    "Load": "mechanism",
     "Margin": "design",
     "Path": "statics",
     "Pathway": "sequences",
@@ -33,6 +39,7 @@ _DOORS = {
     "Robot": "robot",
     "Sequence": "sequences",
     "Tolerances": "design",
+    "Table": "mechanism",
     "TransitionGraph": "sequences",
     "Unreachable": "sequences",
     "Yield": "design",

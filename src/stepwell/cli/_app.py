@@ -82,6 +82,7 @@ def main() -> None:
         # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:

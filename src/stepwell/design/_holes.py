@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.design._orders import Orders
-from stepwell.kernels import entry, kernel
+from stepwell.kernels import beside, entry, in_blocks, kernel
+from stepwell.kernels.effort import end_early, overspent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -15,8 +16,10 @@ Bools = NDArray[np.bool_]
 # The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
 _MOST_ENTRIES = 20_000_000
 _MOST_CANDIDATES = 1000
-# A search that takes more is worth waiting for the compiler.
+# A search that takes more is worth waiting for the compiler, and may take a while.
 _FEW_NODES = 2000
+# Entries of paths, each looked at m times, that one core makes at a time.
+_BLOCK = 10_000_000
 
 
 def fits(cells: int, candidates: int) -> bool:
@@ -71,19 +74,31 @@ def best_choice(
     n, m = allowed.shape
     rising = np.array(orders.rising)
     segments = np.empty((n, n, m, m))
-    _best_paths(np.ascontiguousarray(gap[1]), allowed[rising[1]], add, segments)
+    second, takes = np.ascontiguousarray(gap[1]), allowed[rising[1]]
+
+    def from_candidates(begin: int, end: int) -> None:
+        part = np.empty((n, n, end - begin, m))
+        _best_paths(second, takes, add, begin, part)
+        segments[:, :, begin:end] = part
+
+    in_blocks(from_candidates, m, max(1, _BLOCK // (n * n * m * m)))
     ahead = np.empty((n, m))
     _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
     # Rank in F1 of the cells taken by rising F0.
     ranks = np.argsort(rising[1])[rising[0]]
     table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments
     bounds = _edges(segments, allowed[rising[1]]), ahead
-    few = min(most_nodes, _FEW_NODES) if _search.interpreted else most_nodes
+    few = min(most_nodes, _FEW_NODES)
     picks = np.full(n, -1)
-    value, nodes, complete = _search(*table, *bounds, add, floor, few, picks)
+    value, nodes, complete = _search(*table, *bounds, add, floor, np.array([0, few]), picks)
     if not complete and few < most_nodes:
         picks[:] = -1
-        value, nodes, complete = _search.compiled()(*table, *bounds, add, floor, most_nodes, picks)
+        effort = np.array([0, most_nodes])
+        search = _search.compiled()
+        search(*table, *bounds, add, floor, np.array([0, 0]), picks)
+        value, nodes, complete = beside(
+            lambda: search(*table, *bounds, add, floor, effort, picks), lambda: end_early(effort)
+        )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
     return Choice(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
@@ -94,17 +109,20 @@ def _with(a: float, b: float, add: bool) -> float:
     return a + b if add else min(a, b)
 
 
-@entry(4e-7, "gap", "allowed")
-def _best_paths(gap, allowed, add: bool, out):
-    """The best path from rank u at candidate a to rank v at b, out[u, v, a, b], (N, N, m, m)."""
+@entry(4e-7, "out")
+def _best_paths(gap, allowed, add: bool, begin: int, out):
+    """The best path from rank u at candidate a to rank v at b, out[u, v, a - begin, b].
+
+    `out` is (N, N, k, m), for the k candidates from `begin` on.
+    """
     n, m = allowed.shape
     out[:] = -np.inf
     for u in range(n):
-        for a in range(m):
-            if allowed[u, a]:
-                out[u, u, a, a] = 0.0 if add else np.inf
+        for a in range(out.shape[2]):
+            if allowed[u, begin + a]:
+                out[u, u, a, begin + a] = 0.0 if add else np.inf
         for v in range(u + 1, n):
-            for a in range(m):
+            for a in range(out.shape[2]):
                 for c in range(m):
                     so_far = out[u, v - 1, a, c]
                     if so_far > -np.inf:
@@ -182,7 +200,7 @@ def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, valu
 
 
 @entry()
-def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, most_nodes, found):
+def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, effort, found):
     n, m = allowed.shape
     picks = np.full(n, -1)
     bound = np.empty((n, m))
@@ -204,7 +222,7 @@ def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, most_nodes,
             at[depth] = 0
             depth -= 1
             continue
-        if nodes >= most_nodes:
+        if overspent(effort, 1):
             return best, nodes, False
         nodes += 1
         at[depth] += 1

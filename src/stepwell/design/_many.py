@@ -20,7 +20,7 @@ ASK, DOES, OTHER, TIE = 0, 1, 2, 3
 # How the actuator drives the chain.
 RIGID, COMPLIANT, FORCE = 0, 1, 2
 
-_BLOCK = 4096  # samples that one core takes at a time
+_BLOCK = 20_000  # cells that one core judges at a time
 _TIE = 1e-9  # of the largest force: closer than this, the engine calls it a tie
 _SAME = 1e-12  # relative difference of travels that are meant to be equal
 
@@ -207,6 +207,6 @@ class Judge:
             )  # fmt: skip
             counts.append(counted)
 
-        in_blocks(judge, m, _BLOCK)
+        in_blocks(judge, m, max(1, _BLOCK // n))
         wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
         return Judged(verdict, does, gap, wrong, narrowest)

@@ -7,6 +7,6 @@ it is not, and what was compiled is kept on disk under the fingerprint of all th
 
 from stepwell.kernels._entry import Entry, entry
 from stepwell.kernels._fingerprint import kernel
-from stepwell.kernels.blocks import in_blocks
+from stepwell.kernels.threads import beside, cores, in_blocks
 
-__all__ = ["Entry", "entry", "in_blocks", "kernel"]
+__all__ = ["Entry", "beside", "cores", "entry", "in_blocks", "kernel"]

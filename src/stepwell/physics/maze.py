@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from enum import Enum
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.kernels import cores
 from stepwell.physics._arena import obstacle_names
 from stepwell.physics._engine import Run, chunks
 from stepwell.physics.settings import Settings
@@ -222,15 +223,28 @@ def mazes(
         ModuleNotFoundError: MuJoCo is not installed.
     """
     # The stepping runs outside Python's lock, so threads are enough.
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        waiting = [
-            pool.submit(maze, robot, arena, limit=limit, settings=settings)
+    stop = Event()
+
+    def heed(_now: float, _limit: float) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(threads or cores()) as pool:
+        ways = [
+            pool.submit(maze, robot, arena, limit=limit, settings=settings, progress=heed)
             for robot, arena in entries
         ]
-        for done, _ in enumerate(as_completed(waiting), 1):
-            if progress is not None:
-                progress(done, len(waiting))
-        return tuple(one.result() for one in waiting)
+        waiting = set(ways)
+        try:
+            while waiting:
+                finished, waiting = wait(waiting, 0.1, FIRST_COMPLETED)
+                if progress is not None and finished:
+                    progress(len(ways) - len(waiting), len(ways))
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+        return tuple(way.result() for way in ways)
 
 
 def _stuck(places: list[tuple[float, float, float]]) -> bool:

@@ -8,7 +8,7 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 import numpy as np
 
 from stepwell.kernels import kernel
-from stepwell.statics._effort import overspent
+from stepwell.kernels.effort import overspent
 from stepwell.statics._law import Floats, Ints, Laws, law, summed
 from stepwell.statics._pieces import Pieces, invert
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from stepwell.kernels import entry, kernel
+from stepwell.kernels.effort import overspent
 from stepwell.statics._branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics._follow import (
     CELL,
@@ -104,6 +105,7 @@ def audit(
     alpha: float,
     beta: float,
     scale: float,
+    effort: Ints,
 ) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, which one, and by how much.
 
@@ -120,6 +122,8 @@ def audit(
     size = np.max(laws.full)
     none = np.empty(0, np.int64)
     for k in range(log.used[0]):
+        if overspent(effort, 1):
+            break
         row = log.segments[k]
         force = row[FORCE_1]
         jumps = int(row[KIND]) == SNAP

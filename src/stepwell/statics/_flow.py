@@ -3,8 +3,8 @@
 import numpy as np
 
 from stepwell.kernels import kernel
+from stepwell.kernels.effort import overspent
 from stepwell.statics._branch import smallest_eigenvalue
-from stepwell.statics._effort import overspent
 from stepwell.statics._law import Floats, Ints, Laws, law, pick_rows, summed
 
 _STEPS = 30_000

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.kernels import entry, kernel
+from stepwell.kernels.effort import LEGS, SPENT, overspent
 from stepwell.statics._branch import (
     compliance,
     drive_of,
@@ -16,7 +17,6 @@ from stepwell.statics._branch import (
     inverse_slope,
     point_at,
 )
-from stepwell.statics._effort import LEGS, SPENT, overspent
 from stepwell.statics._flow import flow, unstable_direction
 from stepwell.statics._landing import JOINED, STOPPED, UNDECIDED, slide
 from stepwell.statics._law import Floats, Ints, Laws, law, stored, summed

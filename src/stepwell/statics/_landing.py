@@ -8,7 +8,7 @@ first place where the driving force vanishes, or at a stop.
 import numpy as np
 
 from stepwell.kernels import kernel
-from stepwell.statics._effort import overspent
+from stepwell.kernels.effort import overspent
 from stepwell.statics._law import Ints, Laws, law
 from stepwell.statics._pieces import Pieces, find_piece
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from stepwell.kernels import entry
+from stepwell.kernels.effort import overspent
 from stepwell.statics._branch import point_at
 from stepwell.statics._certificate import certify
 from stepwell.statics._follow import (
@@ -54,6 +55,7 @@ def sample(
     direction: Ints,
     residual: Floats,
     stability: Floats,
+    effort: Ints,
 ) -> int:
     """Fill the arrays; evenly in the drive along a branch, both ends of every jump."""
     now = start.copy()
@@ -97,6 +99,8 @@ def sample(
             rest -= movers[j, TRAVEL_0]
         count = 2 if kind == HOLD else points
         for p in range(1 if kind == HOLD else 0, count):
+            if overspent(effort, 1):
+                break
             share = p / (count - 1)
             last = p == count - 1
             level = row[FORCE_0] + share * (row[FORCE_1] - row[FORCE_0])

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell._write import write_atomic
+from stepwell.kernels import beside
+from stepwell.kernels.effort import end_early, no_limit
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._certificate import EQUILIBRIUM, FORCE_SLACK
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     import xarray
 
 # A drift moves cells of constant force.
+# So many samples are drawn beside this thread, for Ctrl-C's sake.
+_MANY = 20_000
 _KINDS = {
     f.HOLD: StretchKind.HOLD,
     f.MOVE: StretchKind.MOVE,
@@ -76,17 +80,14 @@ class Path:
             "stability": np.empty(size),
         }
         pieces = cut(self._laws)
-        used = sample(
-            self._laws,
-            pieces,
-            self._log,
-            np.array(self.start),
-            self._start_force,
-            alpha,
-            beta,
-            self.points,
-            *out.values(),
-        )
+        effort = no_limit()
+        whole: tuple[Any, ...] = (self._laws, pieces, self._log, np.array(self.start))
+        whole += (self._start_force, alpha, beta, self.points, *out.values(), effort)
+
+        def fill() -> int:
+            return sample(*whole)
+
+        used = fill() if size < _MANY else beside(fill, lambda: end_early(effort))
         scale = force_scale(self._laws, pieces)
         worst = int(np.argmax(out["residual"][:used]))
         if not out["residual"][worst] <= FORCE_SLACK * scale:

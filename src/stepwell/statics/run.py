@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from time import monotonic
 from typing import Any
 
 import numpy as np
 
+from stepwell.kernels import beside
+from stepwell.kernels.effort import LEGS, end_early, no_limit
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._branch import drive_of
 from stepwell.statics._certificate import KEPT, audit
-from stepwell.statics._effort import LEGS, MOST
 from stepwell.statics._law import Floats, Ints, Laws
 from stepwell.statics._outcome import StaticsError, refuse_broken, refuse_failure
 from stepwell.statics._pack import pack
@@ -23,13 +23,18 @@ from stepwell.statics.path import Path
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
+# So many are looked at beside this thread, for Ctrl-C's sake.
+_MANY_SEGMENTS = 10_000
 # Chains of up to so many cells look at so many forces at most between two turning points.
 _SHORT, _MOST_LOOKS = 16, 20_000_000
 # A run that looks no oftener than this, compiled or not, is over before anyone asks for it.
 _UNWATCHED, _UNWATCHED_INTERPRETED = 1_000_000, 50_000
-_LOOK_AFTER, _ASK_AFTER = 0.1, 1.0  # s
-_MACHINE_CODE_CAME = -1
+_ASK_AFTER = 1.0  # s
 Progress = Callable[[float, float], None]
+
+
+class _MachineCodeCame(Exception):
+    """An interpreted run need not go on."""
 
 
 def path(
@@ -150,8 +155,9 @@ def _follow_from(
         )
         effort = np.array([0, most if watched else min(most, few), 0])
         problem = (laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
-        status = _watched(problem, progress) if watched else f.follow(*problem)
-        if status == _MACHINE_CODE_CAME:
+        try:
+            status = _watched(problem, progress) if watched else f.follow(*problem)
+        except _MachineCodeCame:
             f.follow.compiled()
             continue
         if status == f.GAVE_UP and not watched and few < most:
@@ -164,7 +170,13 @@ def _follow_from(
         room *= 4
     if status != f.DONE:
         refuse_failure(status, chain, trial.travel, float(trial.force[0]))
-    broken, promise, by = audit(laws, pieces, log, travels, alpha, beta, scale)
+    effort = no_limit()
+    given = (laws, pieces, log, travels, alpha, beta, scale, effort)
+    broken, promise, by = (
+        audit(*given)
+        if log.used[0] < _MANY_SEGMENTS
+        else beside(lambda: audit(*given), lambda: end_early(effort))
+    )
     if promise != KEPT:
         refuse_broken(promise, chain, float(log.segments[broken, f.DRIVE_1]), by, scale)
     return _as_path(chain, laws, turning, travels, start_force, log)
@@ -179,23 +191,18 @@ def _watched(problem: tuple[Any, ...], progress: Progress | None) -> int:
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
     interpreted, patience = f.follow.interpreted, monotonic() + _ASK_AFTER
-    with ThreadPoolExecutor(1) as pool:
-        running = pool.submit(f.follow, *problem)
-        try:
-            while True:
-                try:
-                    return running.result(_LOOK_AFTER)
-                except TimeoutError:
-                    if interpreted and f.follow.ready():
-                        return _MACHINE_CODE_CAME
-                    if interpreted and monotonic() > patience:
-                        f.follow.ask_for_machine_code(*problem)
-                    if progress is not None:
-                        leg = int(effort[LEGS])
-                        here = drive_of(state.travel, float(state.force[0]), alpha, beta)
-                        progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
-        finally:
-            effort[MOST] = -1
+
+    def look() -> None:
+        if interpreted and f.follow.ready():
+            raise _MachineCodeCame
+        if interpreted and monotonic() > patience:
+            f.follow.ask_for_machine_code(*problem)
+        if progress is not None:
+            leg = int(effort[LEGS])
+            here = drive_of(state.travel, float(state.force[0]), alpha, beta)
+            progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
+
+    return beside(lambda: f.follow(*problem), lambda: end_early(effort), look)
 
 
 def _as_path(

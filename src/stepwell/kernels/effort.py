@@ -1,11 +1,26 @@
 """What a run may cost, counted in forces looked at."""
 
-from stepwell.kernels import kernel
-from stepwell.statics._law import Ints
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.kernels._fingerprint import kernel
+
+Ints = NDArray[np.int64]
+
 
 # What the present leg has cost; how much it may cost at most; how many legs are done. Whoever
 # lowers the second while a run goes on, from another thread, stops it.
 SPENT, MOST, LEGS = 0, 1, 2
+
+
+def no_limit() -> Ints:
+    """An effort that may be as large as it will, until it is ended early."""
+    return np.array([0, np.iinfo(np.int64).max, 0])
+
+
+def end_early(effort: Ints) -> None:
+    """Make the kernels that spend this effort return soon."""
+    effort[MOST] = -1
 
 
 @kernel

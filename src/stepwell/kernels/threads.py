@@ -1,0 +1,82 @@
+"""Long work beside the thread that asked for it, which goes on hearing Ctrl-C."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+R = TypeVar("R")
+
+_LOOK_AFTER = 0.1  # s; a wait without an end would not hear Ctrl-C everywhere
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def beside(
+    run: Callable[[], R],
+    stop: Callable[[], object],
+    look: Callable[[], object] = lambda: None,
+) -> R:
+    """What run() returns, from a thread of its own.
+
+    Args:
+        run: the work.
+        stop: makes the work end soon; called where this thread is interrupted, which then waits
+            for that end.
+        look: called ten times a second; what it raises stops the work.
+    """
+    with ThreadPoolExecutor(1) as pool:
+        running = pool.submit(run)
+        try:
+            return _result(running, look)
+        except BaseException:
+            stop()
+            raise
+
+
+def in_blocks(
+    run: Callable[[int, int], object],
+    count: int,
+    size: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Call run(begin, end) for stretches that cover 0..count, on all cores.
+
+    Compiled kernels work side by side; interpreted ones take turns.
+
+    Args:
+        run: works on the stretch from `begin` to before `end`; stretches run in any order.
+        count: how many there are.
+        size: how many one call takes; Ctrl-C waits for the calls that have begun.
+        progress: called now and then with (done, count).
+    """
+    # The first one runs here: what has to be compiled is compiled once, where Ctrl-C is heard.
+    run(0, min(size, count))
+    if count <= size:
+        return
+    with ThreadPoolExecutor(cores()) as pool:
+        ends = range(2 * size, count + size, size)
+        runs = [pool.submit(run, end - size, min(end, count)) for end in ends]
+        try:
+            for running, end in zip(runs, ends, strict=True):
+                _result(running)
+                if progress is not None:
+                    progress(min(end, count), count)
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
+
+def _result(running: Future[R], look: Callable[[], object] = lambda: None) -> R:
+    while True:
+        try:
+            return running.result(_LOOK_AFTER)
+        except TimeoutError:
+            if running.done():
+                return running.result()
+            look()
