@@ -28,7 +28,7 @@ from stepwell.cli import (
     walk,
     yield_,
 )
-from stepwell.cli._outcomes import EXIT_CODES, Commands
+from stepwell.cli._outcomes import EXIT_CODES, INTERRUPTED, Commands
 from stepwell.cli._show import styled
 
 app = typer.Typer(
@@ -87,7 +87,11 @@ def main() -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
     finally:
+        # What is left to do is to leave.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         _flush()
 
 

@@ -52,7 +52,9 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
     if function not in known:
         known[function] = "itself"
         names = names_of(function.__code__)
-        parts = [_surroundings(), _code(function.__code__), repr(function.__defaults__)]
+        # The machine code names the modules of what it was made from.
+        parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
+        parts += [_code(function.__code__), repr(function.__defaults__)]
         for name in sorted(names & function.__globals__.keys()):
             parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
         known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]

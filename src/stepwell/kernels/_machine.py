@@ -54,7 +54,12 @@ class _Kept:
             payload = _store.read(name)
         if payload is None:
             return None
-        return CompileResult._rebuild(target_context, *pickle.loads(payload))
+        try:
+            return CompileResult._rebuild(target_context, *pickle.loads(payload))
+        except Exception as error:
+            # Whole, and yet not what this Numba can read.
+            _store.say(f"the compiled kernel {name} cannot be used ({error}); it is made again.")
+            return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         if not data.library.has_dynamic_globals and not data.lifted:
