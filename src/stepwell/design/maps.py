@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell._version import __version__
-from stepwell.design._pairs import axis, closed, moved, which
+from stepwell.design._pairs import axis, closed, moved, require_places, which
 from stepwell.design._pathways import BY_ORDER, IMPOSSIBLE, UNSOLVED
 from stepwell.design._sweep import sweep
 from stepwell.mechanism import Chain
@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 # Below this gap, in units of k r, no maker and no rounding error can tell the order.
 TIE = 1e-9
 _CODES = tuple(Pathway)
+_BYTES = 27  # of a place in `_Fields`
 
 
 @dataclass(frozen=True)
@@ -82,12 +83,13 @@ def transition_map(
         met a tie).
 
     Raises:
-        ValueError: a chain that is no pair, or axes that do not rise.
+        ValueError: a chain that is no pair, axes that do not rise, or more places than the limit.
 
     Source: Kamp et al. 2024, Fig. 2C; closed form: theory page, "Two cells".
     """
     cell = which(chain, cell)
     x, y = axis("x", x, 1), axis("y", y, 1)
+    require_places(len(x), len(y), _BYTES)
     fields = _Fields.unsolved((len(y), len(x)))
     _in_closed_form(fields, chain, cell, x, y)
     waiting = np.argwhere(fields.pathway == UNSOLVED).tolist()
