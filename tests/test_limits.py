@@ -52,7 +52,7 @@ def simulated(**changes) -> physics.Settings:
 CASES = {
     "a file's chain": ("cells", lambda: files.loads_chain(CHAIN), 2),
     "the chain of a leg": ("cells", lambda: files.loads_robot(ROBOT), 2),
-    "a chain": ("cells", lambda: sw.Chain(leg().cells * 2), 4),
+    "a chain": ("cells", lambda: sw.Chain([*leg().cells, *leg().cells]), 4),
     "a file's bands": ("bands", lambda: files.loads_chain(BANDS), 2),
     "a cell's bands": ("bands", lambda: sw.Cell(2 * leg().cells[0].bands), 2),
     "a load": (

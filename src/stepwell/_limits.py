@@ -32,7 +32,7 @@ LIMITS = {
     "letters": Limit(160_000, "letters of a map"),
     "depth": Limit(100, "names in one key"),
     "design_bytes": Limit(4 << 20, "bytes of a design file"),
-    "recording_bytes": Limit(256 << 20, "bytes of a recording"),
+    "recording_bytes": Limit(64 << 20, "bytes of a recording"),
     "points": Limit(25_000_000, "places of a map"),
     "samples": Limit(10_000_000, "mechanisms made at random"),
     "robots": Limit(100_000, "robots of a sweep"),

@@ -131,9 +131,12 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     """
     from stepwell import files, physics
     from stepwell.cli import _robot_text
+    from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json
 
-    found = physics.convergence(files.load_robot(named(robot)), cycles=cycles)
+    design = files.load_robot(named(robot))
+    with usable(robot), progress("walking") as tell:
+        found = physics.convergence(design, cycles=cycles, progress=tell)
     record = files.convergence_record(found)
     if as_json:
         show_json(record)

@@ -9,6 +9,7 @@ are, and each costs one run of the engine.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from stepwell._limits import most, problem
@@ -162,8 +163,12 @@ class Branches:
         stiffness = self.chain.actuator_stiffness
         return travels, force if stiffness == 0 else stroke + force / stiffness
 
-    def all_from(self, numbers: list[int]) -> set[int]:
+    def all_from(
+        self, numbers: list[int], progress: Callable[[int, int], None] | None = None
+    ) -> set[int]:
         """Every branch that can be reached from these, themselves included.
+
+        `progress` is called with (followed, known) branches.
 
         Raises:
             ValueError: more branches than the limit.
@@ -175,6 +180,8 @@ class Branches:
                 raise ValueError(
                     f"{found} Or look at a shorter chain, or ask chain.program(to=...) for one way."
                 )
+            if progress is not None:
+                progress(max(0, len(seen) - len(waiting)), len(seen))
             number = waiting.pop()
             for direction in (+1, -1):
                 way = self.exit(number, direction)

@@ -156,7 +156,7 @@ def graph(
             default.
         start: a state such as "000", to see only what can be reached from it; by default every
             state in which the chain can stand is a start, those set by hand included.
-        progress: called with (done, total) starts.
+        progress: called with (done, total) starts, then with (followed, known) branches.
 
     Returns:
         The graph.
@@ -192,9 +192,9 @@ def graph(
                 f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
                 f"holds. Start from another state, or leave start out to see all."
             )
-    found = sorted(branches.all_from(first))
+    found = sorted(branches.all_from(first, progress))
     if progress is not None:
-        progress(len(states), len(states))
+        progress(len(found), len(found))
     return _assembled(branches, found, start)
 
 
