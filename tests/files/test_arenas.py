@@ -128,8 +128,9 @@ def test_every_key_is_read_in_its_unit():
             "arena.toml: start = (10, 10) mm lies 5 mm inside an obstacle; move it.",
         ),
         (
-            "cell 100 mm\nS" + 401 * ".",
-            "arena.toml: has a map of 402 x 1 letters: must be at most 400 x 400; let a letter "
+            "cell 100 mm\nS" + 160_000 * ".",
+            "arena.toml: has 160001 letters of a map: at most 160000 are taken; "
+            "STEPWELL_LIMITS=letters=160001 in the environment allows as many. Or let a letter "
             "stand for more.",
         ),
     ],

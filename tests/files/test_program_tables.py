@@ -81,7 +81,7 @@ def test_a_compliant_actuator_turns_at_positions_past_the_stops():
         ),
         (
             "[program]\nturning_points_mm = []",
-            "program.turning_points_mm = []: must be a list of 1 to 10000 numbers, as in [0, 45, "
+            "program.turning_points_mm = []: must be a list of 1 or more numbers, as in [0, 45, "
             "20].",
         ),
         ("[program]\nturning_points_mm = 45", "program.turning_points_mm = 45: must be a list of"),

@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
+from stepwell.lab import _text
 from stepwell.lab._text import Export, parse
 
 GOOD = HEADER + "0.0 0.0 0.1\r\n0.02 0.1 0.2\r\n0.04 0.2 0.3\r\n"
@@ -211,3 +212,20 @@ def test_an_export_of_the_test_machine_round_trips(tmp_path):
     back = lab.read(export(tmp_path / "x_1.txt", one.time, one.stroke, one.force))
     assert back.stroke == pytest.approx(one.stroke, abs=1e-7)
     assert back.force == pytest.approx(one.force, abs=1e-4)
+
+
+def test_one_bad_row_does_not_make_the_others_slow_or_different(tmp_path, monkeypatch):
+    rng = np.random.default_rng(3)
+    rows = [f"{x:.6f}, {y:.6f}" for x, y in rng.normal(size=(40, 2))]
+    for bad in (0, 7, 19, 20, 39):
+        rows[bad] = rng.choice(["", "x, y", "1, 2, 3", '"1", "2"', "nan, 1"])
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join(["Displacement (mm), Force (N)", "0, 0", *rows, "1, 1"]), "utf-8")
+    found = []
+    for size in (1, 7, 10**6):
+        monkeypatch.setattr(_text, "_BLOCK", size)
+        found.append(lab.read(file))
+    for one in found[1:]:
+        assert np.array_equal(one.stroke, found[0].stroke)
+        assert np.array_equal(one.force, found[0].force)
+        assert one.remarks == found[0].remarks

@@ -7,10 +7,24 @@ from physics.robots import robot, walked
 from stepwell.physics import Settings, convergence, walk
 from stepwell.physics._sensors import sampled
 
+TOLD: list[tuple[float, float]] = []
+
 
 @pytest.fixture(scope="module")
 def forward():
-    return convergence(robot(), (1e-3, 5e-4, 2.5e-4))
+    def tell(done, total):
+        TOLD.append((done, total))
+
+    return convergence(robot(), (1e-3, 5e-4, 2.5e-4), progress=tell)
+
+
+def test_its_progress_counts_the_steps_of_all_walks(forward):
+    done, total = np.array(TOLD).T
+    assert np.all(np.diff(done) > 0)
+    assert set(total) == {7000.0}  # steps in a second, of all three
+    # The first walk is a seventh of the work, and looked at as often as the others.
+    assert done[len(done) // 3 - 1] == pytest.approx(1000.0)
+    assert done[-1] == pytest.approx(7000.0)
 
 
 def test_the_forces_of_the_floor_converge_with_the_time_step(forward):

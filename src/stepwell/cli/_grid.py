@@ -5,13 +5,23 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from stepwell._limits import require
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from stepwell.mechanism import Chain
 
-MOST_POINTS = 5000
+
+def counted(text: str, count: int) -> None:
+    """Refuse a count of places along one axis that no map can have."""
+    if count < 2:
+        raise typer.BadParameter(f"{text!r}: the count must be 2 or more.")
+    try:
+        require("points", count, f"{text!r}:")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
 
 
 @dataclass(frozen=True)
@@ -45,8 +55,7 @@ def grid(text: str | Grid) -> Grid:
         raise typer.BadParameter(problem) from None
     if not -1e6 <= found.start < found.stop <= 1e6:
         raise typer.BadParameter(f"{text!r}: must rise, as 0:20:200 does, within -1e6 to 1e6 mm.")
-    if not 2 <= found.count <= MOST_POINTS:
-        raise typer.BadParameter(f"{text!r}: the count must be from 2 to {MOST_POINTS}.")
+    counted(text, found.count)
     return found
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from stepwell.cli._grid import MOST_POINTS
+from stepwell.cli._grid import counted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,7 +51,7 @@ class KnobRange:
 
 def knob_range(text: str) -> KnobRange:
     """NAME=FROM:TO:COUNT, with :log at the end for equal ratios instead of equal steps."""
-    parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+):(\d{1,6})(:log)?", text)
+    parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+):(\d{1,15})(:log)?", text)
     try:
         if parsed is None:
             raise ValueError
@@ -67,6 +67,5 @@ def knob_range(text: str) -> KnobRange:
         raise typer.BadParameter(f"{text!r}: must rise, as {EXAMPLE} does, within -1e9 to 1e9.")
     if found.log and found.start <= 0:
         raise typer.BadParameter(f"{text!r}: must start above 0 for equal ratios.")
-    if not 2 <= found.count <= MOST_POINTS:
-        raise typer.BadParameter(f"{text!r}: the count must be from 2 to {MOST_POINTS}.")
+    counted(text, found.count)
     return found

@@ -3,13 +3,19 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
+
+# Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
+# pieces has an estimate too [s].
+_EVERY, _REMEMBERED = 0.1, 600.0
 
 
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[float, float], None] | None]:
     """What to call with (done, total); None where nobody is looking.
 
-    The bar goes to standard error, so that it never mixes with results, and vanishes when done.
+    The bar tells how much is done and how long the rest will take. It goes to standard error, so
+    that it never mixes with results, and vanishes when done.
     """
     if not sys.stderr.isatty():
         yield None
@@ -17,10 +23,16 @@ def progress(label: str) -> Iterator[Callable[[float, float], None] | None]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, speed_estimate_period=_REMEMBERED) as bar:
         task = bar.add_task(label, total=None)
+        last = -_EVERY
 
         def update(done: float, total: float) -> None:
-            bar.update(task, completed=done, total=total)
+            nonlocal last
+            now = monotonic()
+            if done >= total or now - last >= _EVERY:
+                bar.update(task, completed=done, total=total)
+                last = now
 
         yield update

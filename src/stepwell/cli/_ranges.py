@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import typer
 
-MOST_ROBOTS = 100_000
+from stepwell._limits import require
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,10 @@ def ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
     total = drawn or 1
     for one in found:
         total *= one.count or 1
-    if total > MOST_ROBOTS:
-        raise typer.BadParameter(f"these are {total} robots: at most {MOST_ROBOTS} at once.")
+    try:
+        require("robots", total, "these are")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
     return found
 
 
@@ -62,7 +64,7 @@ def _range(text: str, drawn: int | None) -> Range:
     example = "chain.cell.outer.q_mm[0]=5:20" + ("" if drawn else ":4")
     form = "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT"
     wrong = typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
-    parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+)(?::(\d{1,6}))?", text)
+    parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+)(?::(\d{1,15}))?", text)
     if parsed is None:
         raise wrong
     try:

@@ -43,7 +43,6 @@ Samples = Annotated[
         "a program or all its branches.",
         show_default=False,
         min=1,
-        max=10**9,
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Which ones: the same seed, the same mechanisms.", min=0)]

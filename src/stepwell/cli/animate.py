@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 _Gif = Annotated[Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")]
-_Seconds = Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5, max=120)]
+_Seconds = Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)]
 _Fps = Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)]
 _Program = Annotated[
     bool,

@@ -29,7 +29,7 @@ _Arena = Annotated[
         show_default=False,
     ),
 ]
-_Limit = Annotated[float, typer.Option(help="Time it is given [s].", min=1, max=1e5)]
+_Limit = Annotated[float, typer.Option(help="Time it is given [s].", min=1)]
 _StartSeed = Annotated[
     int | None,
     typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),

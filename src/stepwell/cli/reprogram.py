@@ -84,14 +84,16 @@ def reprogram(
     from stepwell import files
     from stepwell.cli import _reprogram_text
     from stepwell.cli._outcomes import answered, usable
+    from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.design import reprogram
 
     if one_way and line is None:
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
     chain = files.load_chain(design)
-    with usable(design):
-        found = reprogram(chain, target, by, along=line, one_way=one_way, reach=reach / 1e3)
+    ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
+    with usable(design), progress("search") as tell:
+        found = reprogram(chain, target, by, **ways, progress=tell)
     record = files.reprogram_record(found)
     names = files.write_reprogramming(found, out) if out is not None else ()
     if as_json:

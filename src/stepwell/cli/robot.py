@@ -62,11 +62,10 @@ _Random = Annotated[
         metavar="N",
         help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
         min=1,
-        max=100_000,
     ),
 ]
 _Seed = Annotated[int, typer.Option(help="Of the draws.", min=0)]
-_Cycles = Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1, max=1000)]
+_Cycles = Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)]
 _Out = Annotated[
     Path,
     typer.Option(
@@ -119,7 +118,7 @@ def sweep(
 
 
 _TwoCycles = Annotated[
-    int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2, max=1000)
+    int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
 ]
 
 
@@ -132,9 +131,12 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     """
     from stepwell import files, physics
     from stepwell.cli import _robot_text
+    from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json
 
-    found = physics.convergence(files.load_robot(named(robot)), cycles=cycles)
+    design = files.load_robot(named(robot))
+    with usable(robot), progress("walking") as tell:
+        found = physics.convergence(design, cycles=cycles, progress=tell)
     record = files.convergence_record(found)
     if as_json:
         show_json(record)

@@ -29,17 +29,26 @@ def resolution(ways: Ways) -> str:
     )
 
 
-def hunt(does: Callable[[Floats], bool], ways: Ways, within: float) -> Floats | None:
+def hunt(
+    does: Callable[[Floats], bool],
+    ways: Ways,
+    within: float,
+    progress: Callable[[int, int], None] | None = None,
+) -> Floats | None:
     """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
 
     Places are asked nearest first. From each that does it, bisection goes back towards the
     start; in the plane the best ray is then turned to either side as long as that shortens it.
+    `progress` is called with (done, total) places, the farthest of which may not be asked.
     """
     pitch = ways.reach / _STEPS[ways.dimensions]
     spread = math.sqrt(ways.dimensions) * pitch
     hits: list[Floats] = []
     nearest = within
-    for u in _places(ways, pitch):
+    places = list(_places(ways, pitch))
+    for done, u in enumerate(places):
+        if progress is not None:
+            progress(done, len(places))
         away = float(np.linalg.norm(u))
         # A hit a little farther out may lead back to a nearer place than the nearest hit.
         if away > (min(nearest + spread, within) if hits else within):

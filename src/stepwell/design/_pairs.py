@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._limits import require
 from stepwell.mechanism import Cell, Chain
 from stepwell.statics.concave import Simple, certify, simple
 
@@ -47,6 +48,12 @@ def axis(name: str, values: ArrayLike, least: int) -> Floats:
     if np.any(np.diff(array) <= 0):
         raise ValueError(f"{name} must rise from value to value [m]: sort it, drop repeats.")
     return array
+
+
+def require_places(across: int, up: int, each: int) -> None:
+    """Refuse a map of too many places of `each` bytes before memory is asked for."""
+    memory = across * up * each / 2**30
+    require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
 
 
 def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:

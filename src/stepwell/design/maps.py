@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell._version import __version__
-from stepwell.design._pairs import axis, closed, moved, which
+from stepwell.design._pairs import axis, closed, moved, require_places, which
 from stepwell.design._pathways import BY_ORDER, IMPOSSIBLE, UNSOLVED
 from stepwell.design._sweep import sweep
 from stepwell.kernels import in_blocks
@@ -28,6 +28,7 @@ Floats = NDArray[np.float64]
 TIE = 1e-9
 _CODES = tuple(Pathway)
 _BLOCK = 20_000  # designs that one core takes at a time
+_BYTES = 27  # of a place in `_Fields`
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,13 @@ def transition_map(
         met a tie).
 
     Raises:
-        ValueError: a chain that is no pair, or axes that do not rise.
+        ValueError: a chain that is no pair, axes that do not rise, or more places than the limit.
 
     Source: Kamp et al. 2024, Fig. 2C; closed form: theory page, "Two cells".
     """
     cell = which(chain, cell)
     x, y = axis("x", x, 1), axis("y", y, 1)
+    require_places(len(x), len(y), _BYTES)
     fields = _Fields.unsolved((len(y), len(x)))
     _in_closed_form(fields, chain, cell, x, y)
     waiting = np.argwhere(fields.pathway == UNSOLVED).tolist()

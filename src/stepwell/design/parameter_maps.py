@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell._version import __version__
 from stepwell.design._between import between
 from stepwell.design._outcomes import Bools, Floats, Ints, Outcomes, snapping_steps
+from stepwell.design._pairs import require_places
 from stepwell.design._pathways import IMPOSSIBLE, TIED, UNSOLVED
 from stepwell.design._trace import Line, trace
 from stepwell.design.boundary import RESOLVED, Boundary, BoundaryKind
@@ -30,6 +31,7 @@ Axis = tuple[str, ArrayLike]
 _EXACT = 1e-13
 # Longest chain whose sequences are written out; those of longer ones are told by their orders.
 _SHORT = 12
+_BYTES = 60  # of a place, on the way and in the result
 _WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
 
 
@@ -87,11 +89,13 @@ def parameter_map(
         engine met a tie).
 
     Raises:
-        ValueError: no such parameter, values that do not rise or that it cannot have.
+        ValueError: no such parameter, values that do not rise or that it cannot have, or more
+            places than the limit.
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
     knobs, values = _axes(chain, x, y, 1)
+    require_places(len(values[0]), len(values[1]), _BYTES)
     outcomes = Outcomes(chain, *knobs, np.array([np.ptp(v) for v in values]))
     shape = (len(values[1]), len(values[0]))
     nodes = np.stack(np.meshgrid(*values), axis=-1).reshape(-1, 2)
@@ -149,6 +153,7 @@ def parameter_boundaries(
     knobs, values = _axes(chain, x, y, 2)
     if search < 2:
         raise ValueError(f"search = {search}: must be 2 or more nodes each way.")
+    require_places(search, search, _BYTES)
     outcomes = Outcomes(chain, *knobs, np.array([np.ptp(v) for v in values]))
 
     def place(t: Floats) -> Floats:

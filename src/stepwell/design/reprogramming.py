@@ -165,6 +165,7 @@ def reprogram(
     along: Sized[float] | None = None,
     one_way: bool = False,
     reach: float = 0.020,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
@@ -182,6 +183,7 @@ def reprogram(
         along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
         one_way: only in the sense of `along`, not against it.
         reach: largest displacement that is looked at [m].
+        progress: called with (done, total) places while the engine is asked.
 
     Returns:
         The displacement, the design just past it, and what has to push the anchor on the way.
@@ -237,7 +239,7 @@ def reprogram(
         if ways.proved(forces.cells[anchor.cell], sign, min(away, ways.reach)):
             return answer(*(known or (None, None)), "exact")
     within = ways.reach if known is None else float(np.linalg.norm(known[0]))
-    u = _hunt.hunt(does, ways, within)
+    u = _hunt.hunt(does, ways, within, progress)
     words = _hunt.resolution(ways)
     if u is not None and (known is None or float(np.linalg.norm(u)) < within):
         return answer(u, u, "search", words)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from stepwell._limits import require
 from stepwell.design._draws import Draws
 from stepwell.design._interval import interval_95
 from stepwell.design.tolerances import Tolerances
@@ -91,6 +92,7 @@ def survival(
     checked_state(chain, "ends", ends)
     if n < 1:
         raise ValueError(f"n = {n}: must be 1 or more.")
+    require("samples", n, "n =")
     draws = Draws(chain, tolerances, seed)
     points = tuple(float(point) for point in turning_points)
     successes = 0

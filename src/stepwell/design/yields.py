@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._limits import require
 from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
@@ -308,6 +309,7 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
     for name, value, least in (("n", n, 1), ("seed", seed, 0)):
         if int(value) != value or value < least:
             raise ValueError(f"{name} = {value!r}: must be a whole number >= {least}.")
+    require("samples", n, "n =")
     shortest = min(cell.lever for cell in chain.cells)
     if tolerances.lever >= shortest:
         raise ValueError(

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from stepwell._limits import require
 from stepwell._write import write_atomic
 from stepwell.figures import _mechanism
 from stepwell.figures._drawing import Drawing
@@ -71,8 +72,8 @@ def animation(
         The file.
 
     Raises:
-        ValueError: a chain too long to draw, no time, a rate a GIF cannot show, or a file
-            name that does not end in .gif.
+        ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
+            or a file name that does not end in .gif.
     """
     from PIL import Image
 
@@ -87,6 +88,7 @@ def animation(
         raise ValueError(f"fps = {fps}: must be > 0 and at most 50.")
     if File(file).suffix.lower() != ".gif":
         raise ValueError(f"{file}: an animation's name must end in .gif.")
+    require("frames", seconds * fps, f"{seconds:g} s are")
     hundredths = max(2, round(100 / fps))
     count = max(2, round(100 * seconds / hundredths))
     frames = _timeline(path, seconds, count)

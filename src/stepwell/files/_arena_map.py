@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from decimal import Decimal
 from typing import NamedTuple
 
+from stepwell import _limits
 from stepwell.files import _units as units
 from stepwell.files._errors import DesignError, value_text
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 
-MOST = 400
 CYLINDER_RADIUS = 0.025
 HEADINGS = {"S": 0.0, ">": 0.0, "^": math.pi / 2, "<": math.pi, "v": -math.pi / 2}
 _FIRST = re.compile(r"cell\s+([0-9.eE+-]+)\s*mm\s*")
@@ -65,11 +65,11 @@ def drawn(text: str, name: str) -> Arena:
     (start,) = [letter for letter in HEADINGS if letter in found]
     goal = found.get("G")
     try:
+        walls, posts = _walls(set(found.get("#", [])), size), found.get("o", [])
+        _limits.require("obstacles", len(walls) + len(posts), "has")
         return Arena(
-            walls=_walls(set(found.get("#", [])), size),
-            cylinders=[
-                Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in found.get("o", [])
-            ],
+            walls=walls,
+            cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
             start=_middle(found[start][0], size),
             heading=HEADINGS[start],
             goal=Goal(_middle(goal[0], size)) if goal else None,
@@ -100,11 +100,9 @@ def _size(line: str, name: str) -> Decimal:
 def _problems(rows: list[str], skipped: int) -> list[str]:
     if not rows:
         return [f"has no map below its first line: draw one with {_LETTERS}."]
-    if len(rows) > MOST or max(map(len, rows)) > MOST:
-        return [
-            f"has a map of {max(map(len, rows))} x {len(rows)} letters: must be at most {MOST} x "
-            f"{MOST}; let a letter stand for more."
-        ]
+    letters = sum(map(len, rows))
+    if letters > _limits.most("letters"):
+        return [f"has {_limits.problem('letters', letters)} Or let a letter stand for more."]
     problems = []
     places: dict[str, list[str]] = {"start": [], "goal": []}
     for j, line in enumerate(rows):
@@ -140,18 +138,18 @@ def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Squ
     beside = ((1, 0), (-1, 0), (0, 1), (0, -1))
     alone = {(i, j) for i, j in squares if not any((i + a, j + b) in squares for a, b in beside)}
     ends = []
-    taken: set[Square] = set()
+    free = set(alone)  # those in no line yet
     for up in (1, -1):
         for i, j in sorted(alone):
-            if (i, j) in taken or (i - 1, j - up) in alone - taken:
+            if (i, j) not in free or (i - 1, j - up) in free:
                 continue
             n = 1
-            while (i + n, j + n * up) in alone - taken:
+            while (i + n, j + n * up) in free:
                 n += 1
             if n > 1:
                 ends.append(((i, j), (i + n - 1, j + (n - 1) * up)))
-                taken |= {(i + k, j + k * up) for k in range(n)}
-    return ends, squares - taken
+                free.difference_update((i + k, j + k * up) for k in range(n))
+    return ends, squares - (alone - free)
 
 
 def _rectangles(squares: set[Square]) -> list[_Rectangle]:

@@ -43,8 +43,10 @@ class ArenaKeys(Keys):
     start_mm: Point | None = None
     heading_deg: Heading | None = None
     goal: GoalKeys | None = None
-    wall: Annotated[tuple[WallKeys, ...], Field(strict=False)] = ()
-    cylinder: Annotated[tuple[CylinderKeys, ...], Field(strict=False)] = ()
+    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), schema.at_most("obstacles")] = ()
+    cylinder: Annotated[
+        tuple[CylinderKeys, ...], Field(strict=False), schema.at_most("obstacles")
+    ] = ()
 
 
 # Where a reader may come from when a path holds one of these keys.

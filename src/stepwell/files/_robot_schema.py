@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from decimal import Decimal
+from itertools import islice
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, model_validator
@@ -26,6 +27,7 @@ def _centre(value: Any) -> tuple[Decimal, ...]:
 
 
 def _supports(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+    schema.few("supports", value)
     try:
         if not isinstance(value, list) or len(value) < 3:
             raise ValueError
@@ -55,7 +57,7 @@ def _cell(value: Any) -> int | str:
 def _paths(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(path, str) for path in value):
         refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
-    return tuple(value)
+    return tuple(schema.few("sources", value))
 
 
 Size = Annotated[Decimal, _positive("1e-6", "1e6")]
@@ -76,7 +78,7 @@ class LegChainKeys(schema.SharedKeys):
     """A leg's chain, or what the chains of all legs share."""
 
     title: Line = ""
-    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False)] = ()
+    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), schema.at_most("cells")] = ()
 
     @model_validator(mode="after")
     def _some_cell(self) -> LegChainKeys:
@@ -189,8 +191,10 @@ class RobotKeys(Keys):
     blocks: BlocksKeys = BlocksKeys()
     floor: FloorKeys = FloorKeys()
     drive: DriveKeys = DriveKeys()
-    leg: Annotated[tuple[LegKeys, ...], Field(strict=False)]
-    antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False)] = ()
+    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), schema.at_most("legs")]
+    antenna: Annotated[
+        tuple[AntennaKeys, ...], Field(strict=False), schema.at_most("antennas")
+    ] = ()
     source: SourceKeys = SourceKeys()
 
 
@@ -210,9 +214,12 @@ TABLES: schema.Tables = {
     "antenna": AntennaKeys,
     "source": SourceKeys,
 }
+_LOOKED_AT = 100  # keys of a file that may be misspelt ones
 _ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
 
 
 def is_robot(tables: dict[str, Any]) -> bool:
     """Whether these are a robot's tables; a chain with a key of a robot is one without legs."""
-    return any(key in _ONLY_ROBOTS or nearest(key, ["leg"]) for key in tables)
+    if any(key in _ONLY_ROBOTS for key in tables):
+        return True
+    return any(nearest(key, ["leg"]) for key in islice(tables, _LOOKED_AT))

@@ -7,19 +7,39 @@ from collections.abc import Callable, Mapping
 from decimal import Decimal
 from typing import Annotated, Any, NoReturn
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
+
+from stepwell import _limits
 
 # Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
 # twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
 LENGTH = (Decimal("-1e6"), Decimal("1e6"))
 ROW_STEP_MM = Decimal("1e-6")
-MOST_TURNS = 10_000
 
 
 def refuse(problem: str, key: str = "") -> NoReturn:
     """Raise what pydantic collects; `key` is a key inside the table that is being checked."""
     raise PydanticCustomError("design", "{problem}", {"problem": problem, "key": key})
+
+
+def few(name: str, value: Any) -> Any:
+    """`value`, where it is no list of more than is allowed."""
+    if isinstance(value, list) and len(value) > _limits.most(name):
+        refuse(_limits.problem(name, len(value)))
+    return value
+
+
+def at_most(name: str) -> BeforeValidator:
+    """A list is looked at only where it is no longer than the limit of that name."""
+    return BeforeValidator(lambda value: few(name, value))
 
 
 def number(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
@@ -51,6 +71,7 @@ def point(value: Any) -> tuple[Decimal, Decimal]:
 def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
     if not isinstance(value, list) or len(value) < least:
         refuse(f"must be {least} or more rows of two numbers, as in {example}.")
+    few("rows", value)
     rows: list[tuple[Decimal, Decimal]] = []
     for i, row in enumerate(value):
         try:
@@ -104,8 +125,9 @@ def _state(value: Any) -> str:
 
 
 def _drives(value: Any) -> tuple[Decimal, ...]:
-    if not isinstance(value, list) or not 0 < len(value) <= MOST_TURNS:
-        refuse(f"must be a list of 1 to {MOST_TURNS} numbers, as in [0, 45, 20].")
+    if not isinstance(value, list) or not value:
+        refuse("must be a list of 1 or more numbers, as in [0, 45, 20].")
+    few("turns", value)
     try:
         return tuple(number(v, *LENGTH, "") for v in value)
     except (TypeError, ValueError):
@@ -200,7 +222,9 @@ class CellKeys(Keys):
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
     band: BandKeys = BandKeys()
-    bands: Annotated[tuple[PlacedBandKeys, ...], Field(strict=False)] | None = None
+    bands: Annotated[tuple[PlacedBandKeys, ...], Field(strict=False), at_most("bands")] | None = (
+        None
+    )
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
     friction_N: Friction = Decimal(0)
@@ -233,7 +257,7 @@ class ChainKeys(SharedKeys):
     """The chain and what its cells share."""
 
     actuator_stiffness_N_per_m: Actuator = Decimal("Infinity")
-    cell: Annotated[tuple[CellKeys, ...], Field(strict=False)]
+    cell: Annotated[tuple[CellKeys, ...], Field(strict=False), at_most("cells")]
 
     @model_validator(mode="after")
     def _some_cell(self) -> ChainKeys:

@@ -7,13 +7,19 @@ import tomllib
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
+from stepwell import _limits
 from stepwell.files._errors import DesignError
+
+# Where a key can begin; the reader below takes the square of its depth. Nothing is tried twice.
+_KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_BEGIN = r"(?:^|[\[{,])[ \t]*+"
 
 
 def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
     """The tables of a file; DesignError where it is no TOML, or `empty` where it is empty."""
     if not text.strip():
         raise DesignError(name, [empty])
+    _refuse_deep(text, name)
     try:
         return tomllib.loads(text.replace("\r\n", "\n"), parse_float=_decimal)
     except RecursionError:
@@ -34,3 +40,15 @@ def _decimal(text: str) -> Decimal:
         return Decimal(text)
     except InvalidOperation:  # an exponent past a billion billion
         return Decimal(float(text))
+
+
+def _refuse_deep(text: str, name: str) -> None:
+    """DesignError where a key is of more names than any design has."""
+    most = _limits.most("depth")
+    if text.count(".") <= most:
+        return
+    deep = re.search(rf"{_BEGIN}{_KEY}(?:[ \t]*+\.[ \t]*+{_KEY}){{{most},}}+", text, re.MULTILINE)
+    if deep:
+        line = text.count("\n", 0, deep.start()) + 1
+        names = len(re.findall(_KEY, deep[0]))
+        raise DesignError(name, [f"line {line}: has {_limits.problem('depth', names)}"])

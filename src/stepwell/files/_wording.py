@@ -6,25 +6,30 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from stepwell.files import _schema as schema
-from stepwell.files._errors import did_you_mean, key_path, nearest, value_text
+from stepwell.files._errors import MOST_LINES, did_you_mean, key_path, nearest, value_text
+
+_ADVISED = 1000  # unknown keys of which it is asked which one was meant
 
 
 def worded(error: ValidationError, tables: schema.Tables = schema.TABLES) -> list[str]:
     """One line for every problem, in the order of the file's tables."""
     problems = error.errors(include_url=False)
-    unknown = [list(p["loc"]) for p in problems if p["type"] == "extra_forbidden"]
     # A misspelt key is also a missing one: that is said once.
-    meant = [[*keys[:-1], nearest(str(keys[-1]), _known(keys, tables))] for keys in unknown]
-    return [
-        _line(problem, tables)
-        for problem in problems
-        if not (problem["type"] == "missing" and list(problem["loc"]) in meant)
-    ]
+    missing = {problem["loc"] for problem in problems if problem["type"] == "missing"}
+    short_of = {loc[:-1] for loc in missing}
+    unknown = [p["loc"] for p in problems if p["type"] == "extra_forbidden"]
+    for loc in [loc for loc in unknown if loc[:-1] in short_of][:_ADVISED]:
+        near = nearest(str(loc[-1]), _known(list(loc), tables))
+        missing.discard((*loc[:-1], near or ""))
+    told = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
+    return [_line(problem, tables, i < MOST_LINES) for i, problem in enumerate(told)]
 
 
-def _line(problem: ErrorDetails, tables: schema.Tables) -> str:
+def _line(problem: ErrorDetails, tables: schema.Tables, advise: bool) -> str:
     keys: list[str | int] = list(problem["loc"])
     kind: str = problem["type"]
+    if kind == "extra_forbidden" and not advise:
+        return f"{key_path(keys)}: unknown key."
     value = value_text(problem["input"])
     if kind == "extra_forbidden":
         return f"{key_path(keys)}: unknown key. {_advice(keys, tables)}"

@@ -8,6 +8,7 @@ import stat
 from pathlib import Path
 from typing import Any
 
+from stepwell import _limits
 from stepwell.files._errors import DesignError
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.program import WrittenProgram
@@ -16,7 +17,6 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
 PRESET = "preset:"
-MOST_BYTES = 32 * 1024 * 1024
 
 
 # A union would make every caller narrow by hand what the name of its file already says.
@@ -118,8 +118,8 @@ def _content(path: Path) -> bytes:
         raise OSError("it is a folder")
     if not stat.S_ISREG(kind.st_mode):
         raise OSError("it is no ordinary file")
-    if kind.st_size > MOST_BYTES:
-        raise OSError(f"it is over {MOST_BYTES >> 20} MiB, and no design is that long")
+    if kind.st_size > _limits.most("design_bytes"):
+        raise OSError(_limits.problem("design_bytes", kind.st_size, "it has").rstrip("."))
     return path.read_bytes()
 
 

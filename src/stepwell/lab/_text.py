@@ -17,6 +17,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
 _TELL = 40
+_BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 
 
 class Export(NamedTuple):
@@ -88,9 +89,28 @@ def _rows(
     whole = _at_once([line for _, line in body], delimiter, count)
     if whole is not None:
         return whole, ()
-    good: list[list[float]] = []
+    pieces: list[Array] = []
     bad: list[tuple[int, str]] = []
-    for number, line in body:
+    for first in range(0, len(body), _BLOCK):
+        block = body[first : first + _BLOCK]
+        piece = _at_once([line for _, line in block], delimiter, count)
+        pieces.append(_one_by_one(block, delimiter, count, bad) if piece is None else piece)
+    good = np.concatenate(pieces)
+    if len(bad) > len(good):
+        number, line = bad[0]
+        raise ValueError(
+            f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
+            f"{line[:_TELL]!r}): export it again."
+        )
+    return good, _told(bad, body[-1][0])
+
+
+def _one_by_one(
+    block: list[tuple[int, str]], delimiter: str | None, count: int, bad: list[tuple[int, str]]
+) -> Array:
+    """The rows of a block that can be read; the others are added to `bad`."""
+    good: list[list[float]] = []
+    for number, line in block:
         fields = split(line, delimiter)
         if len(fields) == count and all(map(_NUMBER.fullmatch, fields)):
             row = [float(field.replace(",", ".")) for field in fields]
@@ -98,13 +118,7 @@ def _rows(
                 good.append(row)
                 continue
         bad.append((number, line))
-    if len(bad) > len(good):
-        number, line = bad[0]
-        raise ValueError(
-            f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
-            f"{line[:_TELL]!r}): export it again."
-        )
-    return np.array(good).reshape(-1, count), _told(bad, body[-1][0])
+    return np.array(good).reshape(-1, count)
 
 
 def _at_once(lines: list[str], delimiter: str | None, count: int) -> Array | None:

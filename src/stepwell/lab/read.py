@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from stepwell import _limits
 from stepwell.lab._errors import LabError
 from stepwell.lab._text import parse
 from stepwell.lab.recording import Recording
 
-MOST_BYTES = 256 * 1024 * 1024
 SUFFIXES = (".txt", ".csv", ".tsv", ".raw")
 # Tables about recordings, not recordings.
 _NOT_DATA = re.compile(r"manifest|readme|licen[cs]e|requirements", re.IGNORECASE)
@@ -117,6 +117,6 @@ def _content(path: Path) -> bytes:
         raise OSError("it is a folder")
     if not stat.S_ISREG(kind.st_mode):
         raise OSError("it is no ordinary file")
-    if kind.st_size > MOST_BYTES:
-        raise OSError(f"it is over {MOST_BYTES >> 20} MiB, and no recording is that long")
+    if kind.st_size > _limits.most("recording_bytes"):
+        raise OSError(_limits.problem("recording_bytes", kind.st_size, "it has").rstrip("."))
     return path.read_bytes()

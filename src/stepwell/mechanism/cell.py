@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._limits import require
 from stepwell.mechanism import _check, curves
 from stepwell.mechanism._check import Vec2
 from stepwell.mechanism.band import Band
@@ -54,6 +55,7 @@ class Cell:
             bands = tuple(self.band)
             if not bands or any(type(band) is not Band for band in bands):
                 raise ValueError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
+            require("bands", len(bands), "the cell has")
             object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
         object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
         object.__setattr__(self, "limit", _check.positive("limit", self.limit, "rad"))

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from stepwell._limits import require
 from stepwell.mechanism._check import finite
 from stepwell.mechanism.cell import Cell, as_cells
 
@@ -43,6 +44,7 @@ class Chain:
 
     def __post_init__(self):
         object.__setattr__(self, "cells", as_cells(self.cells))
+        require("cells", len(self.cells), "the chain has")
         stiffness = self.actuator_stiffness
         if stiffness != math.inf:
             stiffness = finite("actuator_stiffness", stiffness, "N/m")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._limits import require
 from stepwell.physics._mujoco import mujoco, quietly, rollout
 from stepwell.physics._sensors import columns, contacts, rod_names, sampled
 from stepwell.physics.model import spec, start_position
@@ -213,6 +214,20 @@ def _lean(attitude: Array) -> Array:
     """Angle [rad] between the body's upward axis and the vertical, for (n, 4) quaternions."""
     upward = 1.0 - 2.0 * (attitude[:, 1] ** 2 + attitude[:, 2] ** 2)
     return np.arccos(np.clip(upward, -1.0, 1.0))
+
+
+def affordable(run: Run, seconds: float) -> None:
+    """Refuse a run of more time steps, or of more readings, than the limits.
+
+    Args:
+        run: not yet begun.
+        seconds: how long it is to go on [s].
+    """
+    step = run.settings.time_step
+    require("steps", round(seconds / step), f"{seconds:.6g} s in steps of {step:g} s are")
+    width = run.model.nsensordata + run.model.nq
+    kept = seconds / (run.every * step)
+    require("readings", round(kept * width), f"{kept:.0f} samples of {width} numbers are")
 
 
 def chunks(begin: float, end: float) -> Iterator[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -67,6 +67,7 @@ def convergence(
     *,
     cycles: int = 2,
     settings: Settings | None = None,
+    progress: Callable[[float, float], None] | None = None,
 ) -> Convergence:
     """Walk a robot at several time steps.
 
@@ -76,6 +77,7 @@ def convergence(
         cycles: of each walk, two or more, since the first is left out.
         settings: of the simulation; their time step is replaced, the time constant of contacts
             kept.
+        progress: called with (done, total), in parts of the work.
 
     Returns:
         What came out at each.
@@ -97,7 +99,13 @@ def convergence(
             raise ValueError(
                 f"time_steps: {step:g} s does not divide the sample of {settings.sample:g} s."
             )
-    walks = [_walked(robot, step, cycles, settings) for step in steps]
+
+    def tell(step: float) -> Callable[[float, float], None]:
+        """The progress of the walk with this time step as part of all, which cost 1/step each."""
+        before, total = sum(1 / one for one in steps if one > step), sum(1 / one for one in steps)
+        return lambda done, of: progress(before + done / of / step, total) if progress else None
+
+    walks = [_walked(robot, step, cycles, settings, tell(step)) for step in steps]
     samples = [
         _means(one, round(settings.sample / step)) for one, step in zip(walks, steps, strict=True)
     ]
@@ -115,9 +123,16 @@ def convergence(
     return Convergence(robot, rows)
 
 
-def _walked(robot: Robot, step: float, cycles: int, settings: Settings) -> Walk:
+def _walked(
+    robot: Robot,
+    step: float,
+    cycles: int,
+    settings: Settings,
+    progress: Callable[[float, float], None],
+) -> Walk:
     """A walk of which every step is kept."""
-    found = walk(robot, cycles, settings=replace(settings, time_step=step, sample=step))
+    fine = replace(settings, time_step=step, sample=step)
+    found = walk(robot, cycles, settings=fine, progress=progress)
     if found.stopped:
         raise ValueError(f"time_steps: at {step:g} s it does not walk to the end. {found.stopped}")
     return found

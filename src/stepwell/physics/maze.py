@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell.kernels import cores
 from stepwell.physics._arena import obstacle_names
-from stepwell.physics._engine import Run, chunks
+from stepwell.physics._engine import Run, affordable, chunks
 from stepwell.physics.settings import Settings
 from stepwell.physics.walk import Walk, recorded
 from stepwell.robot import Arena, Robot
@@ -179,6 +179,7 @@ def maze(
     run = Run(robot, arena, settings)
     outcome = Outcome.TIMED_OUT
     places: list[tuple[float, float, float]] = []
+    affordable(run, limit - run.now)
     for until in chunks(run.now, limit):
         run.advance(until)
         if progress is not None:

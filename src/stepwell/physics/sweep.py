@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._limits import require
 from stepwell._version import __version__
 from stepwell._write import write_atomic
-from stepwell.physics._engine import Run, Samples, stopped_at
+from stepwell.physics._engine import Run, Samples, affordable, stopped_at
 from stepwell.physics._mujoco import mujoco, quietly, rollout
 from stepwell.physics._sensors import sampled
 from stepwell.physics.settings import Settings
@@ -164,6 +165,7 @@ def sweep(
                 f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
                 f"robot."
             )
+    require("robots", len(robots), "these are")
     threads = threads or os.cpu_count() or 1
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
     found: dict[int, Trial] = kept.trials() if kept is not None else {}
@@ -191,6 +193,7 @@ def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: i
     alike: dict[tuple[int, ...], list[int]] = {}
     for i, run in enumerate(runs):
         period = robots[i].drive.period
+        affordable(run, settings.settle + cycles * period)
         key = (run.model.nq, run.model.nv, run.model.nsensordata, round(period * 1e9))
         alike.setdefault(key, []).append(i)
     walks: dict[int, Walk] = {}

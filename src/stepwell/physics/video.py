@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from stepwell._limits import most, problem
 from stepwell._write import write_atomic
 from stepwell.physics import _render
 from stepwell.physics._mujoco import mujoco
@@ -65,7 +66,7 @@ def video(
 
     Raises:
         ValueError: a file that is neither .mp4 nor .gif, an odd size or a speed of nothing.
-        VideoError: neither EGL nor OSMesa works here.
+        VideoError: neither EGL nor OSMesa works here, or more frames than the limit.
     """
     targets = tuple(Path(file) for file in files)
     for target in targets:
@@ -80,6 +81,9 @@ def video(
         raise ValueError("the run has no samples to show.")
     if speed is None:
         speed = max(1.0, walk.time[-1] / 20.0) if isinstance(result, Maze) else 1.0
+    count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed
+    if count > most("frames"):
+        raise VideoError(f"{problem('frames', count, 'These are')} Or a higher speed makes fewer.")
     chosen = _chosen(walk, fps, speed)
     encoders = [
         _Mp4(width, height, fps) if target.suffix.lower() == ".mp4" else _Gif(width, height, fps)

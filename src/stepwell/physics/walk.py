@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.physics._arena import obstacle_names
-from stepwell.physics._engine import Run, Samples, chunks
+from stepwell.physics._engine import Run, Samples, affordable, chunks
 from stepwell.physics.settings import Settings
 from stepwell.robot import Arena, Robot
 from stepwell.robot.states import gait, states
@@ -267,6 +267,7 @@ def walk(
     settings = settings or Settings()
     run = Run(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
+    affordable(run, end - begin)
     for until in chunks(begin, end):
         run.advance(until)
         if progress is not None:

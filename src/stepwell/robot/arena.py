@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stepwell._limits import require
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
@@ -115,6 +116,7 @@ class Arena:
     def __post_init__(self):
         object.__setattr__(self, "walls", tuple(self.walls))
         object.__setattr__(self, "cylinders", tuple(self.cylinders))
+        require("obstacles", len(self.walls) + len(self.cylinders), "the arena has")
         object.__setattr__(self, "start", _check.vector("start", self.start))
         object.__setattr__(self, "heading", _check.finite("heading", self.heading, "rad"))
         gap = self.clearance(*self.start)

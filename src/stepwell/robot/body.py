@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from stepwell._limits import require
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
@@ -45,6 +46,7 @@ class Body:
         object.__setattr__(self, "centre", centre)
         supports = tuple(_check.vector("supports", point) for point in self.supports)
         object.__setattr__(self, "supports", supports)
+        require("supports", len(supports), "the body has")
         if len(supports) < 3:
             raise ValueError(
                 f"supports has {len(supports)} points: must have 3 or more, or the body falls over "

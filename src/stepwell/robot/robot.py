@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from stepwell._limits import require
 from stepwell.mechanism._check import Vec2
 from stepwell.robot._geometry import problems
 from stepwell.robot.antenna import Antenna
@@ -63,6 +64,8 @@ class Robot:
         object.__setattr__(self, "legs", tuple(self.legs))
         object.__setattr__(self, "antennas", tuple(self.antennas))
         object.__setattr__(self, "sources", dict(self.sources))
+        require("legs", len(self.legs), "the robot has")
+        require("antennas", len(self.antennas), "the robot has")
         found = problems(self)
         if found:
             raise ValueError("\n".join(found))

@@ -9,8 +9,10 @@ are, and each costs one run of the engine.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
+from stepwell._limits import most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences._legs import Leg, Part, legs_of, state_of
 from stepwell.statics import Path, Stretch, Tie, drive_range, path
@@ -161,19 +163,25 @@ class Branches:
         stiffness = self.chain.actuator_stiffness
         return travels, force if stiffness == 0 else stroke + force / stiffness
 
-    def all_from(self, numbers: list[int], most: int = 1_000_000) -> set[int]:
+    def all_from(
+        self, numbers: list[int], progress: Callable[[int, int], None] | None = None
+    ) -> set[int]:
         """Every branch that can be reached from these, themselves included.
 
+        `progress` is called with (followed, known) branches.
+
         Raises:
-            ValueError: more than `most` branches.
+            ValueError: more branches than the limit.
         """
-        seen, waiting = set(numbers), list(numbers)
+        seen, waiting, limit = set(numbers), list(numbers), most("branches")
         while waiting:
-            if len(seen) > most:
+            if len(seen) > limit:
+                found = problem("branches", len(seen), "there are", so_far=True)
                 raise ValueError(
-                    f"more than {most} branches can be reached, so there is no end in sight: look "
-                    f"at a shorter chain, or ask chain.program(to=...) for one way."
+                    f"{found} Or look at a shorter chain, or ask chain.program(to=...) for one way."
                 )
+            if progress is not None:
+                progress(max(0, len(seen) - len(waiting)), len(seen))
             number = waiting.pop()
             for direction in (+1, -1):
                 way = self.exit(number, direction)

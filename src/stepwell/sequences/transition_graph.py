@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
+from stepwell._limits import most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences._asked import Drive, checked_state, driven, refuse_friction
 from stepwell.sequences._branches import Branches
@@ -20,13 +21,6 @@ from stepwell.statics import Tie
 
 if TYPE_CHECKING:
     from stepwell.sequences.reading import Reading
-
-# The longest chain whose 2^N vertices are all looked at one by one by the engine.
-MOST_CELLS = 10
-# And of which none needs the engine.
-MOST_RELAYS = 16
-# Branches after which following them one by one is given up.
-MOST_BRANCHES = 5000
 
 
 class TransitionGraph(nx.DiGraph):
@@ -162,7 +156,7 @@ def graph(
             default.
         start: a state such as "000", to see only what can be reached from it; by default every
             state in which the chain can stand is a start, those set by hand included.
-        progress: called with (done, total) starts.
+        progress: called with (done, total) starts, then with (followed, known) branches.
 
     Returns:
         The graph.
@@ -176,13 +170,12 @@ def graph(
     refuse_friction(chain)
     fields = relays(chain)
     if fields is not None and chain.actuator_stiffness == 0 and start is None:
-        if len(chain) > MOST_RELAYS:
-            raise ValueError(_too_long(chain, MOST_RELAYS))
+        _require("relays", chain)
         from stepwell.sequences._preisach import preisach
 
         return preisach(chain, fields)
-    if start is None and len(chain) > MOST_CELLS:
-        raise ValueError(_too_long(chain, MOST_CELLS))
+    if start is None:
+        _require("graph_cells", chain)
     branches = Branches(chain)
     states = (
         ["".join(bits) for bits in product("01", repeat=len(chain))] if start is None else [start]
@@ -199,18 +192,18 @@ def graph(
                 f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
                 f"holds. Start from another state, or leave start out to see all."
             )
-    found = sorted(branches.all_from(first, MOST_BRANCHES))
+    found = sorted(branches.all_from(first, progress))
     if progress is not None:
-        progress(len(states), len(states))
+        progress(len(found), len(found))
     return _assembled(branches, found, start)
 
 
-def _too_long(chain: Chain, most: int) -> str:
-    return (
-        f"the chain has {len(chain)} cells, so 2^{len(chain)} states: at most {most} cells can be "
-        f"seen whole. Pass start= to see what can be reached from one state, or ask "
-        f"chain.program(to=...) for one way."
-    )
+def _require(limit: str, chain: Chain) -> None:
+    if len(chain) > most(limit):
+        raise ValueError(
+            f"{problem(limit, len(chain), 'the chain has')} Or pass start= to see what can be "
+            f"reached from one state, or ask chain.program(to=...) for one way."
+        )
 
 
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
