@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.mechanism._check import finite
+from stepwell.mechanism import _slips
+from stepwell.mechanism._check import finite, short
+from stepwell.mechanism._slips import SlipError
 from stepwell.mechanism.cell import Cell, as_cells
 
 if TYPE_CHECKING:
@@ -48,8 +50,8 @@ class Chain:
             stiffness = finite("actuator_stiffness", stiffness, "N/m")
         if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
             raise ValueError(
-                f"actuator_stiffness = {stiffness:g} N/m: must be from {SOFTEST:g} to "
-                f"{STIFFEST:g}; use math.inf for a prescribed stroke and 0 for a prescribed force."
+                f"actuator_stiffness = {stiffness:g} N/m: must be from "
+                f"{short(SOFTEST)} to {short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed force."
             )
         object.__setattr__(self, "actuator_stiffness", float(stiffness))
 
@@ -60,6 +62,11 @@ class Chain:
     def full_stroke(self) -> float:
         """Σ S_i [m]: the stroke with every cell at 1."""
         return math.fsum(cell.full_travel for cell in self.cells)
+
+    @property
+    def unusual(self) -> bool:
+        """Whether one of its cells is `unusual`: then no number that meets the chain is a slip."""
+        return any(cell.unusual for cell in self.cells)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -92,11 +99,15 @@ class Chain:
             The path: branches, switches and snaps, each with its certificate.
 
         Raises:
-            ValueError: turning points out of range, or a start that is no stable equilibrium.
+            ValueError: turning points out of range, or probably in another unit, or a start that
+                is no stable equilibrium.
             StaticsError: the follower could not go on, or what it found breaks its certificate.
         """
         from stepwell import statics
 
+        slips = _slips.drives(self, turning_points)
+        if slips:
+            raise SlipError(slips, "")
         return statics.path(self, turning_points, start=start, prefer=prefer, progress=progress)
 
     def cycle(
