@@ -163,7 +163,7 @@ def test_two_cells_of_one_name_are_told_apart_by_number():
         ("inner.limit", 1.6, "0.01° to 89.9°"),
         ("inner.q", 0.010, r"must be a place \(x, y\)"),
         ("inner.q.x", math.inf, "must be finite"),
-        ("actuator_stiffness", -1.0, "must be from 1e-06"),
+        ("actuator_stiffness", -1.0, "must be from 1e-6"),
     ],
 )
 def test_a_value_that_cannot_be_is_refused(name, value, words):

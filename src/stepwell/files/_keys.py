@@ -10,6 +10,7 @@ from typing import Any
 from stepwell.files import _units as units
 from stepwell.files._schema import Keys
 from stepwell.files._toml_text import array, quoted
+from stepwell.mechanism import Slip
 
 # The end of a key and what it is called where it is shown; the longer ones first.
 UNITS = {
@@ -78,6 +79,31 @@ def written(key: str, value: Any) -> str:
     if unit in ("mm", "g"):
         return units.toml(units.shortest(value, 3))
     return units.toml(units.degrees(value) if unit == "deg" else Decimal(repr(float(value))))
+
+
+def told(slip: Slip, key: str) -> str:
+    """A slip of unit by the key of the file that holds it, in the key's own unit."""
+    # A row of a table is named by its number, and holds two units.
+    unit = {"m": "mm", "rad": "deg", "kg": "g"}.get(slip.unit, slip.unit)
+    as_key = {"mm": "_mm", "deg": "_deg", "g": "_g", "1/m": "_per_mm", "1/m²": "_per_mm2"}.get(
+        unit, ""
+    )
+    unit = {"1/m": "1/mm", "1/m²": "1/mm²"}.get(unit, unit)
+    row = (
+        f", {slip.name.removeprefix('load.')}" if key.endswith("_mm_N") or key == "shape_mm" else ""
+    )
+    probably = "" if slip.meant is None else f" Did you mean {rounded(as_key, slip.meant)} {unit}?"
+    return f"{key}{row} = {rounded(as_key, slip.value)}: {slip.why}.{probably}"
+
+
+def rounded(key: str, value: Any) -> str:
+    """A value in SI as the file writes it, in six digits."""
+    if isinstance(value, tuple):
+        return array(rounded(key, part) for part in value)
+    places = {"_per_mm": -3, "_per_mm2": -6}.get(key)
+    if places is not None:
+        return units.toml(units.shortest(float(f"{value:.6g}"), places))
+    return units.toml(Decimal(f"{Decimal(written(key, value)):.6g}"))
 
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:

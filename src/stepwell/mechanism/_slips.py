@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LEVERS = 1e-4, 2.0  # [m]
 LENGTHS = 1 / 200, 50.0  # of whatever has a length, over the lever
 SPRINGS = 0.05, 2e4  # k of a band [N/m]
-FORCES = 100.0  # largest load and friction, over the cell's own force
+FORCES = 50.0  # largest load and friction, over the cell's own force
 LEAST_LIMIT = math.radians(2.0)  # θc [rad]
 STEP = 1000.0  # between two units that are taken for each other
 
@@ -35,7 +35,7 @@ class Slip(NamedTuple):
     """A size that is far off.
 
     Attributes:
-        name: the field that holds it; "tension" is that of the last row of a table.
+        name: the field that holds it; "tension" is the largest of a table, "extension" its last.
         value: what came, in SI.
         meant: what was probably meant, in SI; None where no slip explains it.
         unit: of both.
@@ -191,14 +191,15 @@ def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
 
 
 def _of_table(band: Band, law: Table, lever: float, index: int) -> Iterator[Slip]:
-    far, end = law.extension[-1], band.stiffness * law.shape[-1]
-    stretched = list(length("extension", far, lever, index))
+    stretched = list(length("extension", law.extension[-1], lever, index))
     yield from stretched
-    if not stretched:  # with extensions in another unit, the stiffness says nothing
-        for slip in spring("tension", end / far, index):
-            likely = None if slip.meant is None else end * _size(slip.meant) / (end / far)
-            why = f"at {far * 1e3:.4g} mm it makes {end / far:.3g} N/m, and {slip.why}"
-            yield slip._replace(value=end, meant=likely, unit="N", why=why)
+    most = max(range(len(law.shape)), key=law.shape.__getitem__)
+    far, pull = law.extension[most], band.stiffness * law.shape[most]
+    if pull and not stretched:  # with extensions in another unit, the stiffness says nothing
+        for slip in spring("tension", pull / far, index):
+            likely = None if slip.meant is None else pull * _size(slip.meant) / (pull / far)
+            why = f"at {far * 1e3:.4g} mm it makes {pull / far:.3g} N/m, and {slip.why}"
+            yield slip._replace(value=pull, meant=likely, unit="N", why=why)
 
 
 def _size(value: Size) -> float:
@@ -222,4 +223,4 @@ def _degrees(value: Size) -> str:
 
 
 def _ratio(ratio: float) -> str:
-    return f"{ratio:.3g} times" if ratio >= 1 else f"1/{1 / ratio:.3g} of"
+    return f"{ratio:.0f} times" if ratio >= 1 else f"{ratio:.2g} of"

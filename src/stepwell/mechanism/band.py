@@ -73,9 +73,14 @@ class Band:
             tension: (n,) at those extensions, the first one 0, the last one > 0 [N].
 
         Raises:
-            ValueError: a table that does not rise or does not end in tension.
+            ValueError: a table that does not rise, holds a push, or does not end in tension.
         """
         extension = _check.rising("extension", extension, "m", 2)
+        for i, pull in enumerate(tension):
+            if pull < 0:
+                raise ValueError(
+                    f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
+                )
         stiffness = _check.positive("tension[-1]", tension[-1], "N") / extension[-1]
         shape = tuple(t / stiffness for t in tension)
         return cls(p, q, stiffness, rest_length, Table(extension, shape))

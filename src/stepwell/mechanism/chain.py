@@ -50,8 +50,9 @@ class Chain:
             stiffness = finite("actuator_stiffness", stiffness, "N/m")
         if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
             raise ValueError(
-                f"actuator_stiffness = {stiffness:g} N/m: must be from "
-                f"{short(SOFTEST)} to {short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed force."
+                f"actuator_stiffness = {stiffness:g} N/m: must be from {short(SOFTEST)} to "
+                f"{short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed "
+                f"force."
             )
         object.__setattr__(self, "actuator_stiffness", float(stiffness))
 

@@ -64,7 +64,8 @@ class Table:
         shape: (n,) φ at those extensions [m], the first one 0; tension divided by stiffness.
 
     Raises:
-        ValueError: extensions that do not rise, other than 0 first, or unequal lengths.
+        ValueError: extensions that do not rise, other than 0 first, a band that pushes, or
+            unequal lengths.
     """
 
     extension: tuple[float, ...]
@@ -82,6 +83,11 @@ class Table:
                 f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
                 f"carries nothing at its rest length."
             )
+        for i, pull in enumerate(shape):
+            if pull < 0:
+                raise ValueError(
+                    f"shape[{i}] = {pull} m: must be >= 0, a band pulls. Did you mean {-pull} m?"
+                )
         object.__setattr__(self, "extension", extension)
         object.__setattr__(self, "shape", shape)
 
