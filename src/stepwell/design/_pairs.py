@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.mechanism import Cell, Chain
+from stepwell.design.tolerances import WAY
+from stepwell.mechanism import Cell, Chain, SlipError, sizes
 from stepwell.statics.concave import Simple, certify, simple
 
 Floats = NDArray[np.float64]
@@ -14,7 +15,8 @@ Floats = NDArray[np.float64]
 def moved(chain: Chain, cell: int, x: float, y: float) -> Chain:
     """The chain with the bands of one cell anchored at q = (x, y) [m] on its outer block."""
     cells = list(chain.cells)
-    cells[cell] = cells[cell].with_anchors(q=(x, y))
+    bands = tuple(replace(band, q=(x, y)) for band in cells[cell].bands)
+    cells[cell] = replace(cells[cell], band=bands)
     return replace(chain, cells=tuple(cells))
 
 
@@ -47,6 +49,14 @@ def axis(name: str, values: ArrayLike, least: int) -> Floats:
     if np.any(np.diff(array) <= 0):
         raise ValueError(f"{name} must rise from value to value [m]: sort it, drop repeats.")
     return array
+
+
+def refuse_far(chain: Chain, cell: int, x: Floats, y: Floats) -> None:
+    """Raise SlipError for a grid that is far outside the cell whose anchor it shows."""
+    corner = float(max(x, key=abs)), float(max(y, key=abs))
+    far = tuple(sizes.far("(x, y)", corner, chain.cells[cell].lever))
+    if far and not chain.unusual:
+        raise SlipError(far, WAY)
 
 
 def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:

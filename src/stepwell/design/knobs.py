@@ -9,7 +9,7 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.mechanism import Band, Cell, Chain
+from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
 
@@ -103,6 +103,15 @@ class Knob:
                 f"drop repeats."
             )
         return array
+
+    def slips(self, chain: Chain, value: float) -> tuple[Slip, ...]:
+        """Whether a value is so far above the chain's own that another unit was meant."""
+        if self.cell is None or chain.unusual:
+            return ()
+        cell = chain.cells[self.cell]
+        if self.part == "friction":
+            return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
+        return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
 
     def _in_cell(self, cell: Cell, value: float | Vec2) -> Cell:
         anchor, _, axis = self.part.partition(".")

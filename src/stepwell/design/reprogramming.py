@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stepwell._usual import REACH
 from stepwell._write import write_atomic
 from stepwell.design import _asked, _hunt
 from stepwell.design._full_cycle import full_cycle
@@ -19,6 +20,7 @@ from stepwell.design._sorted import SortedChain
 from stepwell.design._ways import Floats, Ways
 from stepwell.design.knobs import Knob, knob
 from stepwell.design.push import Push
+from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
@@ -164,7 +166,7 @@ def reprogram(
     *,
     along: Sized[float] | None = None,
     one_way: bool = False,
-    reach: float = 0.020,
+    reach: float = REACH,
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
@@ -201,6 +203,7 @@ def reprogram(
             f"{chain.names[-1] + '.q'!r}."
         )
     ways = Ways.of(along, one_way, reach)
+    refuse_reach(chain, reach)
     wanted = None if target is None else _parsed(str(target), len(chain))
     before = cycle(chain).sequence
     text = None if wanted is None else str(wanted)

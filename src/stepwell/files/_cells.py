@@ -22,7 +22,7 @@ class Shared(NamedTuple):
 
 def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
     """One cell, with what its chain shares; None where that is no cell, and then why."""
-    geometry: dict[str, float] = {}
+    geometry: dict[str, Any] = {}
     lever = keys.lever_mm or shared.lever_mm
     limit = keys.limit_deg or shared.limit_deg
     if lever is not None:

@@ -10,7 +10,8 @@ from typing import Any
 from stepwell.files import _units as units
 from stepwell.files._schema import Keys
 from stepwell.files._toml_text import array, quoted
-from stepwell.mechanism import Slip
+from stepwell.mechanism import Slip, SlipError
+from stepwell.mechanism.sizes import Size
 
 # The end of a key and what it is called where it is shown; the longer ones first.
 UNITS = {
@@ -81,29 +82,40 @@ def written(key: str, value: Any) -> str:
     return units.toml(units.degrees(value) if unit == "deg" else Decimal(repr(float(value))))
 
 
-def told(slip: Slip, key: str) -> str:
-    """A slip of unit by the key of the file that holds it, in the key's own unit."""
-    # A row of a table is named by its number, and holds two units.
-    unit = {"m": "mm", "rad": "deg", "kg": "g"}.get(slip.unit, slip.unit)
-    as_key = {"mm": "_mm", "deg": "_deg", "g": "_g", "1/m": "_per_mm", "1/m²": "_per_mm2"}.get(
-        unit, ""
+def slips_text(error: SlipError) -> str:
+    """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
+    lines = [told(slip, slip.name, name_unit=True) for slip in error.slips]
+    way = (
+        "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
     )
-    unit = {"1/m": "1/mm", "1/m²": "1/mm²"}.get(unit, unit)
-    row = (
-        f", {slip.name.removeprefix('load.')}" if key.endswith("_mm_N") or key == "shape_mm" else ""
-    )
-    probably = "" if slip.meant is None else f" Did you mean {rounded(as_key, slip.meant)} {unit}?"
-    return f"{key}{row} = {rounded(as_key, slip.value)}: {slip.why}.{probably}"
+    return "\n".join([*lines, way] if error.way else lines)
 
 
-def rounded(key: str, value: Any) -> str:
-    """A value in SI as the file writes it, in six digits."""
-    if isinstance(value, tuple):
-        return array(rounded(key, part) for part in value)
-    places = {"_per_mm": -3, "_per_mm2": -6}.get(key)
-    if places is not None:
-        return units.toml(units.shortest(float(f"{value:.6g}"), places))
-    return units.toml(Decimal(f"{Decimal(written(key, value)):.6g}"))
+def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
+    """A slip of unit by the key of the file that holds it, in the unit of files."""
+    unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
+
+    def shown(size: Size) -> str:
+        if isinstance(size, tuple):
+            return array(shown(part) for part in size)
+        number = Decimal(written(end, size)) if end else units.shortest(size, places)
+        return units.toml(Decimal(f"{number:.6g}"))
+
+    # A row of a table holds two units, and is called by the one that is wrong.
+    rows = key.endswith("_mm_N") or key == "shape_mm"
+    what = f"{key}, {slip.name.removeprefix('load.')}" if rows else key
+    probably = "" if slip.meant is None else f" Did you mean {shown(slip.meant)} {unit}?"
+    return f"{what} = {shown(slip.value)}{f' {unit}' * name_unit}: {slip.why}.{probably}"
+
+
+# What files call an SI unit: the unit shown, the end of a key in it, or decimal places to it.
+_SHOWN = {
+    "m": ("mm", "_mm", 3),
+    "kg": ("g", "_g", 3),
+    "rad": ("deg", "_deg", 0),
+    "1/m": ("1/mm", "", -3),
+    "1/m²": ("1/mm²", "", -6),
+}
 
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:

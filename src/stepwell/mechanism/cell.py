@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.mechanism import _check, _slips, curves
+from stepwell.mechanism import _check, curves, sizes
 from stepwell.mechanism._check import Vec2
-from stepwell.mechanism._slips import SlipError
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
+from stepwell.mechanism.sizes import SlipError
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class Cell:
         object.__setattr__(self, "friction", _check.not_negative("friction", self.friction, "N"))
         _refuse_limit(self.limit)
         if not (self.unusual or self._asked):
-            found = _slips.slips(self)
+            found = sizes.slips(self)
             if found:
                 raise SlipError(found, _WAY)
         object.__setattr__(self, "_asked", True)
@@ -98,13 +98,13 @@ class Cell:
             ValueError: anchors so far from a cell that is not `unusual` that m are not meant.
         """
         if not self.unusual:
+            # Beside those there are: what has gone far already may go on.
+            own = max([self.lever, *(math.hypot(*a) for b in self.bands for a in (b.p, b.q))])
             far = [
                 slip
                 for name, anchor in (("p", p), ("q", q))
                 if anchor is not None
-                for slip in _slips.length(name, _check.vector(name, anchor), self.lever)
-                # Below, a step of a grid or a rounded zero is an anchor like any other.
-                if math.hypot(*anchor) > self.lever
+                for slip in sizes.far(name, _check.vector(name, anchor), own)
             ]
             if far:
                 raise SlipError(tuple(far), _WAY)

@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.mechanism import _slips
+from stepwell._usual import REACH
+from stepwell.mechanism import sizes
 from stepwell.mechanism._check import finite, short
-from stepwell.mechanism._slips import SlipError
 from stepwell.mechanism.cell import Cell, as_cells
+from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Tolerances, Yield
@@ -106,7 +107,7 @@ class Chain:
         """
         from stepwell import statics
 
-        slips = _slips.drives(self, turning_points)
+        slips = sizes.drives(self, turning_points)
         if slips:
             raise SlipError(slips, "")
         return statics.path(self, turning_points, start=start, prefer=prefer, progress=progress)
@@ -186,7 +187,7 @@ class Chain:
         return sequences.program(self, to, start=start, progress=progress)
 
     def margin(
-        self, *, reach: float = 0.020, progress: Callable[[int, int], None] | None = None
+        self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
     ) -> Margin:
         """How far each anchor and each stiffness may change before the sequence does.
 
@@ -206,9 +207,9 @@ class Chain:
 
     def yields(
         self,
-        tolerances: Tolerances,
+        tolerances: Tolerances | None = None,
         *,
-        n: int = 100_000,
+        n: int | None = None,
         seed: int = 0,
         wanted: str | Iterable[str] | None = None,
         sensitivity: bool = False,
@@ -217,8 +218,10 @@ class Chain:
         """Make the chain n times at random within its tolerances and count those that work.
 
         Args:
-            tolerances: how far the parts may be from the drawing.
-            n: how many to make.
+            tolerances: how far the parts may be from the drawing; what a careful workshop can
+                do by default, anchors ±0.3 mm and stiffness ±5 %.
+            n: how many to make; by default 100,000 where end forces tell what they do, and 500
+                where the engine has to follow each.
             seed: which ones.
             wanted: the full cycle that counts as success, what the drawing does by default; or a
                 list of the states that shall be in reach, and no others.
@@ -231,11 +234,11 @@ class Chain:
         Raises:
             ValueError: numbers out of range, or a sequence that is no full cycle of this chain.
         """
-        from stepwell.design import yields
+        from stepwell.design import USUAL, yields
 
         return yields(
             self,
-            tolerances,
+            USUAL if tolerances is None else tolerances,
             n=n,
             seed=seed,
             wanted=wanted,
@@ -250,7 +253,7 @@ class Chain:
         *,
         along: Sequence[float] | None = None,
         one_way: bool = False,
-        reach: float = 0.020,
+        reach: float = REACH,
     ) -> Reprogramming:
         """The smallest displacement of one anchor after which the chain does what is wanted.
 

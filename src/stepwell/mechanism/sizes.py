@@ -92,6 +92,19 @@ def length(name: str, value: Size, lever: float, band: int | None = None) -> Ite
         yield Slip(name, value, meant(value, low, high), "m", why, band)
 
 
+def far(name: str, value: Size, lever: float) -> Iterator[Slip]:
+    """The same where a small one says nothing: of a grid, a search, a displacement."""
+    if _size(value) > lever:
+        yield from length(name, value, lever)
+
+
+def above(name: str, value: float, most: float) -> Iterator[Slip]:
+    """The slip of a tolerance or a reach [m] that is above a length of the mechanism."""
+    if value > most:
+        why = f"is above {most * 1e3:.4g} mm"
+        yield Slip(name, value, meant(value, 0.0, most), "m", why)
+
+
 def lever_of(name: str, lever: float) -> Iterator[Slip]:
     """The slip of a lever [m]."""
     low, high = LEVERS
@@ -207,9 +220,14 @@ def _size(value: Size) -> float:
 
 
 def _scaled(value: Size, grown: float) -> Size:
+    if isinstance(value, tuple):
+        return tuple(_grown(part, grown) for part in value)
+    return _grown(value, grown)
+
+
+def _grown(value: float, grown: float) -> float:
     # Divided where it shrinks: 40 / 1000 is 0.04, and 40 times 0.001 is its neighbour.
-    one = (lambda part: part * grown) if grown > 1 else (lambda part: part / (1 / grown))
-    return tuple(map(one, value)) if isinstance(value, tuple) else one(value)
+    return value * grown if grown > 1 else value / (1 / grown)
 
 
 def _shown(value: Size) -> str:
