@@ -689,7 +689,7 @@ def test_progress_never_goes_back_and_arrives():
         ({"sequence": NESTED, "within": ()}, "must be an AnchorBox or an AnchorPolygon"),
         ({"sequence": NESTED, "within": (PAPER_BOX,) * 2}, "2 regions for 3 cells"),
         ({"sequence": NESTED, "holes": 0.0}, "pitch = 0.0 m: must be > 0"),
-        ({"sequence": NESTED, "holes": 1e-9}, "must make at most"),
+        ({"sequence": NESTED, "holes": 1e-9, "unusual": True}, "must make at most"),
         ({"sequence": NESTED, "bands": ()}, "must be one Stock or more"),
         ({"sequence": NESTED, "lever": -0.01}, "must be > 0"),
         ({"sequence": NESTED, "lever": ()}, "must be > 0"),

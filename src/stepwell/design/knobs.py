@@ -43,7 +43,7 @@ class Knob:
 
     Attributes:
         name: such as "outer.q.x" or "actuator_stiffness".
-        cell: number of the cell from inside; None for the actuator.
+        cell: index of the cell in chain.cells; None for the actuator.
         part: what of it: "p", "q.x", "stiffness" and so on.
     """
 
@@ -136,7 +136,7 @@ def knob(chain: Chain, name: str) -> Knob:
         chain: whose parameter it is.
         name: "<cell>.p", "<cell>.q", "<cell>.q.x" and the like, "<cell>.stiffness",
             "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction", where <cell>
-            is a name in chain.names or a number from 0; or "actuator_stiffness".
+            is a name in chain.names or a number, 1 for the innermost; or "actuator_stiffness".
 
     Raises:
         ValueError: no such parameter; the message names the nearest one.
@@ -152,12 +152,13 @@ def knob(chain: Chain, name: str) -> Knob:
         if names.count(label) > 1:
             raise ValueError(
                 f"parameter {name!r}: {names.count(label)} cells are called {label!r}; take a "
-                f"number, 0 for the innermost: '{names.index(label)}.{part}'."
+                f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
             )
         if label in names:
             return Knob(f"{label}.{part}", names.index(label), part)
-        if label.isdecimal() and int(label) < len(names):
-            return Knob(f"{_label(names, int(label))}.{part}", int(label), part)
+        if label.isdecimal() and 1 <= int(label) <= len(names):
+            cell = int(label) - 1
+            return Knob(f"{_label(names, cell)}.{part}", cell, part)
     raise ValueError(_unknown(chain, name))
 
 
@@ -173,15 +174,15 @@ def knobs(chain: Chain) -> tuple[Knob, ...]:
 
 
 def _label(names: list[str], cell: int) -> str:
-    return names[cell] if names.count(names[cell]) == 1 else str(cell)
+    return names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
 
 
 def _unknown(chain: Chain, name: str) -> str:
-    numbered = (f"{cell}.{part}" for cell in range(len(chain)) for part in _PARTS)
+    numbered = (f"{cell}.{part}" for cell in range(1, len(chain) + 1) for part in _PARTS)
     known = [*(one.name for one in knobs(chain)), *numbered]
     near = get_close_matches(str(name), known, n=1, cutoff=0.5)
     guess = f" Did you mean {near[0]!r}?" if near else ""
-    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED]))
+    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED], 1))
     more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
     return (
         f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "

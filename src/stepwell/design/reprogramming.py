@@ -180,7 +180,7 @@ def reprogram(
         chain: any number of cells.
         target: a full cycle such as "00>01>11>10>00", or None for any other than now.
         by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
-            bands of the cell; <cell> is a name or a number from 0.
+            bands of the cell; <cell> is a name or a number, 1 for the innermost.
         along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
         one_way: only in the sense of `along`, not against it.
         reach: largest displacement that is looked at [m].

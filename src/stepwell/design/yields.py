@@ -310,7 +310,6 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
         )
-    meet(tolerances, chain)
     for name, value, least in (("n", n, 1), ("seed", seed, 0)):
         if int(value) != value or value < least:
             raise ValueError(f"{name} = {value!r}: must be a whole number >= {least}.")
@@ -320,6 +319,7 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )
+    meet(tolerances, chain)
 
 
 def _advice(tally: Tally, wanted: str) -> str:

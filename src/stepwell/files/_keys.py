@@ -60,6 +60,8 @@ def si(key: str, value: Any) -> Any:
     """A value of the file in SI; rows and points number by number."""
     if isinstance(value, tuple):
         return tuple(si(key, part) for part in value)
+    if key == "cell" and isinstance(value, int):
+        return value - 1  # people count from 1
     if not isinstance(value, Decimal):
         return value
     unit = unit_of(key)
@@ -76,6 +78,8 @@ def written(key: str, value: Any) -> str:
         return quoted(str(value))
     if isinstance(value, tuple):
         return array(written(key, part) for part in value)
+    if key == "cell":
+        return str(value + 1)
     unit = unit_of(key)
     if unit in ("mm", "g"):
         return units.toml(units.shortest(value, 3))

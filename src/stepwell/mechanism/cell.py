@@ -230,7 +230,7 @@ def _refuse_limit(limit: float) -> None:
     if least * (1 - 1e-12) <= limit <= most * (1 + 1e-12):
         return
     meant = math.radians(limit)
-    probably = f" Did you mean {meant:.6g} rad ({limit:.6g}°)?" if least < meant <= most else ""
+    probably = f" Did you mean {meant:.6g} rad ({limit:.6g}°)?" if sizes.LEAST_LIMIT <= meant <= most else ""
     raise ValueError(
         f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
         f"are in rad): below there is no travel to speak of, above the force at the stops is "

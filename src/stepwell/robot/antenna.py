@@ -23,7 +23,8 @@ class Antenna:
         length: of the rod [m], > 0.
         angle: from straight ahead at rest [rad], between 0 and π; the antenna whose tip points
             to the right carries a negative one.
-        leg, cell: the leg and the cell (number from inside, or name) whose anchor it moves.
+        leg, cell: the leg and the cell (index, 0 for the innermost, or name) whose anchor it
+            moves.
         moves: displacement of that anchor p at full swing [m], in the cell's frame.
         swing: largest rotation [rad], > 0, towards the back.
         hook: length of the bent tip [m], >= 0.

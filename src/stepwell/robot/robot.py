@@ -108,7 +108,7 @@ class Robot:
 
         Args:
             leg: its name.
-            cell: number from inside, from 0, or a name.
+            cell: index, 0 for the innermost, or a name.
             p, q: anchors [m]; None leaves them.
 
         Returns:
