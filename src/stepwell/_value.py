@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from typing import Any
 
@@ -27,6 +27,40 @@ class ByValue:
 
     def __hash__(self) -> int:
         return hash((type(self).__qualname__, _digest(_held(self, hashed=True))))
+
+
+class ReadOnly(Mapping[str, Any]):
+    """A mapping that nobody changes, and that can be copied and pickled."""
+
+    __slots__ = ("_held",)
+
+    def __init__(self, held: Mapping[str, Any]):
+        self._held = dict(held)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._held[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._held)
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+    def __repr__(self):
+        return repr(self._held)
+
+
+class Carried(Exception):
+    """An error that comes out of a pickle, as from another process, with all that it holds."""
+
+    def __reduce__(self):
+        return _carried, (type(self), self.args, self.__dict__)
+
+
+def _carried(kind: type[Carried], args: tuple[Any, ...], held: dict[str, Any]) -> Carried:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(held)
+    return error
 
 
 def same(a: Any, b: Any) -> bool:

@@ -40,7 +40,7 @@ def cycle(loading: Iterable[int], unloading: Iterable[int]) -> str:
 
 
 def paper_cell(x: float, y: float) -> sw.Cell:
-    return sw.Cell(sw.Band((-0.010, 0.0), (x, y)))
+    return sw.Cell(sw.Band((-0.010, 0.0), (x, y)), unusual=True)  # an anchor at 0.01 mm
 
 
 def refuses_nothing(made: Design, wanted: str) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc, sobol_indices
 
+from stepwell._value import ByValue
 from stepwell.design._draws import Draws
 
 Floats = NDArray[np.float64]
@@ -21,7 +22,7 @@ _CONSTANT = 1e-12  # of its size: a gap that varies less does not vary
 
 
 @dataclass(frozen=True, eq=False)
-class Sensitivities:
+class Sensitivities(ByValue):
     """Shares of the variance of the smallest gap, part by part.
 
     A part is "<cell>.d" (all anchors of its bands), "<cell>.stiffness", "<cell>.rest_length",

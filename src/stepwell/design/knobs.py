@@ -9,6 +9,7 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
@@ -34,8 +35,8 @@ _AXES = ("x", "y")
 _NAMED = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Knob:
+@dataclass(frozen=True, slots=True, eq=False)
+class Knob(ByValue):
     """One parameter of a chain, to be read and turned.
 
     Where a cell has several bands, the value is that of the first one, and turning it changes

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell._usual import REACH
+from stepwell._value import ByValue
 from stepwell.design import _asked, _exact
 from stepwell.design._sorted import SortedChain
 from stepwell.design.change import Change
@@ -22,7 +23,7 @@ _SHORT = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Margin:
+class Margin(ByValue):
     """How far a design is from another sequence, for every anchor and every stiffness.
 
     Attributes:

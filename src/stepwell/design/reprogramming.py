@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell._usual import REACH
+from stepwell._value import ByValue
 from stepwell._write import write_atomic
 from stepwell.design import _asked, _hunt
 from stepwell.design._full_cycle import full_cycle
@@ -36,7 +37,7 @@ _HAIRS = (1e-8, 1e-9, 1e-10)
 
 
 @dataclass(frozen=True, eq=False)
-class Reprogramming:
+class Reprogramming(ByValue):
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
     Attributes:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from stepwell._usual import ONE_BY_ONE
+from stepwell._value import ByValue
 from stepwell.design._draws import Draws
 from stepwell.design._interval import interval_95
 from stepwell.design.tolerances import USUAL, Tolerances, frictionless, meet
@@ -17,7 +18,7 @@ from stepwell.statics import StaticsError
 
 
 @dataclass(frozen=True, eq=False)
-class Survival:
+class Survival(ByValue):
     """How many of n mechanisms, made at random within tolerances, a program brings to its end.
 
     Attributes:

@@ -4,14 +4,15 @@ import math
 from dataclasses import dataclass, fields
 
 from stepwell import _usual
+from stepwell._value import ByValue
 from stepwell.mechanism import Chain, SlipError, sizes
 
 WAY = "If it is meant so, say unusual=True of a cell of the chain."
 _UNITS = {"anchor": "m", "stiffness": "1", "rest_length": "1", "lever": "m", "friction": "N"}
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerances:
+@dataclass(frozen=True, slots=True, eq=False)
+class Tolerances(ByValue):
     """How far the parts of a built mechanism may be from the drawing, each by itself.
 
     Args:

@@ -6,13 +6,13 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell._usual import ONE_BY_ONE, QUICKLY
+from stepwell._value import ByValue, ReadOnly
 from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
@@ -36,8 +36,8 @@ _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
-@dataclass(frozen=True, slots=True)
-class Critical:
+@dataclass(frozen=True, slots=True, eq=False)
+class Critical(ByValue):
     """The two cells whose order goes wrong first.
 
     Attributes:
@@ -64,7 +64,7 @@ class Critical:
 
 
 @dataclass(frozen=True, eq=False)
-class Yield:
+class Yield(ByValue):
     """How many of n mechanisms, made at random within tolerances, do what is wanted.
 
     Attributes:
@@ -275,7 +275,7 @@ def yields(
         target if states is None else f"states {' '.join(by_cells_at_1(states))}",
         None if states is None else by_cells_at_1(states),
         tally.successes,
-        MappingProxyType(tally.outcomes()),
+        ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
         "; ".join(filter(None, _assumptions(tally, n, drawing))),

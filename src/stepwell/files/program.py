@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from stepwell._value import ByValue
 from stepwell.files import _schema as schema, _units as units
 from stepwell.files._errors import value_text
 from stepwell.files._toml_text import array, quoted
@@ -23,8 +24,8 @@ NOTHING = 1 / 200
 _ROUND = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenProgram:
+@dataclass(frozen=True, slots=True, eq=False)
+class WrittenProgram(ByValue):
     """Turning points of the actuator as the table [program] of a design file holds them.
 
     Attributes:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check, curves
 from stepwell.mechanism._check import Vec2
 from stepwell.mechanism._geometry import band_length, length_slopes
@@ -14,8 +15,8 @@ from stepwell.mechanism.curves import Law, Linear, Table
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Band:
+@dataclass(frozen=True, slots=True, eq=False)
+class Band(ByValue):
     """A rubber band between two blocks.
 
     Slack bands carry nothing: below `rest_length` energy and force are zero, unless the band

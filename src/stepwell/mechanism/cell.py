@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check, curves, sizes
 from stepwell.mechanism._check import Vec2
 from stepwell.mechanism.band import Band
@@ -26,8 +27,8 @@ LIMITS = math.radians(LIMITS_DEG[0]), math.radians(LIMITS_DEG[1])
 _WAY = "If it is meant so, say unusual=True."
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell(ByValue):
     """Two blocks joined by two parallel levers, and what pulls on them.
 
     State 0 is θ = -limit, state 1 is θ = +limit; travel runs from 0 to `full_travel` between.
@@ -230,7 +231,11 @@ def _refuse_limit(limit: float) -> None:
     if least * (1 - 1e-12) <= limit <= most * (1 + 1e-12):
         return
     meant = math.radians(limit)
-    probably = f" Did you mean {meant:.6g} rad ({limit:.6g}°)?" if sizes.LEAST_LIMIT <= meant <= most else ""
+    probably = (
+        f" Did you mean {meant:.6g} rad ({limit:.6g}°)?"
+        if sizes.LEAST_LIMIT <= meant <= most
+        else ""
+    )
     raise ValueError(
         f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
         f"are in rad): below there is no travel to speak of, above the force at the stops is "

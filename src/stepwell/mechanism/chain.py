@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stepwell._usual import REACH
+from stepwell._value import ByValue
 from stepwell.mechanism import sizes
 from stepwell.mechanism._check import finite, short
 from stepwell.mechanism.cell import Cell, as_cells
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 SOFTEST, STIFFEST = 1e-6, 1e12
 
 
-@dataclass(frozen=True, slots=True)
-class Chain:
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain(ByValue):
     """Cells in series: the innermost block is fixed, the outermost is displaced.
 
     Args:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from stepwell._value import Carried
 from stepwell.mechanism.curves import Cubic, Table
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class Slip(NamedTuple):
         return f"{self.name} = {_shown(self.value)} {self.unit}: {self.why}.{probably}"
 
 
-class SlipError(ValueError):
+class SlipError(Carried, ValueError):
     """A size that is far off the mechanism's own.
 
     Args:
@@ -69,9 +70,6 @@ class SlipError(ValueError):
         self.slips = slips
         self.way = way
         super().__init__("\n".join([*map(str, slips[:-1]), f"{slips[-1]} {way}".rstrip()]))
-
-    def __reduce__(self):
-        return type(self), (self.slips, self.way)
 
 
 def meant(value: Size, low: float, high: float) -> Size | None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.physics._engine import Run, Samples, stopped_at
@@ -32,8 +33,8 @@ PER_CORE = 8
 CHUNK = 500  # steps at a time
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial(ByValue):
     """What one robot of a sweep did.
 
     Attributes:
@@ -69,8 +70,8 @@ class Trial:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Sweep:
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep(ByValue):
     """What many robots did.
 
     Attributes:

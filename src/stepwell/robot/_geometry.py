@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from stepwell.robot.antenna import Antenna
     from stepwell.robot.leg import Leg
     from stepwell.robot.robot import Robot
 

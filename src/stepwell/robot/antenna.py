@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Antenna:
+@dataclass(frozen=True, slots=True, eq=False)
+class Antenna(ByValue):
     """A rod on a vertical hinge, coupled to the anchor p of one cell.
 
     Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Chain, _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Leg:
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg(ByValue):
     """A chain that carries a foot.
 
     The innermost block is part of the body and the chain extends backwards, so that a cell

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from stepwell._value import ByValue
 from stepwell.mechanism._check import Vec2
 from stepwell.robot._geometry import problems
 from stepwell.robot.antenna import Antenna
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Robot:
+@dataclass(frozen=True, slots=True, eq=False)
+class Robot(ByValue):
     """Legs on one actuator, under a body that rests on a T-foot.
 
     Args:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Mask
 
 
-@dataclass(frozen=True, slots=True)
-class Scrambling:
+@dataclass(frozen=True, slots=True, eq=False)
+class Scrambling(ByValue):
     """Two cells whose order depends on the state of the others.
 
     Attributes:

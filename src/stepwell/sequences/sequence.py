@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+from stepwell._value import ByValue
 
-@dataclass(frozen=True)
-class Sequence:
+
+@dataclass(frozen=True, eq=False)
+class Sequence(ByValue):
     """States with every cell at a stop, in the order of the visit, such as 00>10>11>01>00.
 
     Kept as what flips from one vertex to the next, so that it stays small for long chains.
