@@ -153,7 +153,7 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     return tuple(
         Slip(f"turning_points[{i}]", drive, likely, unit, why)
         for i, drive in enumerate(points.tolist())
-        if abs(drive) > noticed and (likely := meant(drive, 0.0, most)) is not None
+        if abs(drive) > noticed and (likely := meant(drive, 0.0, 10 * most)) is not None
     )
 
 
