@@ -56,7 +56,7 @@ def any_cell(rng: np.random.Generator, friction: bool = True) -> sw.Cell:
                 load = sw.Load(tuple(knots), tuple(rng.uniform(-0.2, 0.2, len(knots))))
         rub = rng.uniform(0.005, 0.1) if friction and rng.random() < 0.3 else 0.0
         try:
-            cell = sw.Cell(bands, lever, limit, load=load, friction=rub)
+            cell = sw.Cell(bands, lever, limit, load=load, friction=rub, unusual=True)
         except ValueError:
             continue
         # Bands that all but fold onto themselves make forces no step size resolves: the

@@ -68,7 +68,7 @@ def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell,
         assert getattr(moved, force) == pytest.approx(getattr(inner, force), abs=1e-8)
 
 
-@pytest.mark.parametrize("cell", ["inner", "0"])
+@pytest.mark.parametrize("cell", ["inner", "1"])
 def test_the_inner_cell_can_move_too(stepwell, cell):
     record = json.loads(stepwell("map", "forward.toml", *SMALL, "--cell", cell, "--json").stdout)
     assert record["moved_cell"] == "inner"
@@ -86,8 +86,8 @@ def test_bands_with_anchors_of_their_own_have_no_single_place_on_the_map():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--cell", "oter"), "'oter': must be one of inner (0), outer (1)."),
-        (("--cell", "2"), "'2': must be one of inner (0), outer (1)."),
+        (("--cell", "oter"), "'oter': must be one of inner (1), outer (2)."),
+        (("--cell", "3"), "'3': must be one of inner (1), outer (2)."),
         (("--x", "0:20"), "'0:20': must be FROM:TO:COUNT in mm, as in 0:20:200."),
         (("--x", "a:b:c"), "'a:b:c': must be FROM:TO:COUNT in mm"),
         (("--y", "20:0:200"), "'20:0:200': must rise"),

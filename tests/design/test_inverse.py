@@ -40,7 +40,7 @@ def cycle(loading: Iterable[int], unloading: Iterable[int]) -> str:
 
 
 def paper_cell(x: float, y: float) -> sw.Cell:
-    return sw.Cell(sw.Band((-0.010, 0.0), (x, y)))
+    return sw.Cell(sw.Band((-0.010, 0.0), (x, y)), unusual=True)  # an anchor at 0.01 mm
 
 
 def refuses_nothing(made: Design, wanted: str) -> None:
@@ -689,7 +689,7 @@ def test_progress_never_goes_back_and_arrives():
         ({"sequence": NESTED, "within": ()}, "must be an AnchorBox or an AnchorPolygon"),
         ({"sequence": NESTED, "within": (PAPER_BOX,) * 2}, "2 regions for 3 cells"),
         ({"sequence": NESTED, "holes": 0.0}, "pitch = 0.0 m: must be > 0"),
-        ({"sequence": NESTED, "holes": 1e-9}, "must make at most"),
+        ({"sequence": NESTED, "holes": 1e-9, "unusual": True}, "must make at most"),
         ({"sequence": NESTED, "bands": ()}, "must be one Stock or more"),
         ({"sequence": NESTED, "lever": -0.01}, "must be > 0"),
         ({"sequence": NESTED, "lever": ()}, "must be > 0"),

@@ -96,12 +96,12 @@ def test_several_bands_are_shifted_alike_and_scaled_alike():
         sw.Band((0.001, 0.0), (0.012, 0.003), stiffness=30.0, rest_length=0.006),
     )
     chain = sw.Chain((sw.Cell(bands),))
-    moved = knob(chain, "0.q").turned(chain, (0.011, -0.002)).cells[0].bands
+    moved = knob(chain, "1.q").turned(chain, (0.011, -0.002)).cells[0].bands
     np.testing.assert_allclose([band.q for band in moved], [(0.011, -0.002), (0.013, 0.001)])
     assert [band.p for band in moved] == [band.p for band in bands]
-    stiff = knob(chain, "0.stiffness").turned(chain, 10.0).cells[0].bands
+    stiff = knob(chain, "1.stiffness").turned(chain, 10.0).cells[0].bands
     assert [band.stiffness for band in stiff] == [10.0, 15.0]
-    long = knob(chain, "0.rest_length").turned(chain, 0.002).cells[0].bands
+    long = knob(chain, "1.rest_length").turned(chain, 0.002).cells[0].bands
     assert [band.rest_length for band in long] == pytest.approx([0.002, 0.003])
 
 
@@ -112,7 +112,7 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
     )
     chain = sw.Chain((sw.Cell(bands),))
     with pytest.raises(ValueError, match="put a band with a rest length first"):
-        knob(chain, "0.rest_length").turned(chain, 0.002)
+        knob(chain, "1.rest_length").turned(chain, 0.002)
 
 
 @pytest.mark.parametrize(
@@ -122,17 +122,17 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
         ("outer.qx", "outer.q.x"),
         ("outer.stifness", "outer.stiffness"),
         ("actuator", "actuator_stiffness"),
-        ("0.restlength", "0.rest_length"),
+        ("1.restlength", "1.rest_length"),
         ("outer.restlength", "outer.rest_length"),
     ],
 )
 def test_an_unknown_name_is_answered_with_the_nearest_one(name, meant):
     with pytest.raises(ValueError, match=f"parameter {name!r}.*Did you mean {meant!r}") as refused:
         knob(PAIR, name)
-    assert "'inner' or 0, 'outer' or 1" in str(refused.value)
+    assert "'inner' or 1, 'outer' or 2" in str(refused.value)
 
 
-@pytest.mark.parametrize("name", ["", "2.p", "zzz", "inner", "-1.q"])
+@pytest.mark.parametrize("name", ["", "0.p", "3.p", "zzz", "inner", "-1.q"])
 def test_what_is_near_nothing_is_refused_with_all_that_is_allowed(name):
     with pytest.raises(ValueError, match=r"must be 'actuator_stiffness' or '<cell>.<what>'"):
         knob(PAIR, name)
@@ -143,14 +143,14 @@ def test_names_with_dots_and_numbers_mean_the_cell_of_that_name_first():
     assert knob(chain, "1.q").cell == 0
     assert knob(chain, "leg.2.q.x").cell == 1
     assert knob(chain, "cell 3.stiffness").cell == 2
-    assert knob(chain, "2.stiffness").name == "cell 3.stiffness"
+    assert knob(chain, "3.stiffness").name == "cell 3.stiffness"
 
 
 def test_two_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain((cell(10, 0, name="leg"), cell(15, 0, name="leg")))
-    with pytest.raises(ValueError, match=r"2 cells are called 'leg'.*'0.p'"):
+    with pytest.raises(ValueError, match=r"2 cells are called 'leg'.*'1.p'"):
         knob(chain, "leg.p")
-    assert [one.name for one in knobs(chain)][:2] == ["0.p", "0.q"]
+    assert [one.name for one in knobs(chain)][:2] == ["1.p", "1.q"]
     assert knob(chain, "1.p").name == "1.p"
 
 
@@ -163,7 +163,7 @@ def test_two_cells_of_one_name_are_told_apart_by_number():
         ("inner.limit", 1.6, "0.01° to 89.9°"),
         ("inner.q", 0.010, r"must be a place \(x, y\)"),
         ("inner.q.x", math.inf, "must be finite"),
-        ("actuator_stiffness", -1.0, "must be from 1e-06"),
+        ("actuator_stiffness", -1.0, "must be from 1e-6"),
     ],
 )
 def test_a_value_that_cannot_be_is_refused(name, value, words):

@@ -150,11 +150,11 @@ def test_a_chain_of_many_cells_is_mapped_and_its_sequences_told_by_their_moves()
     rng = np.random.default_rng(7)
     chain = concave_chain(rng, 15)
     line = np.linspace(20.0, 40.0, 5)
-    data = parameter_map(chain, ("3.stiffness", line), ("8.stiffness", line))
+    data = parameter_map(chain, ("4.stiffness", line), ("9.stiffness", line))
     assert data.attrs["closed_form_designs"] == 25
     words = meaning(data, 2, 3)
     assert words.startswith("moves:")
-    result = design(chain, ("3.stiffness", "8.stiffness"), (line[3], line[2])).cycle()
+    result = design(chain, ("4.stiffness", "9.stiffness"), (line[3], line[2])).cycle()
     assert words == "moves:" + ",".join(str(flip[0]) for flip in result.sequence.flips)
 
 
@@ -176,7 +176,7 @@ def test_two_equal_cells_are_degenerate_and_no_others():
 
 
 def test_the_map_names_its_axes_with_their_units():
-    data = parameter_map(PAPER, ("inner.stiffness", [20, 30]), ("1.q.x", [0.01, 0.02]))
+    data = parameter_map(PAPER, ("inner.stiffness", [20, 30]), ("2.q.x", [0.01, 0.02]))
     assert data.x.attrs == {"long_name": "inner.stiffness", "units": "N/m"}
     assert data.y.attrs == {"long_name": "outer.q.x", "units": "m"}
     assert data.sizes == {"y": 2, "x": 2}
@@ -275,8 +275,8 @@ def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
 
 def test_wherever_neighbours_on_a_map_differ_a_curve_passes_between():
     x, y = np.linspace(0.002, 0.012, 21), np.linspace(0.0, 0.020, 21)
-    data = parameter_map(THREE, ("0.rest_length", x), ("2.q.x", y))
-    found = parameter_boundaries(THREE, ("0.rest_length", x), ("2.q.x", y), search=21)
+    data = parameter_map(THREE, ("1.rest_length", x), ("3.q.x", y))
+    found = parameter_boundaries(THREE, ("1.rest_length", x), ("3.q.x", y), search=21)
     assert {curve.parameters for curve in found} == {("cell 1.rest_length", "cell 3.q.x")}
     points = np.concatenate([curve.points for curve in found])
     step = np.array([x[1] - x[0], y[1] - y[0]])
@@ -292,7 +292,7 @@ def test_wherever_neighbours_on_a_map_differ_a_curve_passes_between():
 def test_a_long_chain_names_the_cells_that_change_places():
     chain = concave_chain(np.random.default_rng(8), 6)
     found = parameter_boundaries(
-        chain, ("2.q.x", (0.0, 0.020)), ("2.q.y", (-0.010, 0.010)), search=31
+        chain, ("3.q.x", (0.0, 0.020)), ("3.q.y", (-0.010, 0.010)), search=31
     )
     named = [curve.changes for curve in found]
     assert any("cell 3" in text and "change places while" in text for text in named)
@@ -321,7 +321,7 @@ def test_a_curve_prints_what_changes_and_how_it_was_found():
 @pytest.mark.parametrize(
     ("x", "y", "words"),
     [
-        (("inner.q.x", [0.0, 1.0]), ("0.q.x", [0.0, 1.0]), "are both 'inner.q.x'"),
+        (("inner.q.x", [0.0, 0.1]), ("1.q.x", [0.0, 0.1]), "are both 'inner.q.x'"),
         (("inner.q", [0.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "is a place, not a number"),
         (("inner.stiffness", [-1.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "must be > 0"),
         (("inner.limit", [0.5, 2.0]), ("outer.q.x", [0.0, 1.0]), "0.01° to 89.9°"),

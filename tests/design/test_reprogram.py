@@ -195,7 +195,7 @@ def test_where_the_other_cells_do_not_do_their_part_there_is_no_displacement():
     chain = sw.Chain((cell(10, 0), cell(20, 0), cell(15, 0)))
     # The middle cell comes before the last one both ways, whatever the first one does.
     wanted = "000>100>110>111>101>100>000"
-    result = reprogram(chain, wanted, "0.q", reach=0.004)
+    result = reprogram(chain, wanted, "1.q", reach=0.004)
     assert math.isinf(result.distance)
     assert result.method == "exact"
     assert (result.chain_after, result.after) == (None, "")

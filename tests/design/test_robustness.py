@@ -23,7 +23,8 @@ R, LIMIT = 0.010 * math.sqrt(2.0), math.pi / 4
 
 def row(*x: float) -> sw.Chain:
     """Cells with d_y = 0 and these q_x [mm]."""
-    return sw.Chain([sw.Cell(sw.Band((-0.010, 0.0), (mm * 1e-3, 0.0))) for mm in x])
+    bands = (sw.Band((-0.010, 0.0), (mm * 1e-3, 0.0)) for mm in x)
+    return sw.Chain([sw.Cell(band, unusual=True) for band in bands])  # an anchor at 0.01 mm
 
 
 def by_brute_force(x: tuple[float, ...]) -> float:

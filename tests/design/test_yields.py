@@ -468,7 +468,7 @@ def test_a_single_cell_has_no_gap_to_vary():
 def test_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain([replace(cell(x), name="leg") for x in (10, 14)])
     found = yields(chain, Tolerances(lever=1e-4), n=5, sensitivity=True).sensitivities
-    assert found is not None and found.parameters == ("0.lever", "1.lever")
+    assert found is not None and found.parameters == ("1.lever", "2.lever")
 
 
 # --- the result -------------------------------------------------------------------------------

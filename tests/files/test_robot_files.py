@@ -245,13 +245,18 @@ def test_a_leg_may_have_cells_of_its_own_and_takes_the_rest_from_the_chain():
         ),
         (
             LEAST + ANTENNA + 'cell = "iner"',
-            "robot.toml: antenna 'left': cell = 'iner' of leg 'right': must be one of 'inner', "
-            "'outer' or a number from 0 to 1.",
+            "robot.toml: antenna 'left': leg 'right' has no cell 'iner': must be one of 'inner', "
+            "'outer', or a number up to 2 (index 1 in Python).",
+        ),
+        (
+            LEAST + ANTENNA + "cell = 3",
+            "robot.toml: antenna 'left': leg 'right' has no cell 3 (index 2 in Python): must be "
+            "one of 'inner', 'outer', or a number up to 2 (index 1 in Python).",
         ),
         (
             LEAST + ANTENNA + "cell = 1.5",
             "robot.toml: antenna[0].cell = 1.5: must be the name of a cell in quotes, or its "
-            'number from 0, as in "inner" or 0.',
+            'number, 1 for the innermost, as in "inner" or 1.',
         ),
         (
             LEAST + ANTENNA.replace("length_mm = 130\n", ""),

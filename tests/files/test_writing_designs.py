@@ -60,6 +60,7 @@ def cells(draw) -> Cell:
             load,
             draw(st.just(0.0) | within(1e-6, 1.0)),
             draw(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=9)),
+            unusual=True,
         )
     except ValueError:  # a band whose two ends meet
         assume(False)
@@ -146,9 +147,9 @@ def test_a_law_that_only_some_bands_have_is_not_shared():
 
 
 def test_a_law_that_ends_without_tension_is_written_as_a_shape():
-    band = Band((-0.01, 0), (0.01, 0), law=Table((0.0, 0.01, 0.02), (0.0, 0.01, -0.001)))
+    band = Band((-0.01, 0), (0.01, 0), law=Table((0.0, 0.01, 0.02), (0.0, 0.01, 0.0)))
     text = dumps(Chain((Cell(band),)))
-    assert "shape_mm = [[0, 0], [10, 10], [20, -1]]" in text
+    assert "shape_mm = [[0, 0], [10, 10], [20, 0]]" in text
     assert loads(text).cells[0].band == band
 
 
@@ -165,7 +166,7 @@ def test_a_file_that_would_read_back_otherwise_is_never_written(tmp_path, monkey
     [
         ({"title": "two\nlines"}, "title"),
         ({"title": "\ud800"}, "title"),
-        ({"cells": (Cell(Band((0, 0), (2e3, 0))),)}, r"chain.cell\[0\].q_mm"),
+        ({"cells": (Cell(Band((0, 0), (2e3, 0)), unusual=True),)}, r"chain.cell\[0\].q_mm"),
     ],
 )
 def test_what_no_file_may_hold_is_refused_before_anything_is_written(tmp_path, change, key):

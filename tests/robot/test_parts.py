@@ -113,7 +113,7 @@ def test_a_cell_of_a_leg_is_found_by_number_and_by_name():
 
 
 def test_a_cell_that_a_leg_has_not_is_answered_with_those_it_has():
-    with pytest.raises(ValueError, match="'inner', 'outer' or a number from 0 to 1"):
+    with pytest.raises(ValueError, match="'inner', 'outer', or a number up to 2"):
         Leg("left", CHAIN, (0.0, 0.05)).cell_index("middle")
 
 

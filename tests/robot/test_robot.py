@@ -76,7 +76,7 @@ def test_every_reason_is_found_at_once():
     ("change", "says"),
     [
         ({"leg": "middle"}, "leg = 'middle': must be one of 'left', 'right'"),
-        ({"cell": "knee"}, "cell = 'knee'"),
+        ({"cell": "knee"}, "no cell 'knee'"),
     ],
 )
 def test_an_antenna_on_no_leg_or_cell_is_refused(change, says):

@@ -388,7 +388,7 @@ def test_an_order_that_depends_on_a_third_cell_is_scrambled():
     assert [(s.cells, s.direction) for s in found.scrambling] == [((1, 2), 1)]
     scrambled = found.scrambling[0]
     assert (scrambled.i_first, scrambled.j_first, scrambled.reachable) == ("000", "100", True)
-    assert repr(scrambled) == "Scrambling(up: cell 1 before 2 from 000, not 100)"
+    assert repr(scrambled) == "Scrambling(up: cell 2 before 3 from 000, not 100)"
     assert "cell 2 up before cell 3 from 000, after it from 100\n" in str(found)
 
 

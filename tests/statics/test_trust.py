@@ -211,7 +211,7 @@ def far_cell(rng: np.random.Generator) -> sw.Cell:
     far = 10 ** rng.uniform(0, 3)
     q = far * rng.choice([-1.0, 0.5, 1.0]), far * rng.choice([0.0, 1e-6, 1e-3, 0.1, 1.0])
     law = sw.Cubic(rng.uniform(-20, 5), rng.uniform(0, 3000)) if rng.random() < 0.7 else sw.Linear()
-    return sw.Cell(sw.Band((-0.010, 0.0), q, law=law))
+    return sw.Cell(sw.Band((-0.010, 0.0), q, law=law), unusual=True)
 
 
 @settings(max_examples=examples(20))

@@ -60,16 +60,16 @@ def grid(text: str | Grid) -> Grid:
 
 
 def cell_of(chain: "Chain", text: str) -> int:
-    """The number of the cell a user means by a name, inner, outer or a number."""
+    """The index of the cell a user means by a name, inner, outer or a number from 1."""
     names = chain.names
     if names.count(text) == 1:
         return names.index(text)
     ends = {"inner": 0, "outer": len(chain) - 1}
     if text in ends and text not in names:
         return ends[text]
-    if text.isdecimal() and text.isascii() and int(text) < len(chain) and text not in names:
-        return int(text)
-    known = ", ".join(f"{name} ({number})" for number, name in enumerate(names[:12]))
+    if text.isdecimal() and text.isascii() and 1 <= int(text) <= len(chain) and text not in names:
+        return int(text) - 1
+    known = ", ".join(f"{name} ({number})" for number, name in enumerate(names[:12], 1))
     raise typer.BadParameter(f"{text!r}: must be one of {known}.", param_hint="--cell")
 
 

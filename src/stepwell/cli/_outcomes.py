@@ -34,13 +34,16 @@ class Commands(TyperGroup):
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
-    from stepwell.files import DesignError
+    from stepwell.files import DesignError, slips_text
     from stepwell.lab import LabError
+    from stepwell.mechanism import SlipError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
 
     if isinstance(error, DesignError | LabError):
         return WRONG_INPUT, str(error)
+    if isinstance(error, SlipError):
+        return WRONG_INPUT, slips_text(error)
     if isinstance(error, Unreachable):
         return NO, str(error)
     if isinstance(error, StaticsError):

@@ -6,8 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stepwell import _usual
+
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
+
+ANCHOR_MM, STIFFNESS_PERCENT = _usual.ANCHOR * 1e3, _usual.STIFFNESS * 1e2
 
 Anchor = Annotated[
     float,
@@ -39,8 +43,8 @@ Samples = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        help="How many mechanisms are made at random; 100000, or 500 where each is followed along "
-        "a program or all its branches.",
+        help=f"How many mechanisms are made at random; {_usual.QUICKLY}, or {_usual.ONE_BY_ONE} "
+        "where each is followed by the engine.",
         show_default=False,
         min=1,
     ),

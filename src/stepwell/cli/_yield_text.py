@@ -12,6 +12,7 @@ def show(record: dict[str, Any]) -> None:
     title = [record["title"], ""] if record["title"] else []
     show_lines(*title, *lines(record, record["cells"]))
     if "outcomes" not in record:
+        show_text(record["assumptions"])
         return
     if record["advice"]:
         show_text(record["advice"])

@@ -72,6 +72,11 @@ _Force = Annotated[
 ]
 
 
+_Unusual = Annotated[
+    bool, typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit.")
+]
+
+
 def design(
     target: _Target,
     x: _Side = ACROSS,
@@ -83,11 +88,12 @@ def design(
     objective: _Objective = Objective.YIELD,
     force_limit: _Force = None,
     drive: NewDrive = None,
-    anchor: given.Anchor = 0.3,
-    stiffness_spread: given.StiffnessSpread = 5.0,
+    anchor: given.Anchor = given.ANCHOR_MM,
+    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
+    unusual: _Unusual = False,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
@@ -127,6 +133,7 @@ def design(
                 objective=objective.value,
                 most_force=math.inf if force_limit is None else force_limit,
                 actuator_stiffness=stiffness_of(drive),
+                unusual=unusual,
                 n=samples,
                 seed=seed,
                 progress=tell,

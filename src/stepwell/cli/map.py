@@ -22,7 +22,10 @@ _Axis = Annotated[
 ]
 _Cell = Annotated[
     str,
-    typer.Option(help="Whose anchor q moves: a cell's name, inner, outer, or its number from 0."),
+    typer.Option(
+        help="Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the "
+        "innermost."
+    ),
 ]
 _Knob = Annotated[
     KnobRange | None,

@@ -5,6 +5,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
+from stepwell._usual import REACH
 from stepwell.cli._options import Design, Json, Out
 
 _By = Annotated[
@@ -71,7 +72,7 @@ def reprogram(
     target: _Target = None,
     line: _Along = None,
     one_way: _OneWay = False,
-    reach: _Reach = 20.0,
+    reach: _Reach = REACH * 1e3,
     out: Out = None,
     as_json: Json = False,
 ) -> None:

@@ -33,8 +33,8 @@ _Sensitivity = Annotated[
 
 def yield_(
     design: Design,
-    anchor: given.Anchor = 0.3,
-    stiffness_spread: given.StiffnessSpread = 5.0,
+    anchor: given.Anchor = given.ANCHOR_MM,
+    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
@@ -67,14 +67,14 @@ def yield_(
         if wanted or sensitivity:
             option = "--wanted" if wanted else "--sensitivity"
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
-        record, names = _survival(text, design, spread, samples or 500, seed, out)
+        record, names = _survival(text, design, spread, samples, seed, out)
     else:
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
             found = yields(
                 files.loads_chain(text, design),
                 spread,
-                n=samples or (500 if states else 100_000),
+                n=samples,
                 seed=seed,
                 wanted=states or wanted,
                 sensitivity=sensitivity,
@@ -92,7 +92,7 @@ def yield_(
 
 
 def _survival(
-    text: str, design: str, spread: "Tolerances", samples: int, seed: int, out: Path | None
+    text: str, design: str, spread: "Tolerances", samples: int | None, seed: int, out: Path | None
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """How many mechanisms the design's own program brings where it should, and files written."""
     from stepwell import files

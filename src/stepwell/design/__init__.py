@@ -12,7 +12,7 @@ from stepwell.design.boundary import Boundary, BoundaryKind
 from stepwell.design.change import Change
 from stepwell.design.designed import Design
 from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import USUAL, design
+from stepwell.design.inverse import design
 from stepwell.design.knobs import Knob, knob, knobs
 from stepwell.design.limits import boundaries
 from stepwell.design.maps import transition_map
@@ -28,7 +28,7 @@ from stepwell.design.reprogramming import Reprogramming, reprogram
 from stepwell.design.robustness import Robustness, robustness
 from stepwell.design.stock import PAPER_BAND, Stock
 from stepwell.design.survival import Survival, survival
-from stepwell.design.tolerances import Tolerances
+from stepwell.design.tolerances import USUAL, Tolerances
 from stepwell.design.yields import Critical, Sensitivities, Yield, yields
 
 __all__ = [

@@ -1,6 +1,7 @@
 """Where a cell stops having two stable states, in the plane of its anchor q."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,8 @@ def _taut(cell: Cell, grid: Floats) -> bool:
 def _searched(cell: Cell, name: str, box: Box, nodes: int) -> list[Boundary]:
     def ask(q: Floats) -> int:
         try:
-            return int(cell.with_anchors(q=(float(q[0]), float(q[1]))).is_bistable)
+            bands = tuple(replace(band, q=(float(q[0]), float(q[1]))) for band in cell.bands)
+            return int(replace(cell, band=bands).is_bistable)
         except ValueError:
             return -1
 

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
+
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Box:
+@dataclass(frozen=True, eq=False)
+class Box(ByValue):
     """A rectangle in the plane of an anchor [m]."""
 
     left: float

@@ -58,11 +58,13 @@ class Kind:
     Attributes:
         band: from the catalogue.
         lever, limit: of the cell [m], [rad].
+        unusual: whether odd sizes are meant.
     """
 
     band: Stock
     lever: float
     limit: float
+    unusual: bool = False
 
     @cached_property
     def cell(self) -> Simple:
@@ -104,7 +106,8 @@ class Rule:
         """
         kind = self.kinds[k]
         band = Band(self.p, q, kind.band.stiffness, kind.band.rest_length)
-        return Cell(band, kind.lever, kind.limit)
+        # Wherever the search went, nobody has typed it.
+        return replace(Cell(band, kind.lever, kind.limit, unusual=True), unusual=kind.unusual)
 
     def combined(self, a: Floats, b: Floats) -> Floats:
         """How far two end forces may come out nearer than drawn."""

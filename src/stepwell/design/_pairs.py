@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell._limits import require
-from stepwell.mechanism import Cell, Chain
+from stepwell.design.tolerances import WAY
+from stepwell.mechanism import Cell, Chain, SlipError, sizes
 from stepwell.statics.concave import Simple, certify, simple
 
 Floats = NDArray[np.float64]
@@ -15,7 +16,8 @@ Floats = NDArray[np.float64]
 def moved(chain: Chain, cell: int, x: float, y: float) -> Chain:
     """The chain with the bands of one cell anchored at q = (x, y) [m] on its outer block."""
     cells = list(chain.cells)
-    cells[cell] = cells[cell].with_anchors(q=(x, y))
+    bands = tuple(replace(band, q=(x, y)) for band in cells[cell].bands)
+    cells[cell] = replace(cells[cell], band=bands)
     return replace(chain, cells=tuple(cells))
 
 
@@ -54,6 +56,14 @@ def require_places(across: int, up: int, each: int) -> None:
     """Refuse a map of too many places of `each` bytes before memory is asked for."""
     memory = across * up * each / 2**30
     require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
+
+
+def refuse_far(chain: Chain, cell: int, x: Floats, y: Floats) -> None:
+    """Raise SlipError for a grid that is far outside the cell whose anchor it shows."""
+    corner = float(max(x, key=abs)), float(max(y, key=abs))
+    far = tuple(sizes.far("(x, y)", corner, chain.cells[cell].lever))
+    if far and not chain.unusual:
+        raise SlipError(far, WAY)
 
 
 def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:

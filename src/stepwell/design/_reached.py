@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.design._orders import Orders, by_cells_at_1
 from stepwell.design._pairs import closed
 from stepwell.mechanism import Chain
@@ -16,8 +17,8 @@ MOST_CELLS = 8
 _SHOWN = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Reached:
+@dataclass(frozen=True, slots=True, eq=False)
+class Reached(ByValue):
     """States with every cell at a stop that can be reached from all cells at 0.
 
     Attributes:

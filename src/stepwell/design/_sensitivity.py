@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc, sobol_indices
 
+from stepwell._value import ByValue
 from stepwell.design._draws import Draws
 
 Floats = NDArray[np.float64]
@@ -21,11 +22,11 @@ _CONSTANT = 1e-12  # of its size: a gap that varies less does not vary
 
 
 @dataclass(frozen=True, eq=False)
-class Sensitivities:
+class Sensitivities(ByValue):
     """Shares of the variance of the smallest gap, part by part.
 
     A part is "<cell>.d" (all anchors of its bands), "<cell>.stiffness", "<cell>.rest_length",
-    "<cell>.lever" or "<cell>.friction", with <cell> its name, or its number from 0 where names
+    "<cell>.lever" or "<cell>.friction", with <cell> its name, or its number from 1 where names
     repeat; only parts with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f
     being friction. It tells the order of cells whose force falls all the way; of others it need
     not, and `agreed` says how well it did. F0 and F1 of a cell of one linear band without a load
@@ -136,7 +137,7 @@ def _groups(draws: Draws) -> dict[str, list[int]]:
     found: dict[str, list[int]] = {}
     names, first = draws.chain.names, 0
     for i, name in enumerate(names):
-        cell = name if names.count(name) == 1 else i
+        cell = name if names.count(name) == 1 else i + 1
         bands = range(first, first + len(draws.chain.cells[i].bands))
         first = bands.stop
         for part, columns in (

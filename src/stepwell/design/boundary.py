@@ -6,6 +6,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
+
 # Width [m] at which a search stops.
 RESOLVED = 1e-9
 
@@ -20,7 +22,7 @@ class BoundaryKind(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Boundary:
+class Boundary(ByValue):
     """A curve in the plane of an anchor q, across which the chain does something else.
 
     Attributes:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
@@ -37,7 +38,7 @@ def _with_bands(chain: Chain, cell: int, bands: tuple[Band, ...]) -> Chain:
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class Change(ByValue):
     """The smallest change of one thing about one cell after which the chain does otherwise.
 
     Attributes:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.design._full_cycle import short
 from stepwell.design._reached import Reached, reached
 from stepwell.design._sorted import SortedChain
@@ -19,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(ByValue):
     """A chain that does what is wanted, and how surely.
 
     Attributes:

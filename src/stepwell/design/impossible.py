@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import Carried
 from stepwell.design._attempt import Attempt
 from stepwell.design._candidates import TIE
 from stepwell.design._full_cycle import short
@@ -14,7 +15,7 @@ from stepwell.design._goal import Goal
 Floats = NDArray[np.float64]
 
 
-class Impossible(ValueError):
+class Impossible(Carried, ValueError):
     """What is wanted cannot be had within what is allowed; `str` of it says why.
 
     Attributes:

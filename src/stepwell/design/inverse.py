@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepwell._usual import ONE_BY_ONE, QUICKLY
 from stepwell.design._attempt import Attempt
 from stepwell.design._box import Box
 from stepwell.design._candidates import Kind, Rule
@@ -19,20 +20,16 @@ from stepwell.design._tries import Placed, Tries
 from stepwell.design.designed import Design
 from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, Region
 from stepwell.design.stock import PAPER_BAND, Stock
-from stepwell.design.tolerances import Tolerances
+from stepwell.design.tolerances import USUAL, Tolerances, refuse_slips
 from stepwell.design.yields import Yield, yields
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, SlipError, sizes
 from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
 
-USUAL = Tolerances(anchor=0.0003, stiffness=0.05)
-"""What a careful workshop with a bag of rubber bands can do."""
-
 PAPER_LEVER = 0.010 * math.sqrt(2.0)
+_WAY = "If it is meant so, say unusual=True."
 _OBJECTIVES = ("yield", "worst")
-# Mechanisms made for a yield: judged by their end forces, or followed one by one.
-_QUICKLY, _ONE_BY_ONE = 100_000, 500
 
 
 def design(
@@ -51,6 +48,7 @@ def design(
     objective: str = "yield",
     most_force: float = math.inf,
     actuator_stiffness: float = math.inf,
+    unusual: bool = False,
     n: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
@@ -83,6 +81,7 @@ def design(
             displacement that all outer anchors may have at once, as `robustness` tells.
         most_force: that the actuator has: no |F0| or |F1| is larger [N].
         actuator_stiffness: K, infinite for a prescribed stroke [N/m].
+        unusual: True where sizes far off the levers are meant, as for a Cell.
         n: mechanisms made at random for the yield; by default 100,000 where their end forces
             tell what they do, and 500 where the engine has to follow each.
         seed: which ones.
@@ -96,13 +95,15 @@ def design(
         Impossible: nothing that is allowed does it, with the proof; or, and it says so, none was
             found. Among holes the closed form decides all choices of cells proved concave, and
             the engine tries the others, as many as take some seconds.
-        ValueError: a wish or a number that makes no sense.
+        ValueError: a wish or a number that makes no sense, or is probably in another unit.
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
     goal, regions = _wanted(sequence, states, cells, within)
     levers = [float(r) for r in np.atleast_1d(lever)]
     _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
+    if not unusual:
+        _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
     sets = [[(band, r) for band in bands] for r in levers]
     mixed = not equal_levers and len(levers) > 1
     if mixed:
@@ -110,7 +111,7 @@ def design(
     rules = [
         Rule(
             (float(p[0]), float(p[1])),
-            tuple(Kind(band, r, float(limit)) for band, r in kinds),
+            tuple(Kind(band, r, float(limit), unusual) for band, r in kinds),
             tolerances,
             float(most_force),
             objective == "worst",
@@ -133,7 +134,7 @@ def design(
         found, quick = None, False
     result = cycle(chain)
     counted = _counted(goal, chain, tolerances, str(result.sequence))
-    made = (_QUICKLY if quick and isinstance(counted, str) else _ONE_BY_ONE) if n is None else n
+    made = (QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE) if n is None else n
     widest = _widest(found, chain, bands, tolerances)
     share = yields(chain, widest, n=made, seed=seed, wanted=counted)
     tries.end()
@@ -229,6 +230,32 @@ def _refuse(
         raise ValueError(f"most_force = {most_force} N: must be > 0.")
     if n is not None and n < 1:
         raise ValueError(f"n = {n}: must be 1 mechanism or more.")
+
+
+def _refuse_slips(
+    p: tuple[float, float],
+    bands: Sequence[Stock],
+    levers: Sequence[float],
+    limit: float,
+    tolerances: Tolerances,
+    around: Box,
+    holes: float | None,
+) -> None:
+    """Raise SlipError for sizes that are far off the largest lever."""
+    lever = max(levers)
+    corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
+    found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
+    if not found:
+        found += sizes.length("p", (float(p[0]), float(p[1])), lever)
+        found += sizes.length("within", corner, lever)
+        found += sizes.length("holes", holes or 0.0, lever)
+        for band in bands:
+            found += sizes.length("rest_length", band.rest_length, lever)
+            found += sizes.spring("stiffness", band.stiffness)
+    if found:
+        raise SlipError(tuple(found), _WAY)
+    strongest = max(band.stiffness for band in bands) * lever
+    refuse_slips(tolerances, 2.0 * lever * math.sin(limit), strongest, _WAY)
 
 
 def _round(regions: tuple[Region, ...]) -> Box:

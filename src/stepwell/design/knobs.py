@@ -9,7 +9,8 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.mechanism import Band, Cell, Chain
+from stepwell._value import ByValue
+from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
 
@@ -34,8 +35,8 @@ _AXES = ("x", "y")
 _NAMED = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Knob:
+@dataclass(frozen=True, slots=True, eq=False)
+class Knob(ByValue):
     """One parameter of a chain, to be read and turned.
 
     Where a cell has several bands, the value is that of the first one, and turning it changes
@@ -43,7 +44,7 @@ class Knob:
 
     Attributes:
         name: such as "outer.q.x" or "actuator_stiffness".
-        cell: number of the cell from inside; None for the actuator.
+        cell: index of the cell in chain.cells; None for the actuator.
         part: what of it: "p", "q.x", "stiffness" and so on.
     """
 
@@ -104,6 +105,15 @@ class Knob:
             )
         return array
 
+    def slips(self, chain: Chain, value: float) -> tuple[Slip, ...]:
+        """Whether a value is so far above the chain's own that another unit was meant."""
+        if self.cell is None or chain.unusual:
+            return ()
+        cell = chain.cells[self.cell]
+        if self.part == "friction":
+            return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
+        return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
+
     def _in_cell(self, cell: Cell, value: float | Vec2) -> Cell:
         anchor, _, axis = self.part.partition(".")
         if anchor in ANCHORS:
@@ -127,7 +137,7 @@ def knob(chain: Chain, name: str) -> Knob:
         chain: whose parameter it is.
         name: "<cell>.p", "<cell>.q", "<cell>.q.x" and the like, "<cell>.stiffness",
             "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction", where <cell>
-            is a name in chain.names or a number from 0; or "actuator_stiffness".
+            is a name in chain.names or a number, 1 for the innermost; or "actuator_stiffness".
 
     Raises:
         ValueError: no such parameter; the message names the nearest one.
@@ -143,12 +153,13 @@ def knob(chain: Chain, name: str) -> Knob:
         if names.count(label) > 1:
             raise ValueError(
                 f"parameter {name!r}: {names.count(label)} cells are called {label!r}; take a "
-                f"number, 0 for the innermost: '{names.index(label)}.{part}'."
+                f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
             )
         if label in names:
             return Knob(f"{label}.{part}", names.index(label), part)
-        if label.isdecimal() and int(label) < len(names):
-            return Knob(f"{_label(names, int(label))}.{part}", int(label), part)
+        if label.isdecimal() and 1 <= int(label) <= len(names):
+            cell = int(label) - 1
+            return Knob(f"{_label(names, cell)}.{part}", cell, part)
     raise ValueError(_unknown(chain, name))
 
 
@@ -164,15 +175,15 @@ def knobs(chain: Chain) -> tuple[Knob, ...]:
 
 
 def _label(names: list[str], cell: int) -> str:
-    return names[cell] if names.count(names[cell]) == 1 else str(cell)
+    return names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
 
 
 def _unknown(chain: Chain, name: str) -> str:
-    numbered = (f"{cell}.{part}" for cell in range(len(chain)) for part in _PARTS)
+    numbered = (f"{cell}.{part}" for cell in range(1, len(chain) + 1) for part in _PARTS)
     known = [*(one.name for one in knobs(chain)), *numbered]
     near = get_close_matches(str(name), known, n=1, cutoff=0.5)
     guess = f" Did you mean {near[0]!r}?" if near else ""
-    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED]))
+    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED], 1))
     more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
     return (
         f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "

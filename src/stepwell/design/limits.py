@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.design import _bistable
 from stepwell.design._box import Box
 from stepwell.design._implicit import Level, curves
-from stepwell.design._pairs import axis, require_places, which
+from stepwell.design._pairs import axis, refuse_far, require_places, which
 from stepwell.design._pathways import IMPOSSIBLE, Pathways
 from stepwell.design._polyline import kept, smoothed
 from stepwell.design._search import searched
@@ -58,6 +58,7 @@ def boundaries(
     cell = which(chain, cell)
     x, y = axis("x", x, 2), axis("y", y, 2)
     require_places(search, search, _BYTES)
+    refuse_far(chain, cell, x, y)
     box = Box(float(x[0]), float(x[-1]), float(y[0]), float(y[-1]))
     pathways = Pathways(chain, cell)
     levels = _levels(pathways)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell._version import __version__
-from stepwell.design._pairs import axis, closed, moved, require_places, which
+from stepwell.design._pairs import axis, closed, moved, refuse_far, require_places, which
 from stepwell.design._pathways import BY_ORDER, IMPOSSIBLE, UNSOLVED
 from stepwell.design._sweep import sweep
 from stepwell.kernels import in_blocks
@@ -92,6 +92,7 @@ def transition_map(
     cell = which(chain, cell)
     x, y = axis("x", x, 1), axis("y", y, 1)
     require_places(len(x), len(y), _BYTES)
+    refuse_far(chain, cell, x, y)
     fields = _Fields.unsolved((len(y), len(x)))
     _in_closed_form(fields, chain, cell, x, y)
     waiting = np.argwhere(fields.pathway == UNSOLVED).tolist()

@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._usual import REACH
+from stepwell._value import ByValue
 from stepwell.design import _asked, _exact
 from stepwell.design._sorted import SortedChain
 from stepwell.design.change import Change
+from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]
@@ -20,7 +23,7 @@ _SHORT = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Margin:
+class Margin(ByValue):
     """How far a design is from another sequence, for every anchor and every stiffness.
 
     Attributes:
@@ -77,7 +80,7 @@ class Margin:
 def margin(
     chain: Chain,
     *,
-    reach: float = 0.020,
+    reach: float = REACH,
     progress: Callable[[int, int], None] | None = None,
 ) -> Margin:
     """How far each anchor and each stiffness may change before the sequence does.
@@ -97,12 +100,13 @@ def margin(
         The margin; a distance is infinite where no change within reach does it.
 
     Raises:
-        ValueError: `reach` is not above 0.
+        ValueError: `reach` is not above 0, or far beyond the chain.
 
     Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
     """
     if not 0 < reach < math.inf:
         raise ValueError(f"reach = {reach} m: must be > 0 and finite.")
+    refuse_reach(chain, reach)
     forces = SortedChain.of(chain)
     now = _asked.sequence(chain)
     changes: list[Change] = []

@@ -20,7 +20,8 @@ from stepwell.design._trace import Line, trace
 from stepwell.design.boundary import RESOLVED, Boundary, BoundaryKind
 from stepwell.design.knobs import Knob, knob
 from stepwell.design.maps import TIE
-from stepwell.mechanism import Chain
+from stepwell.design.tolerances import WAY
+from stepwell.mechanism import Chain, SlipError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -204,6 +205,9 @@ def _axes(
         one = knob(chain, name)
         knobs.append(one)
         values.append(one.values(numbers, least))
+        slips = one.slips(chain, max(values[-1].tolist(), key=abs))
+        if slips:
+            raise SlipError(slips, WAY)
         if "." not in one.part:
             # Values out of range are refused here; an anchor has none.
             for value in values[-1][[0, -1]].tolist():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Band, Cell
 
 Floats = NDArray[np.float64]
@@ -17,7 +18,7 @@ _POSITIONS = 41
 
 
 @dataclass(frozen=True, eq=False)
-class Push:
+class Push(ByValue):
     """The force against which an anchor moves in a straight line, by bands that pull at it.
 
     A band of tension T pulls p towards q and q towards p; what counts is the part of that along

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.design._box import Box
 
 Floats = NDArray[np.float64]
@@ -16,7 +17,7 @@ _EDGE = 0.5e-6
 _MOST_PLACES = 1_000_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AnchorBox(Box):
     """A rectangle for the anchor q on a cell's outer block [m].
 
@@ -53,8 +54,8 @@ class AnchorBox(Box):
         )
 
 
-@dataclass(frozen=True)
-class AnchorPolygon:
+@dataclass(frozen=True, eq=False)
+class AnchorPolygon(ByValue):
     """A polygon for the anchor q on a cell's outer block.
 
     Args:

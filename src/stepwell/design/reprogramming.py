@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stepwell._usual import REACH
+from stepwell._value import ByValue
 from stepwell._write import write_atomic
 from stepwell.design import _asked, _hunt
 from stepwell.design._full_cycle import full_cycle
@@ -19,6 +21,7 @@ from stepwell.design._sorted import SortedChain
 from stepwell.design._ways import Floats, Ways
 from stepwell.design.knobs import Knob, knob
 from stepwell.design.push import Push
+from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
@@ -34,7 +37,7 @@ _HAIRS = (1e-8, 1e-9, 1e-10)
 
 
 @dataclass(frozen=True, eq=False)
-class Reprogramming:
+class Reprogramming(ByValue):
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
     Attributes:
@@ -164,7 +167,7 @@ def reprogram(
     *,
     along: Sized[float] | None = None,
     one_way: bool = False,
-    reach: float = 0.020,
+    reach: float = REACH,
     progress: Callable[[int, int], None] | None = None,
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
@@ -179,7 +182,7 @@ def reprogram(
         chain: any number of cells.
         target: a full cycle such as "00>01>11>10>00", or None for any other than now.
         by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
-            bands of the cell; <cell> is a name or a number from 0.
+            bands of the cell; <cell> is a name or a number, 1 for the innermost.
         along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
         one_way: only in the sense of `along`, not against it.
         reach: largest displacement that is looked at [m].
@@ -203,6 +206,7 @@ def reprogram(
             f"{chain.names[-1] + '.q'!r}."
         )
     ways = Ways.of(along, one_way, reach)
+    refuse_reach(chain, reach)
     wanted = None if target is None else _parsed(str(target), len(chain))
     before = cycle(chain).sequence
     text = None if wanted is None else str(wanted)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
 
+from stepwell._value import ByValue
 from stepwell.design._end import end_forces_at
 from stepwell.design._nearest import concave_disc
 from stepwell.design._sorted import SortedChain
@@ -41,7 +42,7 @@ class Meeting(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Robustness:
+class Robustness(ByValue):
     """Within which distance of its place every anchor may be, all at once, for the same sequence.
 
     Attributes:

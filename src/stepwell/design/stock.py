@@ -3,9 +3,11 @@
 import math
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 
-@dataclass(frozen=True, slots=True)
-class Stock:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stock(ByValue):
     """A kind of band from a catalogue.
 
     Args:

@@ -8,16 +8,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from stepwell._limits import require
+from stepwell._usual import ONE_BY_ONE
+from stepwell._value import ByValue
 from stepwell.design._draws import Draws
 from stepwell.design._interval import interval_95
-from stepwell.design.tolerances import Tolerances
-from stepwell.mechanism import Chain
+from stepwell.design.tolerances import USUAL, Tolerances, frictionless, meet
+from stepwell.mechanism import Chain, SlipError, sizes
 from stepwell.sequences._asked import checked_state
 from stepwell.statics import StaticsError
 
 
 @dataclass(frozen=True, eq=False)
-class Survival:
+class Survival(ByValue):
     """How many of n mechanisms, made at random within tolerances, a program brings to its end.
 
     Attributes:
@@ -48,6 +50,16 @@ class Survival:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
         return interval_95(self.successes, self.n)
 
+    @property
+    def assumptions(self) -> str:
+        """Under which all this holds."""
+        assumed = (
+            "assumed: every part varies by itself, anchors, levers and friction evenly within "
+            "their tolerance, k and ℓ0 normally; quasi-static; a mechanism that cannot be built "
+            "or followed counts as a failure"
+        )
+        return "; ".join(filter(None, (assumed, frictionless(self.tolerances, self.chain))))
+
     def __repr__(self):
         low, high = self.interval
         return (
@@ -60,10 +72,10 @@ def survival(
     chain: Chain,
     turning_points: Sequence[float],
     ends: str,
-    tolerances: Tolerances,
+    tolerances: Tolerances = USUAL,
     *,
     start: str | None = None,
-    n: int = 500,
+    n: int | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Survival:
@@ -76,9 +88,9 @@ def survival(
         chain: the drawing.
         turning_points: as for `Chain.path`; of a Program its `turning_points`.
         ends: the state wanted at the end, such as "010".
-        tolerances: how far the parts may be from the drawing.
+        tolerances: how far the parts may be from the drawing; as for `yields` by default.
         start: the state at the beginning; all cells at 0 by default.
-        n: how many mechanisms to make.
+        n: how many mechanisms to make; 500 by default.
         seed: which ones; the same seed gives the same mechanisms as `yields`.
         progress: called with (done, n).
 
@@ -86,13 +98,19 @@ def survival(
         The share that ends right. One that cannot be built or followed does not.
 
     Raises:
-        ValueError: a state that this chain cannot have, or n below 1.
+        ValueError: a state that this chain cannot have, n below 1, or turning points or
+            tolerances that are probably in another unit.
     """
     start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
     checked_state(chain, "ends", ends)
+    n = ONE_BY_ONE if n is None else n
     if n < 1:
         raise ValueError(f"n = {n}: must be 1 or more.")
     require("samples", n, "n =")
+    meet(tolerances, chain)
+    slips = sizes.drives(chain, turning_points)
+    if slips:
+        raise SlipError(slips, "")
     draws = Draws(chain, tolerances, seed)
     points = tuple(float(point) for point in turning_points)
     successes = 0

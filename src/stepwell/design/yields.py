@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell._limits import require
+from stepwell._usual import ONE_BY_ONE, QUICKLY
+from stepwell._value import ByValue, ReadOnly
 from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.design._draws import Draws
@@ -23,7 +24,7 @@ from stepwell.design._reached import reached, unsearchable
 from stepwell.design._sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design._tally import Tally
 from stepwell.design._why_none import why_none
-from stepwell.design.tolerances import Tolerances
+from stepwell.design.tolerances import USUAL, Tolerances, frictionless, meet
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 
@@ -36,8 +37,8 @@ _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # mechanisms of which the gap is compared with what they do
 
 
-@dataclass(frozen=True, slots=True)
-class Critical:
+@dataclass(frozen=True, slots=True, eq=False)
+class Critical(ByValue):
     """The two cells whose order goes wrong first.
 
     Attributes:
@@ -64,7 +65,7 @@ class Critical:
 
 
 @dataclass(frozen=True, eq=False)
-class Yield:
+class Yield(ByValue):
     """How many of n mechanisms, made at random within tolerances, do what is wanted.
 
     Attributes:
@@ -207,9 +208,9 @@ class Yield:
 
 def yields(
     chain: Chain,
-    tolerances: Tolerances,
+    tolerances: Tolerances = USUAL,
     *,
-    n: int = 100_000,
+    n: int | None = None,
     seed: int = 0,
     wanted: str | Iterable[str] | None = None,
     sensitivity: bool = False,
@@ -222,7 +223,7 @@ def yields(
     equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
     pushed through its whole travel in a snap. All other mechanisms are followed by the general
     engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-    takes milliseconds for each, and a smaller n is wise. So it is where states are wanted: then
+    takes milliseconds for each. So it is where states are wanted: then
     the engine follows every branch of each, but where all 2^N states are wanted of cells of one
     travel and every two loops are nested, which proves it.
 
@@ -230,8 +231,10 @@ def yields(
 
     Args:
         chain: the drawing.
-        tolerances: how far the parts may be from it.
-        n: how many mechanisms to make.
+        tolerances: how far the parts may be from it; what a careful workshop can do by default,
+            anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is exact.
+        n: how many mechanisms to make; by default 100,000 where end forces tell what they do,
+            and 500 where the engine has to follow each.
         seed: which ones.
         wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default what
             the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
@@ -252,7 +255,7 @@ def yields(
 
     Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
     """
-    _refuse(chain, tolerances, n, seed)
+    _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
     target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
@@ -262,6 +265,8 @@ def yields(
             f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
             f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
+    if n is None:
+        n = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
     tally.count(n, progress)
     return Yield(
         chain,
@@ -271,10 +276,10 @@ def yields(
         target if states is None else f"states {' '.join(by_cells_at_1(states))}",
         None if states is None else by_cells_at_1(states),
         tally.successes,
-        MappingProxyType(tally.outcomes()),
+        ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
-        _assumptions(tally, n) + ("; the drawing is a tie" if _is_tie(drawing) else ""),
+        "; ".join(filter(None, _assumptions(tally, n, drawing))),
         _sensitivities(tally, n) if sensitivity else None,
         _advice(tally, target),
     )
@@ -316,6 +321,7 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )
+    meet(tolerances, chain)
 
 
 def _advice(tally: Tally, wanted: str) -> str:
@@ -363,7 +369,7 @@ def _critical(tally: Tally) -> Critical | None:
     )
 
 
-def _assumptions(tally: Tally, n: int) -> str:
+def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
     if tally.states is not None:
         how = (
             f"{tally.by_engine} followed along every branch by the general engine"
@@ -380,11 +386,13 @@ def _assumptions(tally: Tally, n: int) -> str:
             f"{tally.judged} judged in closed form, every cell being proved taut with falling "
             f"force, and {tally.by_engine} followed by the general engine"
         )
-    return (
+    yield (
         f"assumed: every part varies by itself, anchors, levers and friction evenly within their "
         f"tolerance, k and ℓ0 normally; quasi-static{' full cycle' * (tally.states is None)}; a "
         f"tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
     )
+    yield frictionless(tally.draws.tolerances, tally.draws.chain)
+    yield "the drawing is a tie" * _is_tie(drawing)
 
 
 def _percent(share: float) -> str:

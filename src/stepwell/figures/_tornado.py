@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from stepwell._value import ByValue
 from stepwell.figures._style import (
     FAINT,
     GREEN,
@@ -29,8 +30,8 @@ LOW, HIGH = SKY, ORANGE
 _ROW, _HEAD, _FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
 
 
-@dataclass(frozen=True, slots=True)
-class Effect:
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect(ByValue):
     """What a result becomes when one parameter alone is changed.
 
     Args:
@@ -52,8 +53,8 @@ class Effect:
         return span if math.isfinite(span) else math.inf
 
 
-@dataclass(frozen=True, slots=True)
-class Sensitivity:
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivity(ByValue):
     """A result, and what each parameter does to it.
 
     Args:

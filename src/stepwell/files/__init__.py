@@ -1,6 +1,7 @@
 """Design files in and out, and results as files: read, check, write."""
 
 from stepwell.files._errors import DesignError
+from stepwell.files._keys import slips_text
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
 from stepwell.files.atomic import staged_folder, write_atomic
 from stepwell.files.bundle import write_map, write_parameter_map, write_run
@@ -85,6 +86,7 @@ __all__ = [
     "robot_record",
     "run_record",
     "save",
+    "slips_text",
     "staged_folder",
     "survival_record",
     "sweep_record",

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from stepwell.files import _schema as schema, _units as units
 from stepwell.files._errors import value_text
-from stepwell.mechanism import Band, Cell, Cubic, Law, Linear, Load, Table
+from stepwell.files._keys import told
+from stepwell.mechanism import Band, Cell, Cubic, Law, Linear, Load, Slip, SlipError, Table
 
 
 class Shared(NamedTuple):
@@ -15,12 +16,13 @@ class Shared(NamedTuple):
 
     lever_mm: Decimal | None
     limit_deg: Decimal | None
+    unusual: bool
     band: dict[str, Any]
 
 
 def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
     """One cell, with what its chain shares; None where that is no cell, and then why."""
-    geometry: dict[str, float] = {}
+    geometry: dict[str, Any] = {}
     lever = keys.lever_mm or shared.lever_mm
     limit = keys.limit_deg or shared.limit_deg
     if lever is not None:
@@ -43,11 +45,43 @@ def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str])
             load=_load(keys),
             friction=float(keys.friction_N),
             name=keys.name,
+            unusual=shared.unusual if keys.unusual is None else keys.unusual,
             **geometry,
         )
+    except SlipError as error:
+        for slip in error.slips:
+            band = None if slip.band is None else tables[slip.band]
+            at = f"{where}.bands[{slip.band}]" if keys.bands and band else where
+            problems.append(f"{at}.{told(slip, _key(slip, keys, band))} {UNUSUAL}")
+        return None
     except ValueError as error:
         problems.append(f"{where}: {error}")
         return None
+
+
+def _key(slip: Slip, cell: schema.CellKeys, band: dict[str, Any] | None) -> str:
+    """The key of a cell, or of its band, that holds a size."""
+    if slip.name == "load.force" and cell.load_N is not None:
+        return "load_N"
+    if band is None or slip.name not in ("extension", "tension"):
+        return _KEYS[slip.name]
+    return "table_mm_N" if "table_mm_N" in band else "shape_mm"
+
+
+_KEYS = {
+    "p": "p_mm",
+    "q": "q_mm",
+    "lever": "lever_mm",
+    "limit": "limit_deg",
+    "rest_length": "rest_length_mm",
+    "stiffness": "stiffness_N_per_m",
+    "a2": "quadratic_per_mm",
+    "a3": "cubic_per_mm2",
+    "friction": "friction_N",
+    "load.travel": "load_mm_N",
+    "load.force": "load_mm_N",
+}
+UNUSUAL = "If it is meant so, set unusual = true in the table of the cell."
 
 
 def merged(

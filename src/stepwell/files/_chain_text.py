@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from stepwell.files import _units as units
 from stepwell.files._toml_text import Written, array, inline, lines, mm, number, quoted
-from stepwell.mechanism import Band, Cell, Chain, Cubic, Table
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 
 
 class Shared(NamedTuple):
@@ -88,6 +88,8 @@ def _cell(cell: Cell) -> Written:
             keys["load_mm_N"] = array(f"[{mm(s)}, {number(f)}]" for s, f in rows)
     if cell.friction:
         keys["friction_N"] = number(cell.friction)
+    if cell.unusual or slips(cell):  # what the program made is read again, however odd
+        keys["unusual"] = "true"
     return keys
 
 

@@ -8,10 +8,12 @@ from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 
+from stepwell._value import Carried
+
 MOST_LINES = 40
 
 
-class DesignError(ValueError):
+class DesignError(Carried, ValueError):
     """A design file that cannot be used; `str` of it is what to show the user.
 
     Args:

@@ -10,6 +10,8 @@ from typing import Any
 from stepwell.files import _units as units
 from stepwell.files._schema import Keys
 from stepwell.files._toml_text import array, quoted
+from stepwell.mechanism import Slip, SlipError
+from stepwell.mechanism.sizes import Size
 
 # The end of a key and what it is called where it is shown; the longer ones first.
 UNITS = {
@@ -58,6 +60,8 @@ def si(key: str, value: Any) -> Any:
     """A value of the file in SI; rows and points number by number."""
     if isinstance(value, tuple):
         return tuple(si(key, part) for part in value)
+    if key == "cell" and isinstance(value, int):
+        return value - 1  # people count from 1
     if not isinstance(value, Decimal):
         return value
     unit = unit_of(key)
@@ -74,10 +78,48 @@ def written(key: str, value: Any) -> str:
         return quoted(str(value))
     if isinstance(value, tuple):
         return array(written(key, part) for part in value)
+    if key == "cell":
+        return str(value + 1)
     unit = unit_of(key)
     if unit in ("mm", "g"):
         return units.toml(units.shortest(value, 3))
     return units.toml(units.degrees(value) if unit == "deg" else Decimal(repr(float(value))))
+
+
+def slips_text(error: SlipError) -> str:
+    """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
+    lines = [told(slip, slip.name, name_unit=True) for slip in error.slips]
+    way = (
+        "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
+    )
+    return "\n".join([*lines, way] if error.way else lines)
+
+
+def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
+    """A slip of unit by the key of the file that holds it, in the unit of files."""
+    unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
+
+    def shown(size: Size) -> str:
+        if isinstance(size, tuple):
+            return array(shown(part) for part in size)
+        number = Decimal(written(end, size)) if end else units.shortest(size, places)
+        return units.toml(Decimal(f"{number:.6g}"))
+
+    # A row of a table holds two units, and is called by the one that is wrong.
+    rows = key.endswith("_mm_N") or key == "shape_mm"
+    what = f"{key}, {slip.name.removeprefix('load.')}" if rows else key
+    probably = "" if slip.meant is None else f" Did you mean {shown(slip.meant)} {unit}?"
+    return f"{what} = {shown(slip.value)}{f' {unit}' * name_unit}: {slip.why}.{probably}"
+
+
+# What files call an SI unit: the unit shown, the end of a key in it, or decimal places to it.
+_SHOWN = {
+    "m": ("mm", "_mm", 3),
+    "kg": ("g", "_g", 3),
+    "rad": ("deg", "_deg", 0),
+    "1/m": ("1/mm", "", -3),
+    "1/m²": ("1/mm²", "", -6),
+}
 
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:

@@ -71,6 +71,7 @@ def _chain(
     shared = Shared(
         own.lever_mm or common.lever_mm,
         own.limit_deg or common.limit_deg,
+        own.unusual or common.unusual,
         merged(common.band.given(), own.band.given(), f"{leg}.chain.band", problems),
     )
     tables = own.cell or common.cell

@@ -48,9 +48,12 @@ def _profile(value: Any) -> str:
 
 
 def _cell(value: Any) -> int | str:
-    number = isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= 10**6
+    number = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6
     if not (number or isinstance(value, str)):
-        refuse('must be the name of a cell in quotes, or its number from 0, as in "inner" or 0.')
+        refuse(
+            "must be the name of a cell in quotes, or its number, 1 for the innermost, as in "
+            '"inner" or 1.'
+        )
     return value
 
 

@@ -18,6 +18,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from stepwell import _limits
+from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
+from stepwell.mechanism._check import short
 
 # Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
 # twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
@@ -60,6 +62,10 @@ def numbers(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
     return lambda value: number(value, Decimal(least), Decimal(most), allowed)
 
 
+def between(least: str, most: str) -> Callable[[Any], Decimal]:
+    return numbers(least, most, f"from {least} to {most}")
+
+
 def point(value: Any) -> tuple[Decimal, Decimal]:
     try:
         x, y = (number(v, *LENGTH, "") for v in value)
@@ -88,6 +94,9 @@ def _law_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     rows = _rows(value, 2, "[[0, 0], [10, 0.3], [30, 0.8]]")
     if rows[0] != (0, 0):
         refuse("row 1 must be [0, 0]: a band carries nothing at its rest length.")
+    for i, (_, pull) in enumerate(rows):
+        if pull < 0:
+            refuse(f"row {i + 1} must not be negative: bands pull. Did you mean {-pull}?")
     return rows
 
 
@@ -105,9 +114,10 @@ def _load_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
 def _actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
-    allowed = 'from 1e-6 to 1e12, 0, or "rigid"'
-    stiffness = number(value, Decimal(0), Decimal("1e12"), allowed)
-    return stiffness if stiffness == 0 else number(value, Decimal("1e-6"), stiffness, allowed)
+    allowed = f'from {short(SOFTEST)} to {short(STIFFEST)}, 0, or "rigid"'
+    stiffness = number(value, Decimal(0), Decimal(STIFFEST), allowed)
+    softest = Decimal(short(SOFTEST))
+    return stiffness if stiffness == 0 else number(value, softest, stiffness, allowed)
 
 
 def _line(value: Any) -> str:
@@ -144,11 +154,11 @@ Line = Annotated[str, PlainValidator(_line)]
 Switch = Annotated[bool, PlainValidator(_switch)]
 Point = Annotated[tuple[Decimal, Decimal], PlainValidator(point)]
 Lever = Annotated[Decimal, PlainValidator(numbers("1e-3", "1e6", "from 0.001 to 1e6"))]
-Limit = Annotated[Decimal, PlainValidator(numbers("0.01", "89.9", "from 0.01 to 89.9"))]
+Limit = Annotated[Decimal, PlainValidator(between(*map(short, LIMITS_DEG)))]
 Stiffness = Annotated[Decimal, PlainValidator(numbers("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
 RestLength = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
-Coefficient = Annotated[Decimal, PlainValidator(numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
-Force = Annotated[Decimal, PlainValidator(numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Coefficient = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
+Force = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
 Friction = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
@@ -228,6 +238,7 @@ class CellKeys(Keys):
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
     friction_N: Friction = Decimal(0)
+    unusual: Switch | None = None
 
     @model_validator(mode="after")
     def _anchored_once(self) -> CellKeys:
@@ -250,6 +261,7 @@ class SharedKeys(Keys):
 
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
+    unusual: Switch = False
     band: BandKeys = BandKeys()
 
 
@@ -273,6 +285,7 @@ class ProgramKeys(Keys):
     turning_points_mm: Drives | None = None
     turning_points_N: Drives | None = None
     ends: State | None = None
+    unusual: Switch = False
 
     @model_validator(mode="after")
     def _one_list(self) -> ProgramKeys:

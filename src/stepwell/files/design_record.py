@@ -61,6 +61,7 @@ def survival_record(found: Survival) -> dict[str, Any]:
         "to": found.ends,
         f"turning_points_{unit}": [finite(point, factor) for point in found.turning_points],
         **_counted(found),
+        "assumptions": found.assumptions,
     }
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stepwell._value import ByValue
 from stepwell.files import _robot_schema as schema
 from stepwell.files._errors import DesignError, value_text
 from stepwell.files._keys import unit_of
@@ -21,8 +22,8 @@ from stepwell.files.design import loads_robot
 from stepwell.robot import Robot
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+@dataclass(frozen=True, slots=True, eq=False)
+class Parameter(ByValue):
     """One number of a robot.
 
     Args:

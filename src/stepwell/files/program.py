@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from stepwell._value import ByValue
 from stepwell.files import _schema as schema, _units as units
 from stepwell.files._errors import value_text
 from stepwell.files._toml_text import array, quoted
@@ -17,12 +18,14 @@ if TYPE_CHECKING:
 
 # Of the chain's stroke: what the engine takes for the same place, and a tenth of it.
 _SAME, _EXACT = 1e-9, 1e-10
+# Of the chain's stroke: a program that reaches no farther does nothing.
+NOTHING = 1 / 200
 # How far off the middle of its window a turning point may be written, over half the window.
 _ROUND = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenProgram:
+@dataclass(frozen=True, slots=True, eq=False)
+class WrittenProgram(ByValue):
     """Turning points of the actuator as the table [program] of a design file holds them.
 
     Attributes:
@@ -66,7 +69,8 @@ class WrittenProgram:
         key, places = _key(chain), _places(chain)
         points = array(units.toml(units.shortest(p, places)) for p in self.turning_points)
         ends = "" if self.ends is None else f"ends = {quoted(self.ends)}\n"
-        return f"[program]\nstart = {quoted(self.start)}\n{key} = {points}\n{ends}"
+        unusual = "unusual = true\n" if _near_nothing(self.turning_points, chain) else ""
+        return f"[program]\nstart = {quoted(self.start)}\n{key} = {points}\n{ends}{unusual}"
 
 
 def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
@@ -88,6 +92,15 @@ def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> Writ
     points = tuple(units.moved(drive, -_places(chain)) for drive in drives)
     if math.isinf(chain.actuator_stiffness) and not problems:
         problems += _out_of_reach(points, start, chain)
+        if _near_nothing(points, chain) and not keys.unusual:
+            meant = array(units.toml(point * 1000) for point in drives)
+            fits = max(points) * 1e3 <= (1 + _SAME) * chain.full_stroke
+            problems.append(
+                f"program.{key} = {value_text(drives)}: stays within "
+                f"{max(map(abs, points)) / chain.full_stroke:.2g} of the chain's stroke, "
+                f"{chain.full_stroke * 1e3:.12g} mm.{f' Did you mean {meant}?' * fits} If it is "
+                f"meant so, set unusual = true in [program]."
+            )
     return WrittenProgram(start, points, keys.ends)
 
 
@@ -103,6 +116,12 @@ def _places(chain: Chain) -> int:
     return 0 if chain.actuator_stiffness == 0 else 3
 
 
+def _near_nothing(points: tuple[float, ...], chain: Chain) -> bool:
+    """Whether a rigid actuator hardly moves, as it would for strokes in m under a key in mm."""
+    farthest = max(map(abs, points), default=0.0)
+    return math.isinf(chain.actuator_stiffness) and 0 < farthest < NOTHING * chain.full_stroke
+
+
 def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[str]:
     """Strokes that no rigid actuator can take this chain to."""
     most = chain.full_stroke
@@ -113,7 +132,10 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
         if i == 0 and abs(point - begin) > _SAME * most:
             found.append(f"{place}: must be {begin * 1e3:.12g}, the stroke where {start} stands.")
         elif not -_SAME * most <= point <= (1 + _SAME) * most:
-            found.append(f"{place}: must be from 0 to {most * 1e3:.12g}, the sum of all travels.")
+            meant = f" Did you mean {point:.12g}?" if 10 * most < point <= 1e3 * most else ""
+            found.append(
+                f"{place}: must be from 0 to {most * 1e3:.12g}, the sum of all travels.{meant}"
+            )
     return found
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.files.parameters import parameters
 from stepwell.robot import Robot
 
@@ -13,8 +14,8 @@ _ITEM = r'(?:\."(?:[^"\\]|\\.)*"|\.[^.\[]+|\[\d+\])'
 _SEVERAL = (re.compile(rf"^leg{_ITEM}"), re.compile(rf"(?<=chain\.cell){_ITEM}"))
 
 
-@dataclass(frozen=True, slots=True)
-class Given:
+@dataclass(frozen=True, slots=True, eq=False)
+class Given(ByValue):
     """Numbers of a robot that belong together and come from one source.
 
     Attributes:

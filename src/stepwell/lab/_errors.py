@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from stepwell._value import Carried
 
-class LabError(ValueError):
+
+class LabError(Carried, ValueError):
     """Measured data that cannot be used; `str` of it is what to show the user.
 
     Args:

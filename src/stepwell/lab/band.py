@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._errors import LabError
 from stepwell.lab._names import is_baseline, run_number, sample_number, stem_of
 from stepwell.lab._spread import Estimate, of_samples
@@ -28,7 +29,7 @@ CYCLES = (5, 9)
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class Loop(ByValue):
     """One cycle of one sample.
 
     Attributes:
@@ -60,7 +61,7 @@ class Loop:
 
 
 @dataclass(frozen=True, eq=False)
-class BandTest:
+class BandTest(ByValue):
     """Tension tests of bands of one kind, and what of them is used.
 
     Attributes:

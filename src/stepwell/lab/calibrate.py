@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._errors import LabError
 from stepwell.lab._spread import student
 from stepwell.lab._windows import judged, quiet_zones
@@ -47,8 +48,8 @@ TIED = 0.95  # correlation above which two numbers are not told apart
 _FEW = 3
 
 
-@dataclass(frozen=True)
-class Parameter:
+@dataclass(frozen=True, eq=False)
+class Parameter(ByValue):
     """A fitted number with its interval.
 
     Attributes:
@@ -71,7 +72,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class Sample(ByValue):
     """A series made ready for the fit: F of the block on even travels, in the order of motion."""
 
     name: str
@@ -84,7 +85,7 @@ class Sample:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(ByValue):
     """The model that fits all unit cells best, and how well it predicts one that it has not seen.
 
     Attributes:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._windows import judged, quiet_zones
 from stepwell.lab.rig import PAPER_RIG, Rig
 from stepwell.lab.series import Series
@@ -26,7 +27,7 @@ _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class Reading(ByValue):
     """A measured force on the block, against the lever angle.
 
     Attributes:
@@ -64,7 +65,7 @@ class Reading:
 
 
 @dataclass(frozen=True, eq=False)
-class CellTest:
+class CellTest(ByValue):
     """What a series of a unit cell shows.
 
     Attributes:

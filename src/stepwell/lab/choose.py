@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._spread import Estimate, of_samples
 from stepwell.lab.band import BandTest
 from stepwell.lab.laws import LAWS, Fitted, ForceLaw, fit
@@ -19,7 +20,7 @@ NOTHING = "nothing"
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class Candidate(ByValue):
     """A force law on trial.
 
     Attributes:
@@ -52,7 +53,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class Choice(ByValue):
     """Force laws beside each other.
 
     Attributes:

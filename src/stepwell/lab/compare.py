@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell._version import __version__
 from stepwell.lab._errors import LabError
 from stepwell.lab.cell_test import CellTest, cell_test, mean_rmse
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(ByValue):
     """What a batch of recordings shows.
 
     Attributes:

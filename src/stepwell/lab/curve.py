@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab.recording import Recording
 
 Array = NDArray[np.float64]
@@ -16,7 +17,7 @@ STEP = 0.05e-3  # [m] between the strokes of a mean curve
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Curve(ByValue):
     """Force against stroke, the mean of some runs.
 
     Attributes:

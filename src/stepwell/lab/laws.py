@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
+
 Array = NDArray[np.float64]
 
 # Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
@@ -18,8 +20,8 @@ _SLACK = 0.05  # of the strokes that are fitted, where a band may still be slack
 _EDGE = 1e-4  # of a bound's range
 
 
-@dataclass(frozen=True)
-class ForceLaw:
+@dataclass(frozen=True, eq=False)
+class ForceLaw(ByValue):
     """A family of tension curves, T = Σ c_j φ_j, its coefficients entering linearly.
 
     Attributes:
@@ -45,7 +47,7 @@ class ForceLaw:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class Fitted(ByValue):
     """A law with its numbers.
 
     Attributes:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._predict import mover, on_path, path_of
 from stepwell.lab._windows import judged, quiet_zones
 from stepwell.lab.curve import Curve, from_zero
@@ -29,7 +30,7 @@ _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
 
 
 @dataclass(frozen=True, eq=False)
-class PairTest:
+class PairTest(ByValue):
     """What a series of two cells shows.
 
     Attributes:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepwell import _limits
+from stepwell._value import ByValue
 from stepwell.lab._errors import LabError
 from stepwell.lab._text import parse
 from stepwell.lab.recording import Recording
@@ -20,7 +21,7 @@ _NOT_DATA = re.compile(r"manifest|readme|licen[cs]e|requirements", re.IGNORECASE
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
+class Batch(ByValue):
     """What became of a number of files: every one of them is in one of the three.
 
     Attributes:

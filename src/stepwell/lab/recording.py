@@ -10,6 +10,8 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
+
 Array = NDArray[np.float64]
 
 # A reversal smaller than this share of the stroke is the machine settling, not a turning point.
@@ -17,7 +19,7 @@ _TURN = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class Recording(ByValue):
     """One recording of a test machine, in SI.
 
     Attributes:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Cell
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Rig:
+@dataclass(frozen=True, eq=False)
+class Rig(ByValue):
     """What lies between the machine and the outermost block.
 
     The levers carry the block sideways by r (cos θ - cos θc); the bar, upright at both stops,

@@ -11,6 +11,7 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.lab._errors import LabError
 from stepwell.lab._names import Setup, is_baseline, setup_of, stem_of
 from stepwell.lab._predict import predicted_force
@@ -32,7 +33,7 @@ _NAMED_CELLS = re.compile(r"([12])unit")
 
 
 @dataclass(frozen=True, eq=False)
-class Series:
+class Series(ByValue):
     """Repeats of one test.
 
     Attributes:
@@ -76,7 +77,7 @@ class Series:
 
 
 @dataclass(frozen=True, eq=False)
-class Sorted:
+class Sorted(ByValue):
     """All series of a batch, and what became of every other recording.
 
     Attributes:

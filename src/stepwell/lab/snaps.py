@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
+
 Array = NDArray[np.float64]
 
 # Mean force of 5 samples before and after, 6 samples apart: 120 ms at 50 Hz, where snaps of the
@@ -17,8 +19,8 @@ SIGMAS = 8.0
 SHARE = 0.03  # of the range of the force
 
 
-@dataclass(frozen=True)
-class Snap:
+@dataclass(frozen=True, eq=False)
+class Snap(ByValue):
     """A jump of the force.
 
     Attributes:

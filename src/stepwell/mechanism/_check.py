@@ -34,6 +34,11 @@ def not_negative(name: str, value: float, unit: str) -> float:
     return number
 
 
+def short(number: float) -> str:
+    """A bound as messages write it: 1e-6, 0.01."""
+    return f"{number:g}".replace("e-0", "e-").replace("e+", "e")
+
+
 def vector(name: str, value: Sequence[float]) -> Vec2:
     """`value` as two floats [m]; raises ValueError otherwise."""
     try:

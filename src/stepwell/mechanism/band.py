@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check, curves
 from stepwell.mechanism._check import Vec2
 from stepwell.mechanism._geometry import band_length, length_slopes
@@ -14,8 +15,8 @@ from stepwell.mechanism.curves import Law, Linear, Table
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Band:
+@dataclass(frozen=True, slots=True, eq=False)
+class Band(ByValue):
     """A rubber band between two blocks.
 
     Slack bands carry nothing: below `rest_length` energy and force are zero, unless the band
@@ -73,9 +74,14 @@ class Band:
             tension: (n,) at those extensions, the first one 0, the last one > 0 [N].
 
         Raises:
-            ValueError: a table that does not rise or does not end in tension.
+            ValueError: a table that does not rise, holds a push, or does not end in tension.
         """
         extension = _check.rising("extension", extension, "m", 2)
+        for i, pull in enumerate(tension):
+            if pull < 0:
+                raise ValueError(
+                    f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
+                )
         stiffness = _check.positive("tension[-1]", tension[-1], "N") / extension[-1]
         shape = tuple(t / stiffness for t in tension)
         return cls(p, q, stiffness, rest_length, Table(extension, shape))

@@ -2,29 +2,34 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell._limits import require
-from stepwell.mechanism import _check, curves
+from stepwell._value import ByValue
+from stepwell.mechanism import _check, curves, sizes
 from stepwell.mechanism._check import Vec2
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
+from stepwell.mechanism.sizes import SlipError
 
 Array = NDArray[np.float64]
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit
 # divided by this number can be missed by `peak_angle` and `barrier`, never by the engine.
 _LOOKS = 4097
-# Smallest and largest θc [rad].
-LIMITS = math.radians(0.01), math.radians(89.9)
+# Smallest and largest θc, in degrees and in rad.
+LIMITS_DEG = 0.01, 89.9
+LIMITS = math.radians(LIMITS_DEG[0]), math.radians(LIMITS_DEG[1])
+
+_WAY = "If it is meant so, say unusual=True."
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell(ByValue):
     """Two blocks joined by two parallel levers, and what pulls on them.
 
     State 0 is θ = -limit, state 1 is θ = +limit; travel runs from 0 to `full_travel` between.
@@ -36,9 +41,14 @@ class Cell:
         load: a force on the cell that depends on its travel; None for none.
         friction: Coulomb friction against travel [N], >= 0.
         name: what messages and figures call the cell.
+        unusual: True where sizes far off the lever are meant. Else they are taken for a slip of
+            unit (theory page, "Slips of unit"), here and wherever a number meets the cell.
+
+    What is derived from a cell by `dataclasses.replace` is not asked again.
 
     Raises:
-        ValueError: a value out of its range, or a band whose two ends meet on the way.
+        ValueError: a value out of its range, a band whose two ends meet on the way, or a size
+            that is probably in another unit.
 
     Source: Kamp et al. 2024, Fig. 1; the defaults are the paper's cell.
     """
@@ -49,6 +59,9 @@ class Cell:
     load: Load | None = None
     friction: float = 0.0
     name: str = ""
+    unusual: bool = field(default=False, compare=False)
+    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):
         if not isinstance(self.band, Band):
@@ -60,13 +73,12 @@ class Cell:
         object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
         object.__setattr__(self, "limit", _check.positive("limit", self.limit, "rad"))
         object.__setattr__(self, "friction", _check.not_negative("friction", self.friction, "N"))
-        least, most = LIMITS
-        if not least * (1 - 1e-12) <= self.limit <= most * (1 + 1e-12):
-            raise ValueError(
-                f"limit = {self.limit} rad: must be from {least:.6g} to {most:.6g} (0.01° to "
-                f"89.9°; angles are in rad): below there is no travel to speak of, above the force "
-                f"at the stops is without bound."
-            )
+        _refuse_limit(self.limit)
+        if not (self.unusual or self._asked):
+            found = sizes.slips(self)
+            if found:
+                raise SlipError(found, _WAY)
+        object.__setattr__(self, "_asked", True)
         if self.load is not None:
             _refuse_steps(self.load, self.full_travel)
         for band in self.bands:
@@ -83,7 +95,22 @@ class Cell:
         return 2.0 * self.lever * math.sin(self.limit)
 
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
-        """The same cell with the anchors of its bands at p and q [m]; None leaves them."""
+        """The same cell with the anchors of its bands at p and q [m]; None leaves them.
+
+        Raises:
+            ValueError: anchors so far from a cell that is not `unusual` that m are not meant.
+        """
+        if not self.unusual:
+            # Beside those there are: what has gone far already may go on.
+            own = max([self.lever, *(math.hypot(*a) for b in self.bands for a in (b.p, b.q))])
+            far = [
+                slip
+                for name, anchor in (("p", p), ("q", q))
+                if anchor is not None
+                for slip in sizes.far(name, _check.vector(name, anchor), own)
+            ]
+            if far:
+                raise SlipError(tuple(far), _WAY)
         moved = tuple(
             replace(b, p=b.p if p is None else p, q=b.q if q is None else q) for b in self.bands
         )
@@ -199,6 +226,23 @@ class Cell:
                 f"±{math.degrees(self.limit):.6g}° (angles are in rad)."
             )
         return np.clip(theta, -self.limit, self.limit)
+
+
+def _refuse_limit(limit: float) -> None:
+    (least, most), (low, high) = LIMITS, LIMITS_DEG
+    if least * (1 - 1e-12) <= limit <= most * (1 + 1e-12):
+        return
+    meant = math.radians(limit)
+    probably = (
+        f" Did you mean {meant:.6g} rad ({limit:.6g}°)?"
+        if sizes.LEAST_LIMIT <= meant <= most
+        else ""
+    )
+    raise ValueError(
+        f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
+        f"are in rad): below there is no travel to speak of, above the force at the stops is "
+        f"without bound.{probably}"
+    )
 
 
 def _worst(values: Array) -> float:

@@ -8,8 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stepwell._limits import require
-from stepwell.mechanism._check import finite
+from stepwell._usual import REACH
+from stepwell._value import ByValue
+from stepwell.mechanism import sizes
+from stepwell.mechanism._check import finite, short
 from stepwell.mechanism.cell import Cell, as_cells
+from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Tolerances, Yield
@@ -21,8 +25,8 @@ if TYPE_CHECKING:
 SOFTEST, STIFFEST = 1e-6, 1e12
 
 
-@dataclass(frozen=True, slots=True)
-class Chain:
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain(ByValue):
     """Cells in series: the innermost block is fixed, the outermost is displaced.
 
     Args:
@@ -50,8 +54,9 @@ class Chain:
             stiffness = finite("actuator_stiffness", stiffness, "N/m")
         if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
             raise ValueError(
-                f"actuator_stiffness = {stiffness:g} N/m: must be from {SOFTEST:g} to "
-                f"{STIFFEST:g}; use math.inf for a prescribed stroke and 0 for a prescribed force."
+                f"actuator_stiffness = {stiffness:g} N/m: must be from {short(SOFTEST)} to "
+                f"{short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed "
+                f"force."
             )
         object.__setattr__(self, "actuator_stiffness", float(stiffness))
 
@@ -62,6 +67,11 @@ class Chain:
     def full_stroke(self) -> float:
         """Σ S_i [m]: the stroke with every cell at 1."""
         return math.fsum(cell.full_travel for cell in self.cells)
+
+    @property
+    def unusual(self) -> bool:
+        """Whether one of its cells is `unusual`: then no number that meets the chain is a slip."""
+        return any(cell.unusual for cell in self.cells)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -94,11 +104,15 @@ class Chain:
             The path: branches, switches and snaps, each with its certificate.
 
         Raises:
-            ValueError: turning points out of range, or a start that is no stable equilibrium.
+            ValueError: turning points out of range, or probably in another unit, or a start that
+                is no stable equilibrium.
             StaticsError: the follower could not go on, or what it found breaks its certificate.
         """
         from stepwell import statics
 
+        slips = sizes.drives(self, turning_points)
+        if slips:
+            raise SlipError(slips, "")
         return statics.path(self, turning_points, start=start, prefer=prefer, progress=progress)
 
     def cycle(
@@ -176,7 +190,7 @@ class Chain:
         return sequences.program(self, to, start=start, progress=progress)
 
     def margin(
-        self, *, reach: float = 0.020, progress: Callable[[int, int], None] | None = None
+        self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
     ) -> Margin:
         """How far each anchor and each stiffness may change before the sequence does.
 
@@ -196,9 +210,9 @@ class Chain:
 
     def yields(
         self,
-        tolerances: Tolerances,
+        tolerances: Tolerances | None = None,
         *,
-        n: int = 100_000,
+        n: int | None = None,
         seed: int = 0,
         wanted: str | Iterable[str] | None = None,
         sensitivity: bool = False,
@@ -207,8 +221,10 @@ class Chain:
         """Make the chain n times at random within its tolerances and count those that work.
 
         Args:
-            tolerances: how far the parts may be from the drawing.
-            n: how many to make.
+            tolerances: how far the parts may be from the drawing; what a careful workshop can
+                do by default, anchors ±0.3 mm and stiffness ±5 %.
+            n: how many to make; by default 100,000 where end forces tell what they do, and 500
+                where the engine has to follow each.
             seed: which ones.
             wanted: the full cycle that counts as success, what the drawing does by default; or a
                 list of the states that shall be in reach, and no others.
@@ -221,11 +237,11 @@ class Chain:
         Raises:
             ValueError: numbers out of range, or a sequence that is no full cycle of this chain.
         """
-        from stepwell.design import yields
+        from stepwell.design import USUAL, yields
 
         return yields(
             self,
-            tolerances,
+            USUAL if tolerances is None else tolerances,
             n=n,
             seed=seed,
             wanted=wanted,
@@ -240,7 +256,7 @@ class Chain:
         *,
         along: Sequence[float] | None = None,
         one_way: bool = False,
-        reach: float = 0.020,
+        reach: float = REACH,
     ) -> Reprogramming:
         """The smallest displacement of one anchor after which the chain does what is wanted.
 

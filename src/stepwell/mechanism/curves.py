@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 Array = NDArray[np.float64]
@@ -19,8 +20,8 @@ _HOOKE = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
 _HOOKE.setflags(write=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Linear:
+@dataclass(frozen=True, slots=True, eq=False)
+class Linear(ByValue):
     """Hooke's law: tension is stiffness times extension (Kamp et al. 2024, Eq. 1)."""
 
     def pieces(self) -> Array:
@@ -28,8 +29,8 @@ class Linear:
         return _HOOKE
 
 
-@dataclass(frozen=True, slots=True)
-class Cubic:
+@dataclass(frozen=True, slots=True, eq=False)
+class Cubic(ByValue):
     """Rubber that softens and stiffens: tension k (e + a2 e² + a3 e³).
 
     Args:
@@ -52,8 +53,8 @@ class Cubic:
         return np.array([[0.0, 0.0, 1.0, self.a2, self.a3, 0.0]])
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+@dataclass(frozen=True, slots=True, eq=False)
+class Table(ByValue):
     """A measured law: tension k φ(e), with φ through the given points, smooth between.
 
     The interpolation is PCHIP (Fritsch & Butland 1984): no overshoot, continuous slope. Past
@@ -64,7 +65,8 @@ class Table:
         shape: (n,) φ at those extensions [m], the first one 0; tension divided by stiffness.
 
     Raises:
-        ValueError: extensions that do not rise, other than 0 first, or unequal lengths.
+        ValueError: extensions that do not rise, other than 0 first, a band that pushes, or
+            unequal lengths.
     """
 
     extension: tuple[float, ...]
@@ -82,6 +84,11 @@ class Table:
                 f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
                 f"carries nothing at its rest length."
             )
+        for i, pull in enumerate(shape):
+            if pull < 0:
+                raise ValueError(
+                    f"shape[{i}] = {pull} m: must be >= 0, a band pulls. Did you mean {-pull} m?"
+                )
         object.__setattr__(self, "extension", extension)
         object.__setattr__(self, "shape", shape)
 
@@ -93,8 +100,8 @@ class Table:
 Law = Linear | Cubic | Table
 
 
-@dataclass(frozen=True, slots=True)
-class Load:
+@dataclass(frozen=True, slots=True, eq=False)
+class Load(ByValue):
     """A force on one cell that depends on its travel only, such as the weight of a foot.
 
     Positive resists travel. Between the points the force is straight, outside constant.

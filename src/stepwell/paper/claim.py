@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from stepwell._value import ByValue
+
 
 class Judgement(StrEnum):
     """How a claim and our computation compare."""
@@ -17,8 +19,8 @@ class Judgement(StrEnum):
     NEEDS_MUJOCO = "needs MuJoCo"
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding(ByValue):
     """What we compute for a claim.
 
     Attributes:
@@ -39,8 +41,8 @@ class Finding:
             raise ValueError(f"verdict = {self.verdict}: must come with a reason.")
 
 
-@dataclass(frozen=True, slots=True)
-class Claim:
+@dataclass(frozen=True, slots=True, eq=False)
+class Claim(ByValue):
     """Something the paper says.
 
     Attributes:
@@ -65,8 +67,8 @@ class Claim:
         return Verdict(self, finding.ours, finding.verdict, finding.reason)
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict(ByValue):
     """What became of a claim.
 
     Attributes:

@@ -23,8 +23,9 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
     cell = leg.cell_index(antenna.cell)
     if cell != 0:
         raise ValueError(
-            f"antenna {antenna.name!r} moves an anchor of cell {cell}: the simulation moves those "
-            f"of cell 0 only, whose anchor p is on the body; lead the antenna there."
+            f"antenna {antenna.name!r} moves an anchor of {leg.chain.names[cell]}: the simulation "
+            f"moves those of the innermost cell only, whose anchor p is on the body; lead the "
+            f"antenna there."
         )
     where = places(robot, leg)
     p = in_body(leg, leg.chain.cells[0].bands[0].p)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.physics.settings import Settings
 from stepwell.physics.walk import LOADED, Walk, walk
 from stepwell.robot import Robot
@@ -39,8 +40,8 @@ class Resolution(NamedTuple):
     jumps: float
 
 
-@dataclass(frozen=True, slots=True)
-class Convergence:
+@dataclass(frozen=True, slots=True, eq=False)
+class Convergence(ByValue):
     """A robot's walk at several time steps.
 
     Attributes:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.kernels import cores
 from stepwell.physics._arena import obstacle_names
 from stepwell.physics._engine import Run, affordable, chunks
@@ -67,7 +68,7 @@ class Change(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Maze:
+class Maze(ByValue):
     """A robot's way through an arena.
 
     Attributes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 
@@ -24,8 +25,8 @@ class Linkage(StrEnum):
     HINGES = "hinges"
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
+@dataclass(frozen=True, slots=True, eq=False)
+class Settings(ByValue):
     """Numbers of the simulation, none of the robot.
 
     Args:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell._limits import require
+from stepwell._value import ByValue
 from stepwell._version import __version__
 from stepwell._write import write_atomic
 from stepwell.physics._engine import Run, Samples, affordable, stopped_at
@@ -33,8 +34,8 @@ PER_CORE = 8
 CHUNK = 500  # steps at a time
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial(ByValue):
     """What one robot of a sweep did.
 
     Attributes:
@@ -70,8 +71,8 @@ class Trial:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Sweep:
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep(ByValue):
     """What many robots did.
 
     Attributes:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.physics._arena import obstacle_names
 from stepwell.physics._engine import Run, Samples, affordable, chunks
 from stepwell.physics.settings import Settings
@@ -25,7 +26,7 @@ LOADED = 0.02  # a foot that carries more than this [N] stands
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Walk:
+class Walk(ByValue):
     """What a robot did while its actuator went out and back.
 
     Forces of what touches are means over the time since the sample before, for they pass within

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from stepwell.robot.antenna import Antenna
     from stepwell.robot.leg import Leg
     from stepwell.robot.robot import Robot
 
@@ -137,6 +138,15 @@ def _antennas(robot: Robot) -> Iterator[str]:
             leg.with_anchors(cell, p=(p[0] + antenna.moves[0], p[1] + antenna.moves[1]))
         except ValueError as error:
             yield f"antenna {antenna.name!r}: {error}"
-    moved = [(antenna.leg, str(antenna.cell)) for antenna in robot.antennas]
+    moved = [_moved(robot, antenna) for antenna in robot.antennas if antenna.leg in names]
     for leg, cell in {each for each in moved if moved.count(each) > 1}:
-        yield f"antennas: two move the anchor of cell {cell} of leg {leg!r}: give it one."
+        yield f"antennas: two move the anchor of {cell} of leg {leg!r}: give it one."
+
+
+def _moved(robot: Robot, antenna: Antenna) -> tuple[str, str]:
+    """The leg and the cell whose anchor an antenna moves, by what both are called."""
+    leg = robot.leg(antenna.leg)
+    try:
+        return leg.name, leg.chain.names[leg.cell_index(antenna.cell)]
+    except ValueError:
+        return leg.name, f"{antenna.cell!r}, which is no cell,"

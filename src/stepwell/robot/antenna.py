@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Antenna:
+@dataclass(frozen=True, slots=True, eq=False)
+class Antenna(ByValue):
     """A rod on a vertical hinge, coupled to the anchor p of one cell.
 
     Free, it rests at `angle`, held there by the pull of the band on the anchor. A contact
@@ -23,7 +24,8 @@ class Antenna:
         length: of the rod [m], > 0.
         angle: from straight ahead at rest [rad], between 0 and π; the antenna whose tip points
             to the right carries a negative one.
-        leg, cell: the leg and the cell (number from inside, or name) whose anchor it moves.
+        leg, cell: the leg and the cell (index, 0 for the innermost, or name) whose anchor it
+            moves.
         moves: displacement of that anchor p at full swing [m], in the cell's frame.
         swing: largest rotation [rad], > 0, towards the back.
         hook: length of the bent tip [m], >= 0.

@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepwell._limits import require
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Wall:
+@dataclass(frozen=True, slots=True, eq=False)
+class Wall(ByValue):
     """A straight upright wall.
 
     Args:
@@ -47,8 +48,8 @@ class Wall:
         return math.atan2(self.end[1] - self.start[1], self.end[0] - self.start[0])
 
 
-@dataclass(frozen=True, slots=True)
-class Cylinder:
+@dataclass(frozen=True, slots=True, eq=False)
+class Cylinder(ByValue):
     """An upright cylinder.
 
     Args:
@@ -67,8 +68,8 @@ class Cylinder:
         object.__setattr__(self, "radius", _check.positive("radius", self.radius, "m"))
 
 
-@dataclass(frozen=True, slots=True)
-class Goal:
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal(ByValue):
     """A disc that the body's origin has to reach.
 
     Args:
@@ -91,8 +92,8 @@ class Goal:
         return math.dist((x, y), self.at) <= self.radius
 
 
-@dataclass(frozen=True, slots=True)
-class Arena:
+@dataclass(frozen=True, slots=True, eq=False)
+class Arena(ByValue):
     """Obstacles on a level floor.
 
     Args:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 
-@dataclass(frozen=True, slots=True)
-class Blocks:
+@dataclass(frozen=True, slots=True, eq=False)
+class Blocks(ByValue):
     """What every block of every leg weighs and how it is damped.
 
     Args:

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stepwell._limits import require
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Body:
+@dataclass(frozen=True, slots=True, eq=False)
+class Body(ByValue):
     """A rigid body on a T-foot.
 
     The origin lies at the height of the legs' pivots; x points forward, y to the left.

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 
@@ -23,8 +24,8 @@ class Profile(StrEnum):
 REST = 0.125
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive(ByValue):
     """The position command that all legs share.
 
     Args:

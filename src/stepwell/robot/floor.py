@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 
-@dataclass(frozen=True, slots=True)
-class Floor:
+@dataclass(frozen=True, slots=True, eq=False)
+class Floor(ByValue):
     """A level floor.
 
     Args:

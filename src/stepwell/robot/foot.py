@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell._value import ByValue
 from stepwell.mechanism import _check
 
 
-@dataclass(frozen=True, slots=True)
-class Foot:
+@dataclass(frozen=True, slots=True, eq=False)
+class Foot(ByValue):
     """A foot at the tip of a V of two equal links.
 
     The V hangs from the outermost block and the one before it. When the outermost cell opens

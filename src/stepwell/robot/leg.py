@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Chain, _check
 from stepwell.mechanism._check import Vec2
 
 
-@dataclass(frozen=True, slots=True)
-class Leg:
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg(ByValue):
     """A chain that carries a foot.
 
     The innermost block is part of the body and the chain extends backwards, so that a cell
@@ -57,7 +58,7 @@ class Leg:
         """The same leg with the anchors of one cell moved.
 
         Args:
-            cell: number from inside, from 0, or a name.
+            cell: index, 0 for the innermost, or a name.
             p, q: anchors [m]; None leaves them.
 
         Returns:
@@ -72,7 +73,7 @@ class Leg:
         return replace(self, chain=replace(self.chain, cells=tuple(cells)))
 
     def cell_index(self, cell: int | str) -> int:
-        """The number of a cell, from 0 at the innermost, given that number or its name.
+        """The index of a cell, 0 for the innermost, given that index or its name.
 
         Raises:
             ValueError: no such cell.
@@ -82,7 +83,8 @@ class Leg:
             return names.index(cell)
         if isinstance(cell, int) and 0 <= cell < len(names):
             return cell
+        told = f"{cell + 1} (index {cell} in Python)" if isinstance(cell, int) else repr(cell)
         raise ValueError(
-            f"cell = {cell!r} of leg {self.name!r}: must be one of {', '.join(map(repr, names))} "
-            f"or a number from 0 to {len(names) - 1}."
+            f"leg {self.name!r} has no cell {told}: must be one of {', '.join(map(repr, names))}, "
+            f"or a number up to {len(names)} (index {len(names) - 1} in Python)."
         )

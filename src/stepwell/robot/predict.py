@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell._value import ByValue
 from stepwell.robot._round import Round, go_round, rounds, stances_beside
 from stepwell.robot._search import changes, first_change
 from stepwell.robot._slide import STEPS, Slide, slide
@@ -70,8 +71,8 @@ class Limit(Enum):
     NOTHING = "nothing: this foot never has to hold against the drag"
 
 
-@dataclass(frozen=True, slots=True)
-class Push:
+@dataclass(frozen=True, slots=True, eq=False)
+class Push(ByValue):
     """A foot that pushes the body over the floor, in one way of the actuator.
 
     Attributes:
@@ -110,8 +111,8 @@ class Push:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Flip:
+@dataclass(frozen=True, slots=True, eq=False)
+class Flip(ByValue):
     """A displacement of an antenna that changes the gait of its leg.
 
     Attributes:
@@ -140,8 +141,8 @@ class Flip:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class LegPrediction:
+@dataclass(frozen=True, slots=True, eq=False)
+class LegPrediction(ByValue):
     """What one leg will do.
 
     Attributes:
@@ -191,8 +192,8 @@ class LegPrediction:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Prediction:
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction(ByValue):
     """What a robot will do in a cycle, said without simulation.
 
     Attributes:

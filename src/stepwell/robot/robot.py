@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell._limits import require
+from stepwell._value import ByValue
 from stepwell.mechanism._check import Vec2
 from stepwell.robot._geometry import problems
 from stepwell.robot.antenna import Antenna
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Robot:
+@dataclass(frozen=True, slots=True, eq=False)
+class Robot(ByValue):
     """Legs on one actuator, under a body that rests on a T-foot.
 
     Args:
@@ -111,7 +112,7 @@ class Robot:
 
         Args:
             leg: its name.
-            cell: number from inside, from 0, or a name.
+            cell: index, 0 for the innermost, or a name.
             p, q: anchors [m]; None leaves them.
 
         Returns:

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Floats, Ints, Mesostates, Routes
 
 # Numbers looked up in a search (extremes squared times branches): some seconds' worth.
 _BUDGET = 2e8
 
 
-@dataclass(frozen=True, slots=True)
-class Accumulator:
+@dataclass(frozen=True, slots=True, eq=False)
+class Accumulator(ByValue):
     """A chain that takes two or more equal cycles of the drive to come into a rhythm.
 
     Attributes:
@@ -54,8 +55,8 @@ class Accumulator:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Counting:
+@dataclass(frozen=True, slots=True, eq=False)
+class Counting(ByValue):
     """What a search for accumulators found.
 
     Attributes:

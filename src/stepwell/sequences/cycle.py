@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence as Sized
 from dataclasses import dataclass
 from functools import cached_property
 
+from stepwell._value import ByValue
 from stepwell.mechanism import Chain
 from stepwell.sequences._vertices import sequence_of
 from stepwell.sequences.pathway import Pathway, pathway_of
@@ -14,7 +15,7 @@ from stepwell.statics import Event, EventKind, Path, Tie, full_cycle
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class Cycle(ByValue):
     """A chain loaded from all cells at 0 to all at 1 and unloaded again.
 
     Attributes:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import networkx as nx
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas
 from stepwell.sequences.node import Transition
 from stepwell.sequences.transition_graph import TransitionGraph
 
 
-@dataclass(frozen=True, slots=True)
-class Latch:
+@dataclass(frozen=True, slots=True, eq=False)
+class Latch(ByValue):
     """Nodes that lead to each other, and the ways out of them, from which none leads back.
 
     Whatever can be reached from all cells at 0 can be brought back to it by letting the drive

@@ -7,11 +7,12 @@ from itertools import takewhile
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Ints
 
 
-@dataclass(frozen=True, slots=True)
-class Loop:
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop(ByValue):
     """A pair of branches (μ, ν) such that the drive's rise leads from μ to ν and its fall back.
 
     Going to and fro between `low` and `high` the chain goes round it for ever.

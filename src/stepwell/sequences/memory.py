@@ -7,14 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Mesostates, Routes
 
 # Of all failures this many are compared for the one that is reached most simply.
 _COMPARED = 200
 
 
-@dataclass(frozen=True, slots=True)
-class Forgetting:
+@dataclass(frozen=True, slots=True, eq=False)
+class Forgetting(ByValue):
     """A turning point that the chain does not remember.
 
     It stood at `first` when it got to `at`. The drive turned, went to `excursion` and came back,
@@ -50,8 +51,8 @@ class Forgetting:
         return f"Forgetting({self.first}, later {self.later}, drive {points})"
 
 
-@dataclass(frozen=True, slots=True)
-class ReturnPointMemory:
+@dataclass(frozen=True, slots=True, eq=False)
+class ReturnPointMemory(ByValue):
     """Whether the chain has return-point memory, as far as one actuator can bring it.
 
     It has if for any drives u0 ≤ u' ≤ u: a chain that rises from u0 to u, falls to u' and

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from stepwell._value import ByValue
+
 
 class TransitionKind(Enum):
     """How a chain gets from one node to the next."""
@@ -11,8 +13,8 @@ class TransitionKind(Enum):
     SNAP = "the chain jumps; turning back does not undo it"
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+@dataclass(frozen=True, slots=True, eq=False)
+class Node(ByValue):
     """Stable equilibria with the same cells at 0, at 1 and in transit, one after another.
 
     A node with no cell in transit is a *vertex*. Under a rigid actuator it has one stroke and a
@@ -47,8 +49,8 @@ class Node:
         return f"Node({self.label}: drive {self.low:.6g} to {self.high:.6g}, branch {self.branch})"
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+@dataclass(frozen=True, slots=True, eq=False)
+class Transition(ByValue):
     """What happens where a node ends.
 
     Attributes:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
 
+from stepwell._value import ByValue, Carried
 from stepwell._write import write_atomic
 from stepwell.mechanism import Chain
 from stepwell.sequences._vertices import arrival, sequence_of
@@ -18,8 +19,8 @@ from stepwell.statics import Path
 _GIVEN = "as it was given"
 
 
-@dataclass(frozen=True, slots=True)
-class Turn:
+@dataclass(frozen=True, slots=True, eq=False)
+class Turn(ByValue):
     """A turning point, and how far off it may be.
 
     Attributes:
@@ -42,7 +43,7 @@ class Turn:
 
 
 @dataclass(frozen=True, eq=False)
-class Program:
+class Program(ByValue):
     """The shortest list of turning points from one state to another.
 
     Attributes:
@@ -168,7 +169,7 @@ class Program:
         return f"Program({self})"
 
 
-class Unreachable(ValueError):
+class Unreachable(Carried, ValueError):
     """The actuator cannot bring the chain to the state that was asked for.
 
     Attributes:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Routes, atlas
 from stepwell.sequences.counting import Counting, counting
 from stepwell.sequences.latches import Latch, gardens, groups_of, latches
@@ -21,7 +22,7 @@ MOST_BY_HAND = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class Reading(ByValue):
     """What a transition graph says about a machine, in terms that the literature uses.
 
     A *branch* here is all that the chain goes through to and fro without a snap; under force

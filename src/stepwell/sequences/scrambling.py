@@ -7,15 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell.sequences._mesostates import Atlas, Mask
 
 
-@dataclass(frozen=True, slots=True)
-class Scrambling:
+@dataclass(frozen=True, slots=True, eq=False)
+class Scrambling(ByValue):
     """Two cells whose order depends on the state of the others.
 
     Attributes:
-        cells: (i, j).
+        cells: (i, j), indices in chain.cells; the text counts cells from 1.
         direction: +1 where both are at 0 and the drive rises, -1 where both are at 1 and it falls.
         i_first, j_first: vertices from which i flips before j, and j before i.
         reachable: whether both vertices can be reached from all cells at 0; if not, at least one
@@ -33,7 +34,7 @@ class Scrambling:
 
     def __repr__(self):
         way = "up" if self.direction > 0 else "down"
-        i, j = self.cells
+        i, j = (cell + 1 for cell in self.cells)
         return f"Scrambling({way}: cell {i} before {j} from {self.i_first}, not {self.j_first})"
 
 

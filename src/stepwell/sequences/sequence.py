@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+from stepwell._value import ByValue
 
-@dataclass(frozen=True)
-class Sequence:
+
+@dataclass(frozen=True, eq=False)
+class Sequence(ByValue):
     """States with every cell at a stop, in the order of the visit, such as 00>10>11>01>00.
 
     Kept as what flips from one vertex to the next, so that it stays small for long chains.
@@ -77,12 +79,11 @@ class Sequence:
         return ">".join(self.states)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, Sequence):
-            return self.first == other.first and self.flips == other.flips
-        return str(self) == other if isinstance(other, str) else NotImplemented
+        return str(self) == other if isinstance(other, str) else super().__eq__(other)
 
+    # It equals its text, so the two are one key.
     def __hash__(self) -> int:
-        return hash((self.first, self.flips))
+        return hash(str(self))
 
     def __repr__(self) -> str:
         if len(self.first) * len(self) > 2000:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import networkx as nx
 
 from stepwell._limits import most, problem
+from stepwell._value import same
 from stepwell.mechanism import Chain
 from stepwell.sequences._asked import Drive, checked_state, driven, refuse_friction
 from stepwell.sequences._branches import Branches
@@ -37,6 +38,16 @@ class TransitionGraph(nx.DiGraph):
     Source: Mungan and Terzi, 2019; van Hecke, 2021; nodes with strokes and cells in transit
     are ours (theory page, "Transition graphs").
     """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or all(
+            same(getattr(self, part), getattr(other, part)) for part in ("graph", "_node", "_adj")
+        )
+
+    # A DiGraph can be changed, so it is no key.
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def chain(self) -> Chain | None:

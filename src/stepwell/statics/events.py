@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from stepwell._value import ByValue
+
 
 class EventKind(Enum):
     """What happened."""
@@ -19,8 +21,8 @@ class Cause(Enum):
     RELEASE = "a held cell lets go and the others cannot carry what it gives"
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+@dataclass(frozen=True, slots=True, eq=False)
+class Event(ByValue):
     """One switch or snap.
 
     Attributes:
@@ -61,8 +63,8 @@ class Event:
         return f"{self.kind.name} at {self.stroke * 1e3:.6g} mm {way}: {moves}{what}"
 
 
-@dataclass(frozen=True, slots=True)
-class Tie:
+@dataclass(frozen=True, slots=True, eq=False)
+class Tie(ByValue):
     """A place where the model cannot say what happens: two outcomes closer than the tolerance.
 
     Attributes:

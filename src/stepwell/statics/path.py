@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell._value import ByValue
 from stepwell._write import write_atomic
 from stepwell.kernels import beside
 from stepwell.kernels.effort import end_early, no_limit
@@ -41,7 +42,7 @@ _KINDS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class Path(ByValue):
     """A chain's way through its equilibria, with every event and a certificate at every point.
 
     Between events the arrays hold `points` samples a branch; events are exact whatever the
@@ -62,7 +63,7 @@ class Path:
     start: tuple[float, ...]
     points: int
     _start_force: float = field(repr=False)
-    _laws: Laws = field(repr=False)
+    _laws: Laws = field(repr=False, compare=False)
     _log: f.Log = field(repr=False)
 
     @cached_property

@@ -210,6 +210,14 @@ def _as_path(
 ) -> Path:
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
+    # Nothing but what was written, so that two logs of one motion are equal.
+    segments, movers = log.used.tolist()
+    log = f.Log(
+        log.segments[:segments].copy(),
+        log.first[: segments + 1].copy(),
+        log.movers[:movers].copy(),
+        log.used,
+    )
     return Path(
         chain,
         tuple(float(t) for t in turning),

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from stepwell._value import ByValue
+
 
 class StretchKind(Enum):
     """What a chain does on a stretch of its path."""
@@ -12,8 +14,8 @@ class StretchKind(Enum):
     SNAP = "the chain jumps at a fixed drive"
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch(ByValue):
     """One part of a path, the same cells moving all along it.
 
     Attributes:

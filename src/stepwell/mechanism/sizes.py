@@ -1,0 +1,242 @@
+"""Slips of unit: sizes so far off a mechanism's own that another unit was probably meant.
+
+A slip is a factor of a thousand (mm for m, N/mm for N/m, mN for N), or of 57 (rad for deg). The
+ranges below are the widest that still notice one where a mechanism is of an ordinary make.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from stepwell._value import Carried
+from stepwell.mechanism.curves import Cubic, Table
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from stepwell.mechanism.band import Band
+    from stepwell.mechanism.cell import Cell
+    from stepwell.mechanism.chain import Chain
+
+LEVERS = 1e-4, 2.0  # [m]
+LENGTHS = 1 / 200, 50.0  # of whatever has a length, over the lever
+SPRINGS = 0.05, 2e4  # k of a band [N/m]
+FORCES = 50.0  # largest load and friction, over the cell's own force
+LEAST_LIMIT = math.radians(2.0)  # θc [rad]
+STEP = 1000.0  # between two units that are taken for each other
+
+Size = float | tuple[float, ...]
+
+
+class Slip(NamedTuple):
+    """A size that is far off.
+
+    Attributes:
+        name: the field that holds it; "tension" is the largest of a table, "extension" its last.
+        value: what came, in SI.
+        meant: what was probably meant, in SI; None where no slip explains it.
+        unit: of both.
+        why: what it was compared with.
+        band: which band of the cell, from 0; None where it is none of theirs.
+    """
+
+    name: str
+    value: Size
+    meant: Size | None
+    unit: str
+    why: str
+    band: int | None = None
+
+    def __str__(self):
+        probably = f" Did you mean {_shown(self.meant)} {self.unit}?" if self.meant else ""
+        if self.meant and self.unit == "rad":
+            probably = f" Did you mean {_shown(self.meant)} rad ({_degrees(self.meant)})?"
+        return f"{self.name} = {_shown(self.value)} {self.unit}: {self.why}.{probably}"
+
+
+class SlipError(Carried, ValueError):
+    """A size that is far off the mechanism's own.
+
+    Args:
+        slips: one or more.
+        way: how the odd true case is told.
+    """
+
+    def __init__(self, slips: tuple[Slip, ...], way: str):
+        self.slips = slips
+        self.way = way
+        super().__init__("\n".join([*map(str, slips[:-1]), f"{slips[-1]} {way}".rstrip()]))
+
+
+def meant(value: Size, low: float, high: float) -> Size | None:
+    """`value`, or the vector, a thousand times larger or smaller, if low <= its size <= high."""
+    size = _size(value)
+    for grown in (STEP, 1 / STEP):
+        if low <= size * grown <= high * (1 + 1e-9):
+            return _scaled(value, grown)
+    return None
+
+
+def length(name: str, value: Size, lever: float, band: int | None = None) -> Iterator[Slip]:
+    """The slip of a length [m], or of a whole vector; nothing and zero are no slips."""
+    low, high = LENGTHS[0] * lever, LENGTHS[1] * lever
+    size = _size(value)
+    if size and not low <= size <= high:
+        why = f"is {_ratio(size / lever)} a lever of {lever * 1e3:.4g} mm"
+        yield Slip(name, value, meant(value, low, high), "m", why, band)
+
+
+def far(name: str, value: Size, lever: float) -> Iterator[Slip]:
+    """The same where a small one says nothing: of a grid, a search, a displacement."""
+    if _size(value) > lever:
+        yield from length(name, value, lever)
+
+
+def above(name: str, value: float, most: float) -> Iterator[Slip]:
+    """The slip of a tolerance or a reach [m] that is above a length of the mechanism."""
+    if value > most:
+        why = f"is above {most * 1e3:.4g} mm"
+        yield Slip(name, value, meant(value, 0.0, most), "m", why)
+
+
+def lever_of(name: str, lever: float) -> Iterator[Slip]:
+    """The slip of a lever [m]."""
+    low, high = LEVERS
+    if not low <= lever <= high:
+        why = f"levers are from {low * 1e3:g} mm to {high:g} m long"
+        yield Slip(name, lever, meant(lever, low, high), "m", why)
+
+
+def spring(name: str, stiffness: float, band: int | None = None) -> Iterator[Slip]:
+    """The slip of the stiffness of a band [N/m]."""
+    low, high = SPRINGS
+    if not low <= stiffness <= high:
+        why = f"bands have from {low:g} to {high:g} N/m"
+        yield Slip(name, stiffness, meant(stiffness, low, high), "N/m", why, band)
+
+
+def force(name: str, value: float, own: float) -> Iterator[Slip]:
+    """The slip of a force [N] beside those that the bands make."""
+    if abs(value) > FORCES * own:
+        why = f"is {_ratio(abs(value) / own)} what the bands pull with, about {own:.3g} N"
+        yield Slip(name, value, meant(value, 0.0, FORCES * own), "N", why)
+
+
+def own_force(cell: Cell, lever: float) -> float:
+    """About what the bands of a cell pull with [N] on levers of that length: Σ k r."""
+    return sum(band.stiffness for band in cell.bands) * lever
+
+
+def slips(cell: Cell) -> tuple[Slip, ...]:
+    """All sizes of a cell that are far off its own."""
+    return tuple(_slips(cell))
+
+
+def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
+    """Positions [m], or forces [N], of the actuator that the chain takes in another unit only."""
+    points = np.ravel(np.asarray(turning_points, float))
+    most, unit = chain.full_stroke, "m"
+    # A little out of a rigid actuator's reach is no slip, and refused where the chain is followed.
+    noticed = 10 * most
+    if not math.isinf(chain.actuator_stiffness):
+        if chain.unusual:
+            return ()
+        ends = [abs(f) for cell in chain.cells for f in (cell.force_0, cell.force_1)]
+        own = max([own_force(cell, cell.lever) for cell in chain.cells] + ends)
+        most = most + own / chain.actuator_stiffness if chain.actuator_stiffness else own
+        noticed, unit = FORCES * most, "m" if chain.actuator_stiffness else "N"
+    why = f"is far past what moves the whole chain, about {most:.4g} {unit}"
+    return tuple(
+        Slip(f"turning_points[{i}]", drive, likely, unit, why)
+        for i, drive in enumerate(points.tolist())
+        if abs(drive) > noticed and (likely := meant(drive, 0.0, 10 * most)) is not None
+    )
+
+
+def _slips(cell: Cell) -> Iterator[Slip]:
+    lever = cell.lever
+    for slip in lever_of("lever", lever):
+        yield slip
+        # One slip is told once: the rest is compared with what was meant.
+        lever = slip.meant if isinstance(slip.meant, float) else lever
+    if cell.limit < LEAST_LIMIT:
+        turned = math.degrees(cell.limit)
+        why = f"is {turned:.4g}°, and cells turn by 2° or more to either side"
+        likely = LEAST_LIMIT <= turned <= math.pi / 2
+        yield Slip("limit", cell.limit, turned if likely else None, "rad", why)
+    soft = False
+    for index, band in enumerate(cell.bands):
+        for slip in _of_band(band, lever, index):
+            soft = soft or slip.name in ("stiffness", "tension")
+            yield slip
+    if not soft:
+        yield from force("friction", cell.friction, own_force(cell, lever))
+    if cell.load is not None:
+        farthest = max(cell.load.travel, key=abs)
+        yield from length("load.travel", farthest, lever)
+        if not soft:
+            largest = max(cell.load.force, key=abs)
+            yield from force("load.force", largest, own_force(cell, lever))
+
+
+def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
+    yield from length("p", band.p, lever, index)
+    yield from length("q", band.q, lever, index)
+    yield from length("rest_length", band.rest_length, lever, index)
+    if isinstance(band.law, Table):
+        yield from _of_table(band, band.law, lever, index)
+    else:
+        yield from spring("stiffness", band.stiffness, index)
+    if isinstance(band.law, Cubic):
+        bends = (("a2", band.law.a2, "1/m", 1), ("a3", band.law.a3, "1/m²", 2))
+        for name, value, unit, power in bends:
+            most = (LENGTHS[1] / lever) ** power
+            if abs(value) > most:
+                likely = value / STEP**power
+                why = f"bends a band far within a lever of {lever * 1e3:.4g} mm"
+                yield Slip(name, value, likely if abs(likely) <= most else None, unit, why, index)
+
+
+def _of_table(band: Band, law: Table, lever: float, index: int) -> Iterator[Slip]:
+    stretched = list(length("extension", law.extension[-1], lever, index))
+    yield from stretched
+    most = max(range(len(law.shape)), key=law.shape.__getitem__)
+    far, pull = law.extension[most], band.stiffness * law.shape[most]
+    if pull and not stretched:  # with extensions in another unit, the stiffness says nothing
+        for slip in spring("tension", pull / far, index):
+            likely = None if slip.meant is None else pull * _size(slip.meant) / (pull / far)
+            why = f"at {far * 1e3:.4g} mm it makes {pull / far:.3g} N/m, and {slip.why}"
+            yield slip._replace(value=pull, meant=likely, unit="N", why=why)
+
+
+def _size(value: Size) -> float:
+    return math.hypot(*value) if isinstance(value, tuple) else abs(value)
+
+
+def _scaled(value: Size, grown: float) -> Size:
+    if isinstance(value, tuple):
+        return tuple(_grown(part, grown) for part in value)
+    return _grown(value, grown)
+
+
+def _grown(value: float, grown: float) -> float:
+    # Divided where it shrinks: 40 / 1000 is 0.04, and 40 times 0.001 is its neighbour.
+    return value * grown if grown > 1 else value / (1 / grown)
+
+
+def _shown(value: Size) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(f'{part:.6g}' for part in value)})"
+    return f"{value:.6g}"
+
+
+def _degrees(value: Size) -> str:
+    return f"{math.degrees(value):.4g}°" if isinstance(value, float) else ""
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.0f} times" if ratio >= 1 else f"{ratio:.2g} of"

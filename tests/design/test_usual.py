@@ -1,0 +1,125 @@
+"""One default for tolerances and samples, and slips of unit where numbers meet a chain."""
+
+import math
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from stepwell import design as room
+from stepwell.design import USUAL, Stock, design, reprogram, survival, transition_map, yields
+from stepwell.design.parameter_maps import parameter_map
+from stepwell.mechanism import SlipError
+
+LEG = sw.preset("paper-forward")
+ODD = sw.Chain([sw.Cell(cell.band, unusual=True) for cell in LEG.cells])
+
+
+def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
+    found = [LEG.yields(n=300), yields(LEG, n=300), yields(LEG, USUAL, n=300)]
+    assert {one.tolerances for one in found} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
+    assert len({one.share for one in found}) == 1
+    assert survival(LEG, (0.0, 0.04), "11", n=3).tolerances == USUAL
+    assert design("00>10>11>01>00", n=10).yield_.tolerances.anchor == USUAL.anchor
+
+
+def test_what_a_tolerance_does_not_name_is_exact():
+    assert sw.Tolerances() == sw.Tolerances(0.0, 0.0, 0.0, 0.0, 0.0)
+    assert LEG.yields(sw.Tolerances(), n=10).share == 1.0
+
+
+def test_few_are_made_where_the_engine_follows_each():
+    two_bands = sw.Chain([sw.Cell([b, b]) for b in (c.bands[0] for c in LEG.cells)])
+    states = ["00", "10", "01", "11"]
+    assert LEG.yields().n == 100_000
+    assert survival(LEG, (0.0, 0.04), "11").n == LEG.yields(wanted=states).n == 500
+    assert two_bands.yields(sw.Tolerances(), n=3).by_engine == 3
+
+
+def test_a_yield_without_friction_says_so():
+    f = min(abs(force) for cell in LEG.cells for force in (cell.force_0, cell.force_1))
+    told = f"without any friction, beside forces F0 and F1 of {f * 1e3:.3g} mN and more"
+    assert told in LEG.yields(n=10).assumptions
+    assert told in survival(LEG, (0.0, 0.04), "11", n=1).assumptions
+    rubbing = sw.Tolerances(friction=0.01)
+    assert "without any friction" not in LEG.yields(rubbing, n=10).assumptions
+    assert "without any friction" not in survival(LEG, (0.0, 0.04), "11", rubbing, n=1).assumptions
+
+
+def across(chain: sw.Chain) -> object:
+    axis = np.linspace(0, 20, 3)
+    return transition_map(chain, x=axis, y=axis)
+
+
+@pytest.mark.parametrize(
+    ("ask", "name", "meant"),
+    [
+        (lambda c: c.yields(sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
+        (lambda c: c.yields(sw.Tolerances(friction=30), n=1), "friction", 0.03),
+        (lambda c: survival(c, (0, 0.04), "11", sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
+        (lambda c: c.margin(reach=20), "reach", 0.020),
+        (lambda c: reprogram(c, None, "inner.p", reach=20), "reach", 0.020),
+        (across, "(x, y)", (0.020, 0.020)),
+        (
+            lambda c: parameter_map(c, ("inner.q.x", [0, 20]), ("outer.q.y", [0, 0.01])),
+            "inner.q.x",
+            0.020,
+        ),
+        (
+            lambda c: parameter_map(c, ("inner.friction", [0, 30]), ("outer.q.y", [0, 0.01])),
+            "inner.friction",
+            0.030,
+        ),
+    ],
+)
+def test_a_number_far_off_the_chain_is_refused_and_a_chain_that_is_unusual_takes_it(
+    ask, name, meant
+):
+    with pytest.raises(SlipError) as refused:
+        ask(LEG)
+    (slip,) = refused.value.slips
+    assert slip.name == name
+    assert slip.meant == pytest.approx(meant)
+    ask(ODD)
+
+
+def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
+    with pytest.raises(SlipError, match=r"turning_points\[1\] = 40 m: .* Did you mean 0.04 m\?"):
+        survival(LEG, (0.0, 40.0, 0.0), "00", n=1)
+
+
+@pytest.mark.parametrize(
+    ("wish", "name", "meant"),
+    [
+        ({"lever": 14.142}, "lever", 0.014142),
+        ({"p": (-10, 0)}, "p", (-0.010, 0.0)),
+        ({"within": room.AnchorBox(0, 20, -15, 15)}, "within", (0.020, 0.015)),
+        ({"holes": 5.0}, "holes", 0.005),
+        ({"bands": [Stock(28.5, 10.0)]}, "rest_length", 0.010),
+        ({"bands": [Stock(0.0285, 0.010)]}, "stiffness", 28.5),
+        ({"tolerances": sw.Tolerances(anchor=0.3)}, "anchor", 0.0003),
+    ],
+)
+def test_a_wish_in_another_unit_is_refused_with_what_was_meant(wish, name, meant):
+    with pytest.raises(SlipError) as refused:
+        design("00>10>11>01>00", n=1, **wish)
+    (slip,) = refused.value.slips
+    assert slip.name == name
+    assert slip.meant == pytest.approx(meant)
+
+
+def test_a_wish_that_is_unusual_is_followed_and_its_cells_say_so():
+    far = room.AnchorBox(0.8, 0.82, -0.015, 0.015)
+    with pytest.raises(SlipError):
+        design("00>10>11>01>00", within=far, n=1)
+    made = design("00>10>11>01>00", within=far, n=1, unusual=True)
+    assert made.chain.unusual
+    assert not design("00>10>11>01>00", n=1).chain.unusual
+
+
+def test_a_search_is_never_asked_wherever_it_goes():
+    # A box round the place where q is zero: anchors nobody would type.
+    near = room.AnchorBox(-1e-5, 0.015, -1e-5, 0.015)
+    made = design("00>10>11>01>00", within=near, n=20)
+    assert math.isfinite(made.yield_.share)
+    LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), n=200, sensitivity=True)
