@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell._version import __version__
+from stepwell.files._head import head
 from stepwell.files.record import finite
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ def parameter_map_record(
     dataset: xarray.Dataset,
     boundaries: Iterable[ParameterBoundary],
     design: tuple[float, float] | None = None,
+    *,
+    text: str | None = None,
 ) -> dict[str, Any]:
     """What a map over two parameters says in short: how much of it each sequence takes.
 
@@ -36,6 +38,7 @@ def parameter_map_record(
         dataset: what `design.parameter_map` returns.
         boundaries: what `design.parameter_boundaries` returns for the same parameters.
         design: the two parameters of the design itself, in SI.
+        text: of the design file, for the hash of it; unknown by default.
 
     Returns:
         The record that docs/commands.md describes.
@@ -45,8 +48,7 @@ def parameter_map_record(
     meanings = str(notes["flag_meanings"]).split()
     values = [int(value) for value in notes["flag_values"]]
     return {
-        "schema": PARAMETER_MAP_SCHEMA,
-        "stepwell": __version__,
+        **head(PARAMETER_MAP_SCHEMA, text),
         "title": str(dataset.attrs["title"]),
         **{
             name: _axis(dataset[letter], None if design is None else design[k])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell._version import __version__
+from stepwell._version import __version__, versions
 from stepwell.lab._errors import LabError
 from stepwell.lab.cell_test import CellTest, cell_test, mean_rmse
 from stepwell.lab.pair_test import PairTest, pair_tests
@@ -123,6 +123,7 @@ def comparison_record(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema": "stepwell.lab.compare/1",
         "stepwell": __version__,
+        "versions": versions(),
         "bar_mm": None if np.isinf(comparison.rig.bar) else comparison.rig.bar * 1e3,
         "mean_rmse_over_kr": [
             {"bands": n, "rmse_over_kr": comparison.mean_rmse(n)} for n in counts

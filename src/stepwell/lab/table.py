@@ -90,5 +90,10 @@ def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     ]
 
 
+def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
+    """The SHA-256 of each recording's file by its name: what a result was computed from."""
+    return {recording.source: recording.sha256 for recording in recordings}
+
+
 def _known(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
