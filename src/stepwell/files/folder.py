@@ -202,7 +202,9 @@ def _commit(
     for name in mine:
         may_be.setdefault(name, set()).add(new[name])
     hashes = {name: sorted(may_be[name]) for name in sorted(may_be)}
-    write_atomic(target / UNFINISHED, _json(about | {"files": hashes}))
+    write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
+    os.replace(draft / UNFINISHED, target / UNFINISHED)
+    sync_folder(target)
     (target / MANIFEST).unlink(missing_ok=True)
     sync_folder(target)
     for name in sorted(mine):
