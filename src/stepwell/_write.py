@@ -25,11 +25,11 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
     target = Path(os.path.realpath(path))
     content = data.encode("utf-8") if isinstance(data, str) else data
     if not target.parent.is_dir():
-        why = f"there is no folder {target.parent}: make it, or name another place"
-        raise FileNotFoundError(errno.ENOENT, why, str(target))
+        why = f"there is no folder {Path(path).parent}: make it, or name another place"
+        raise FileNotFoundError(errno.ENOENT, why, os.fspath(path))
     draft = draft_beside(target)
     try:
-        with told_of(draft, target):
+        with told_of(draft, Path(path)):
             # os.open, not tempfile: the new file gets the permissions any other new file gets.
             # O_BINARY: without it Windows would turn every line end into two characters.
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)

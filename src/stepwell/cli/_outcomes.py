@@ -34,12 +34,12 @@ class Commands(TyperGroup):
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
-    from stepwell.files import DesignError
+    from stepwell.files import DesignError, OverwriteError
     from stepwell.lab import LabError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
 
-    if isinstance(error, DesignError | LabError):
+    if isinstance(error, DesignError | LabError | OverwriteError):
         return WRONG_INPUT, str(error)
     if isinstance(error, Unreachable):
         return NO, str(error)

@@ -40,11 +40,9 @@ def paper(
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
 
-    names: tuple[str, ...] = ()
     with progress("claims") as tell:
         verdicts = claims.run(out, progress=tell, everything=everything, data=data, force=force)
-    if out is not None:
-        names = (*claims.outputs(everything), "stepwell.json")
+    names = () if out is None else claims.outputs(everything)
     record = claims.record(verdicts)
     if as_json:
         show_json(record, out, names)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepwell._write import write_atomic
-from stepwell.files.folder import MANIFEST
 
 if TYPE_CHECKING:
     import xarray
@@ -51,5 +50,5 @@ def write_netcdf(file: Path, data: xarray.Dataset) -> None:
 
 
 def names(folder: Path) -> tuple[str, ...]:
-    """What a draft will have put into its folder, by name, the manifest among it."""
-    return tuple(sorted({MANIFEST, *(file.name for file in folder.iterdir())}))
+    """What a draft will have put into its folder, by name."""
+    return tuple(sorted(file.name for file in folder.iterdir()))
