@@ -6,7 +6,7 @@ import errno
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -44,6 +44,16 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
         draft.unlink(missing_ok=True)
         raise
     sync_folder(target.parent)
+
+
+def csv_text(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table as CSV; whatever a name holds, it stays in its cell."""
+    # csv.writer leaves a bare carriage return unquoted where lines end in a line feed.
+    return "".join(",".join(map(_quoted, row)) + "\n" for row in (head, *rows))
+
+
+def _quoted(cell: str) -> str:
+    return '"' + cell.replace('"', '""') + '"' if set(cell) & set(',"\r\n') else cell
 
 
 def draft_beside(target: Path) -> Path:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell._write import csv_text
 from stepwell.files._head import head
 from stepwell.files.record import finite
 
@@ -77,20 +78,21 @@ def parameter_map_record(
 
 def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
     """The curves of a map as CSV: curve, kind and the two parameters, a row for every point."""
-    lines: list[str] = []
+    head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
         told = [told_in(unit) for unit in boundary.units]
         names = [
             f"{name}_{unit.replace('/', '_per_')}"
             for name, (unit, _) in zip(boundary.parameters, told, strict=True)
         ]
-        lines = lines or [f"curve,kind,{names[0]},{names[1]}"]
+        head = ["curve", "kind", *names]
         kind = boundary.kind.name.lower()
         (_, across), (_, up) = told
-        lines += [
-            f"{number},{kind},{x * across:.9g},{y * up:.9g}" for x, y in boundary.points.tolist()
+        rows += [
+            (str(number), kind, f"{x * across:.9g}", f"{y * up:.9g}")
+            for x, y in boundary.points.tolist()
         ]
-    return "\n".join(lines or ["curve,kind"]) + "\n"
+    return csv_text(head, rows)
 
 
 def _axis(axis: xarray.DataArray, design: float | None) -> dict[str, Any]:

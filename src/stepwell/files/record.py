@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepwell._write import csv_text
 from stepwell.files._head import head
 from stepwell.mechanism import Cell, Chain
 
@@ -117,11 +118,12 @@ def map_record(
 
 def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a transition map as CSV: curve, kind, x_mm, y_mm, a row for every point."""
-    lines = ["curve,kind,x_mm,y_mm"]
-    for number, boundary in enumerate(boundaries):
-        kind = boundary.kind.name.lower()
-        lines += [f"{number},{kind},{x * 1e3:.9g},{y * 1e3:.9g}" for x, y in boundary.points]
-    return "\n".join(lines) + "\n"
+    rows = (
+        (str(number), boundary.kind.name.lower(), f"{x * 1e3:.9g}", f"{y * 1e3:.9g}")
+        for number, boundary in enumerate(boundaries)
+        for x, y in boundary.points
+    )
+    return csv_text(("curve", "kind", "x_mm", "y_mm"), rows)
 
 
 def force_scale(cell: Cell) -> float:
