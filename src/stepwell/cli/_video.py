@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
+from stepwell.cli._show import warn
 
 if TYPE_CHECKING:
     from stepwell.physics import Maze, Walk
@@ -32,6 +32,6 @@ def film(
             physics.video(result, *targets, speed=speed, progress=progress)
         except (physics.VideoError, ModuleNotFoundError) as error:
             # The figures are there, and they need none of it.
-            typer.echo(str(error), err=True)
+            warn(str(error))
 
     return write
