@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -18,26 +19,41 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
         data: bytes, or text that is written as UTF-8 with the line ends it has.
 
     Raises:
-        OSError: the folder is missing or cannot be written; nothing has changed then.
+        OSError: the folder is missing or cannot be written, or the disk is full; it names
+            `path`, and nothing has changed then.
     """
     target = Path(os.path.realpath(path))
     content = data.encode("utf-8") if isinstance(data, str) else data
+    if not target.parent.is_dir():
+        why = f"there is no folder {Path(path).parent}: make it, or name another place"
+        raise FileNotFoundError(errno.ENOENT, why, os.fspath(path))
     draft = draft_beside(target)
     try:
-        # os.open, not tempfile: the new file gets the permissions any other new file gets.
-        with told_of(target):
-            handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-        with open(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        with suppress(FileNotFoundError):
-            shutil.copymode(target, draft)
-        os.replace(draft, target)
+        with told_of(draft, Path(path)):
+            # os.open, not tempfile: the new file gets the permissions any other new file gets.
+            # O_BINARY: without it Windows would turn every line end into two characters.
+            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+            with open(os.open(draft, flags, 0o666), "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            with suppress(FileNotFoundError):
+                shutil.copymode(target, draft)
+            os.replace(draft, target)
     except BaseException:
         draft.unlink(missing_ok=True)
         raise
     sync_folder(target.parent)
+
+
+def csv_text(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table as CSV; whatever a name holds, it stays in its cell."""
+    # csv.writer leaves a bare carriage return unquoted where lines end in a line feed.
+    return "".join(",".join(map(_quoted, row)) + "\n" for row in (head, *rows))
+
+
+def _quoted(cell: str) -> str:
+    return '"' + cell.replace('"', '""') + '"' if set(cell) & set(',"\r\n') else cell
 
 
 def draft_beside(target: Path) -> Path:
@@ -46,12 +62,17 @@ def draft_beside(target: Path) -> Path:
 
 
 @contextmanager
-def told_of(target: Path) -> Iterator[None]:
-    """Errors name the file the user asked for, not its draft."""
+def told_of(draft: Path, target: Path) -> Iterator[None]:
+    """Errors name the file that the user asked for, not its draft, and never no file at all."""
     try:
         yield
     except OSError as error:
-        raise type(error)(error.errno, error.strerror, str(target)) from None
+        if error.errno is None:
+            raise
+        known = isinstance(error.filename, str | bytes)
+        given = Path(os.fsdecode(error.filename)) if known else draft
+        name = target / given.relative_to(draft) if given.is_relative_to(draft) else given
+        raise type(error)(error.errno, error.strerror, str(name)) from None
 
 
 def sync_folder(folder: Path) -> None:

@@ -6,6 +6,7 @@ import pytest
 import typer
 
 import stepwell as sw
+from cli.folders import written
 from stepwell.cli._wishes import Span, span, stock, wish
 from stepwell.design import Stock, Tolerances, yields
 
@@ -18,7 +19,7 @@ def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     assert result.exit_code == 0
     assert f"Sequence  {BACK}" in result.stdout.splitlines()
     names = {"design.toml", "design.json", "yield.csv", "force-plane.png", "force-plane.svg"}
-    assert {file.name for file in (tmp_path / "out").iterdir()} == names
+    assert written(tmp_path / "out") == names
     assert str(sw.load("out/design.toml").cycle().sequence) == BACK
     assert f"Sequence    {BACK}" in stepwell("run", "out/design.toml").stdout.splitlines()
 

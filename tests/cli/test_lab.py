@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from cli.folders import written
 from lab.machine import pair, saved, tension, unit
 from stepwell import files
 from stepwell.lab.series import paper_cell
@@ -74,7 +75,7 @@ def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     (band,) = chain.cells[0].bands
     assert band.stiffness == pytest.approx(28.5, abs=0.1)
     assert band.rest_length == pytest.approx(0.010, abs=2e-4)
-    names = sorted(file.name for file in (tmp_path / "band").iterdir())
+    names = sorted(written(tmp_path / "band"))
     assert names == ["band.json", "band.toml", "laws.png", "laws.svg"]
 
 
@@ -111,7 +112,7 @@ def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell
     assert "MMT, 1 band, loading: order agrees: inner then outer" in result.stdout
     assert "F falls throughout in every series" in result.stdout
     assert "Not judged: the first 0.5 mm of stroke" in result.stdout
-    names = {file.name for file in (tmp_path / "seen").iterdir()}
+    names = written(tmp_path / "seen")
     kinds = {
         f"{name}.{kind}" for name in ("forces", "energies", "pairs") for kind in ("png", "svg")
     }

@@ -114,7 +114,7 @@ def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_an_interruption_leaves_the_folder_as_it_was(tmp_path, name, code):
     (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "path.csv").write_text("old")
+    (tmp_path / "out" / "mine.csv").write_text("old")
     # The signal comes when the first figure has been written.
     patch = (
         "import os, signal, stepwell.figures as f\nsave = f.save\n"
@@ -124,8 +124,8 @@ def test_an_interruption_leaves_the_folder_as_it_was(tmp_path, name, code):
     assert result.returncode == code
     assert "Traceback" not in result.stderr
     assert os.listdir(tmp_path) == ["out"]
-    assert os.listdir(tmp_path / "out") == ["path.csv"]
-    assert (tmp_path / "out" / "path.csv").read_text() == "old"
+    assert os.listdir(tmp_path / "out") == ["mine.csv"]
+    assert (tmp_path / "out" / "mine.csv").read_text() == "old"
 
 
 @posix
@@ -176,5 +176,5 @@ def test_a_terminal_sees_progress_and_a_pipe_does_not(tmp_path):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
     arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "10")
     assert "frames" in in_terminal(*arguments, cwd=tmp_path, env=env)
-    result = installed(*arguments, cwd=tmp_path)
+    result = installed(*arguments, "--force", cwd=tmp_path)
     assert (result.stdout, result.stderr) == ("Wrote cycle.gif\n", "")

@@ -10,6 +10,7 @@ import typer
 import xarray as xr
 
 import stepwell as sw
+from cli.folders import written
 from stepwell.cli._grid import Grid, cell_of, grid, marks
 from stepwell.design import parameter_map
 
@@ -39,7 +40,7 @@ def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
     record = json.loads(result.stdout)
     out = tmp_path / "out"
     names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
-    assert {file.name for file in out.iterdir()} == names
+    assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())
     assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
@@ -110,7 +111,7 @@ def test_any_two_parameters_span_a_map(stepwell, tmp_path):
     record = json.loads(result.stdout, parse_constant=pytest.fail)
     out = tmp_path / "out"
     names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
-    assert {file.name for file in out.iterdir()} == names
+    assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())
     assert record["schema"] == "stepwell.parameter-map/1"

@@ -5,6 +5,7 @@ import json
 import pytest
 import xarray
 
+from cli.folders import written
 from stepwell.files import arenas, load_arena, load_robot, preset_text
 
 WRITTEN = {"arena.toml", "maze.json", "robot.toml", "walk.nc"} | {
@@ -19,7 +20,7 @@ def test_a_contact_is_told_with_the_leg_that_it_reprograms(stepwell, tmp_path):
     assert result.exit_code == 0
     assert "Outcome     ran out of time after 36 s" in result.stdout
     assert "Touched     1 of 1 obstacles" in result.stdout
-    assert {file.name for file in (tmp_path / "out").iterdir()} == WRITTEN
+    assert written(tmp_path / "out") == WRITTEN
     record = json.loads((tmp_path / "out" / "maze.json").read_text("utf-8"))
     (contact,) = record["contacts"]
     assert contact["antenna"] == "left"

@@ -39,7 +39,7 @@ def test_new_replaces_a_file_only_by_force(stepwell, tmp_path):
             2,
             "preset paper-foward: no such design. Did you mean paper-forward?",
         ),
-        (("no/leg.toml",), 1, "no/leg.toml: No such file or directory"),
+        (("no/leg.toml",), 1, "no/leg.toml: there is no folder no: make it"),
     ],
 )
 def test_new_refuses_what_it_cannot_write(stepwell, tmp_path, arguments, code, message):

@@ -6,6 +6,7 @@ import json
 import pytest
 
 import stepwell as sw
+from cli.folders import written
 from stepwell import files
 
 OUT = {"design.toml", "program.csv", "program.json", "program.png", "program.svg"}
@@ -74,7 +75,7 @@ def test_the_folder_holds_figure_table_json_and_the_design_with_its_program(step
     result = stepwell("program", "forward.toml", "--to", "01", "--out", "out", "--json")
     record = json.loads(result.stdout)
     out = tmp_path / "out"
-    assert {file.name for file in out.iterdir()} == OUT
+    assert written(out) == OUT
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in OUT}
     assert record == json.loads((out / "program.json").read_text())
     with open(out / "program.csv", newline="") as file:
@@ -94,7 +95,7 @@ def test_what_was_written_is_played_and_does_it_again(stepwell, tmp_path):
     assert (record["from"], record["to"], record["arrives"]) == ("000", "001", "001")
     assert record["reason"] == "as it was given"
     assert not record["proved"]
-    assert {file.name for file in (tmp_path / "again").iterdir()} == OUT
+    assert written(tmp_path / "again") == OUT
 
 
 def test_a_program_that_does_not_keep_its_promise_says_so_and_ends_in_code_3(stepwell, tmp_path):

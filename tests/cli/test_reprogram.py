@@ -6,6 +6,7 @@ import json
 import pytest
 
 import stepwell as sw
+from cli.folders import written
 from stepwell.cli.reprogram import along
 from stepwell.design import reprogram
 
@@ -43,7 +44,7 @@ def test_the_folder_holds_the_design_past_the_change_and_the_way(stepwell, tmp_p
     record = json.loads(stepwell("reprogram", "forward.toml", *options).stdout)
     out = tmp_path / "out"
     names = {"design.toml", "reprogram.json", "way.csv"}
-    assert {file.name for file in out.iterdir()} == names
+    assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "reprogram.json").read_text())
     assert str(sw.load(out / "design.toml").cycle().sequence) == BACK
@@ -56,7 +57,7 @@ def test_where_nothing_in_reach_does_it_the_code_is_3(stepwell, tmp_path):
     result = stepwell("reprogram", "forward.toml", *options)
     assert result.exit_code == 3
     assert "No displacement of inner.p up to 1 mm makes it another sequence" in result.stdout
-    assert [file.name for file in (tmp_path / "out").iterdir()] == ["reprogram.json"]
+    assert written(tmp_path / "out") == {"reprogram.json"}
     record = json.loads(
         (tmp_path / "out" / "reprogram.json").read_text(), parse_constant=pytest.fail
     )

@@ -7,6 +7,7 @@ from importlib import import_module
 import pytest
 import xarray
 
+from cli.folders import written
 from stepwell import files
 from stepwell.cli import _viewer
 from stepwell.physics import Settings, walk
@@ -45,7 +46,7 @@ def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
     record = json.loads(result.stdout)
     assert record["prediction"]["motion"] == "forward"
     assert [leg["gait"] for leg in record["prediction"]["legs"]] == ["00>10>11>01>00"] * 2
-    names = {file.name for file in (tmp_path / "out").iterdir()}
+    names = written(tmp_path / "out")
     drawn = {f"{name}{kind}" for name in ("robot", "prediction") for kind in (".png", ".svg")}
     assert names == {"robot.toml", "robot.json"} | drawn
 
@@ -56,7 +57,7 @@ def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, 
         "foot.below_mm=-1:1:2", "--cycles", 2, "--out", "out",
     )  # fmt: skip
     assert result.exit_code == 0
-    names = {file.name for file in (tmp_path / "out").iterdir()}
+    names = written(tmp_path / "out")
     assert names == {"sweep.csv", "sweep.json", "sweep.nc", "sweep.png", "sweep.svg"}
     with open(tmp_path / "out" / "sweep.csv", newline="") as file:
         rows = list(csv.DictReader(file))

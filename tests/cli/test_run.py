@@ -7,6 +7,7 @@ import math
 import pytest
 
 import stepwell as sw
+from cli.folders import written
 from stepwell import files
 from stepwell.statics import StaticsError
 
@@ -107,7 +108,7 @@ def test_the_folder_holds_figures_data_report_and_the_design(stepwell, tmp_path)
     result = stepwell("run", "forward.toml", "--out", "deep/out")
     out = tmp_path / "deep" / "out"
     assert result.exit_code == 0
-    assert {file.name for file in out.iterdir()} == FILES
+    assert written(out) == FILES
     assert all(name in result.stdout.splitlines()[-1] for name in FILES)
     assert {file.name for file in tmp_path.iterdir()} == {"forward.toml", "deep"}
     assert [file.name for file in (tmp_path / "deep").iterdir()] == ["out"]
@@ -158,7 +159,7 @@ def test_a_chain_too_long_to_draw_misses_that_figure_alone(stepwell, tmp_path):
     assert stepwell("run", "long.toml", "--out", "out").exit_code == 0
     drawings = {"landscape", "mechanism"}
     expected = {name for name in FILES if name.partition(".")[0] not in drawings}
-    assert {file.name for file in (tmp_path / "out").iterdir()} == expected
+    assert written(tmp_path / "out") == expected
 
 
 def test_a_wrong_file_ends_in_code_2_with_every_problem_and_writes_nothing(stepwell, tmp_path):

@@ -8,6 +8,7 @@ from importlib import import_module
 import pytest
 import xarray
 
+from cli.folders import written
 from stepwell.files import load_robot, preset_text
 
 FIGURES = {
@@ -48,7 +49,7 @@ def test_the_json_is_that_of_the_paper(stepwell):
 def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path):
     result = stepwell("walk", "robot-left", "--cycles", 2, "--out", "out", "--no-video")
     assert result.exit_code == 0
-    assert {file.name for file in (tmp_path / "out").iterdir()} == WRITTEN
+    assert written(tmp_path / "out") == WRITTEN
     assert (tmp_path / "out" / "robot.toml").read_text("utf-8") == preset_text("robot-left")
     samples = xarray.load_dataset(tmp_path / "out" / "walk.nc")
     record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
@@ -68,7 +69,7 @@ def test_a_part_of_a_cycle_is_a_walk_too(stepwell, tmp_path):
 def test_a_video_is_written_where_frames_can_be_drawn(stepwell, tmp_path):
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
-    names = {file.name for file in (tmp_path / "out").iterdir()}
+    names = written(tmp_path / "out")
     if "No video" in result.stderr:
         assert names == WRITTEN
         pytest.skip(result.stderr.strip())
@@ -83,11 +84,11 @@ def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
     assert result.stderr.startswith("No video: frames cannot be drawn off screen here.")
-    assert {file.name for file in (tmp_path / "out").iterdir()} == WRITTEN
+    assert written(tmp_path / "out") == WRITTEN
 
 
 @pytest.mark.parametrize(
-    ("centre_mm", "written"),
+    ("centre_mm", "names"),
     [
         # Tips over its front supports in the first step.
         ("24, 0, 300", WRITTEN),
@@ -96,7 +97,7 @@ def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     ],
 )
 def test_a_robot_that_falls_over_ends_with_a_message_and_keeps_what_it_has(
-    stepwell, tmp_path, centre_mm, written
+    stepwell, tmp_path, centre_mm, names
 ):
     text = preset_text("robot-forward")
     body = f"[body]\ncentre_mm = [{centre_mm}]\n\n[foot]"
@@ -104,10 +105,10 @@ def test_a_robot_that_falls_over_ends_with_a_message_and_keeps_what_it_has(
     result = stepwell("walk", "tall.toml", "--cycles", 3, "--out", "out", "--no-video")
     assert result.exit_code == 1
     assert result.stderr.startswith("Stopped at ")
-    assert {file.name for file in (tmp_path / "out").iterdir()} == written
+    assert written(tmp_path / "out") == names
     record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
     assert record["stopped"] == result.stderr.strip()
-    assert (record["duration_s"] > 0) == (written == WRITTEN)
+    assert (record["duration_s"] > 0) == (names == WRITTEN)
     assert record["duration_s"] < 6
 
 

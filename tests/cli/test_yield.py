@@ -6,6 +6,7 @@ import json
 import pytest
 
 import stepwell as sw
+from cli.folders import written
 from stepwell.design import Tolerances, survival, yields
 
 ROUGH = ("--anchor", 2, "--stiffness-spread", 10, "--samples", 20_000)
@@ -106,7 +107,7 @@ def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
     out = tmp_path / "out"
     names = {"design.toml", "yield.json", "yield.csv"}
     names |= {f"{name}.{kind}" for name in ("yield", "force-plane") for kind in ("png", "svg")}
-    assert {file.name for file in out.iterdir()} == names
+    assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "yield.json").read_text())
     assert (out / "design.toml").read_text() == (tmp_path / "forward.toml").read_text()
@@ -129,7 +130,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
     assert record["successes"] == found.successes
     assert 0 < found.successes < 30
     assert record["turning_points_mm"] == [0, 60, 20]
-    assert {file.name for file in (tmp_path / "out").iterdir()} == {"design.toml", "survival.json"}
+    assert written(tmp_path / "out") == {"design.toml", "survival.json"}
     text = stepwell("yield", "preset:finger-selector", *options[:-3]).stdout
     assert "Wanted    00000 to 00100 by the program" in text
 

@@ -70,18 +70,20 @@ def test_a_link_stays_a_link(tmp_path):
 
 
 def test_a_staged_folder_appears_whole_beside_what_was_there(tmp_path):
-    out = tmp_path / "deep" / "out"
-    with staged_folder(out) as draft:
+    out, names = tmp_path / "deep" / "out", ("a.csv", "figures/b.svg")
+    with staged_folder(out, "run", names=names) as draft:
         (draft / "a.csv").write_text("1")
         assert not out.exists()
     (out / "mine.txt").write_text("mine")
-    with staged_folder(out) as draft:
+    with staged_folder(out, "run", names=names) as draft:
         (draft / "a.csv").write_text("2")
         (draft / "figures").mkdir()
         (draft / "figures" / "b.svg").write_text("b")
+        assert (out / "a.csv").read_text() == "1"
     assert {str(p.relative_to(out)) for p in out.rglob("*.*")} == {
         "a.csv",
         "mine.txt",
+        "stepwell.json",
         os.path.join("figures", "b.svg"),
     }
     assert (out / "a.csv").read_text() == "2"
@@ -91,21 +93,25 @@ def test_a_staged_folder_appears_whole_beside_what_was_there(tmp_path):
 def test_a_staged_folder_that_fails_leaves_the_old_one(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
-    (out / "a.csv").write_text("old")
+    (out / "b.csv").write_text("old")
 
     def broken():
-        with staged_folder(out) as draft:
+        with staged_folder(out, "run", names=("a.csv",)) as draft:
             (draft / "a.csv").write_text("new")
             raise Broken
 
     with pytest.raises(Broken):
         broken()
     assert os.listdir(tmp_path) == ["out"]
-    assert (out / "a.csv").read_text() == "old"
+    assert os.listdir(out) == ["b.csv"]
+    assert (out / "b.csv").read_text() == "old"
 
 
 def test_a_file_in_the_way_of_a_folder_is_an_error(tmp_path):
     (tmp_path / "out").write_text("mine")
-    with pytest.raises(NotADirectoryError, match="give a folder"), staged_folder(tmp_path / "out"):
+    with (
+        pytest.raises(NotADirectoryError, match="give a folder"),
+        staged_folder(tmp_path / "out", "run"),
+    ):
         pytest.fail("the block must not run")
     assert (tmp_path / "out").read_text() == "mine"

@@ -3,6 +3,7 @@
 import pytest
 from PIL import Image
 
+from cli.folders import written
 from figures.drawn import collisions, cut_off, says
 from stepwell import paper
 from stepwell.paper import figures
@@ -45,7 +46,7 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     told = []
     paper.run(tmp_path / "out", progress=lambda done, total: told.append((done, total)))
-    assert {file.name for file in (tmp_path / "out").iterdir()} == {
+    assert written(tmp_path / "out") == {
         "claims.json",
         *(f"{name}{suffix}" for name in chosen for suffix in (".png", ".svg")),
     }
@@ -64,6 +65,6 @@ def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatc
     out.mkdir()
     (out / "claims.json").write_text("old")
     with pytest.raises(RuntimeError, match="no ink"):
-        paper.run(out)
+        paper.run(out, force=True)
     assert (out / "claims.json").read_text() == "old"
     assert [file.name for file in tmp_path.rglob("*.*")] == ["claims.json"]

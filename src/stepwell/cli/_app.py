@@ -98,6 +98,7 @@ def main() -> None:
 def _flush() -> None:
     """Say nothing where the reader has left, as `head` does after its lines."""
     try:
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

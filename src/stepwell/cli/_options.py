@@ -24,6 +24,10 @@ Out = Annotated[
         file_okay=False,
     ),
 ]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace files that this command did not write so.")
+]
+ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),

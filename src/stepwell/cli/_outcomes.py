@@ -7,7 +7,11 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-OK, FAILED, WRONG_INPUT, NO = 0, 1, 2, 3
+from stepwell.cli._show import plain, warn
+
+OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
+# Wrong usage of any kind, which Typer does not export.
+_USAGE = typer.BadParameter.__mro__[1]
 EXIT_CODES = (
     "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
     "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
@@ -23,24 +27,30 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise
+        except _USAGE as error:
+            for part in ("message", "param_hint"):
+                text = getattr(error, part, None)
+                if isinstance(text, str):
+                    setattr(error, part, plain(text))
+            raise
         except (ImportError, OSError, RuntimeError, ValueError) as error:
             known = outcome(error)
             if known is None:
                 raise
             code, message = known
-            typer.echo(message, err=True)
+            warn(message)
             raise typer.Exit(code) from None
 
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
-    from stepwell.files import DesignError, slips_text
+    from stepwell.files import DesignError, OverwriteError, slips_text
     from stepwell.lab import LabError
     from stepwell.mechanism import SlipError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
 
-    if isinstance(error, DesignError | LabError):
+    if isinstance(error, DesignError | LabError | OverwriteError):
         return WRONG_INPUT, str(error)
     if isinstance(error, SlipError):
         return WRONG_INPUT, slips_text(error)
@@ -60,7 +70,7 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
 def stopped(why: str) -> None:
     """End with a message where a simulation ended early; what it has is written and shown."""
     if why:
-        typer.echo(why, err=True)
+        warn(why)
         raise typer.Exit(FAILED)
 
 

@@ -1,5 +1,6 @@
 """How results look on the screen: plain where the reader is a program."""
 
+import errno
 import json
 import os
 import sys
@@ -13,7 +14,43 @@ _WIDTH = 100
 
 def styled() -> bool:
     """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")
+    at_terminal = sys.stdout is not None and sys.stdout.isatty()
+    return at_terminal and not os.environ.get("NO_COLOR")
+
+
+def plain(text: str) -> str:
+    """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
+    from stepwell.files import printable
+
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def put(text: str) -> None:
+    """Write to standard output, and name it where that fails.
+
+    Raises:
+        OSError: it is closed, or the disk that it goes to is full.
+    """
+    # Closed by its caller with >&-; Python then has no stream at all.
+    if sys.stdout is None:
+        why = "is closed, so nothing can be shown: send it to a file, or to os.devnull"
+        raise OSError(errno.EBADF, why.replace("os.devnull", os.devnull), "standard output")
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:  # a reader that has enough, as `head` does
+        raise
+    except OSError as error:
+        # Python would try to write the rest again at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise type(error)(error.errno, error.strerror, "standard output") from None
+
+
+def warn(text: str) -> None:
+    """Say something on standard error."""
+    from typer import echo
+
+    echo(plain(text), err=True)
 
 
 def show_json(
@@ -21,7 +58,7 @@ def show_json(
 ) -> None:
     """Print a record as JSON, with the files that were written."""
     files = {"files": [str(folder / name) for name in names] if folder else []}
-    sys.stdout.write(json.dumps(record | files, indent=2, allow_nan=False) + "\n")
+    put(json.dumps(record | files, indent=2, allow_nan=False) + "\n")
 
 
 def show_written(folder: Path | None, names: Sequence[str]) -> None:
@@ -31,8 +68,8 @@ def show_written(folder: Path | None, names: Sequence[str]) -> None:
 
 
 def show_lines(*lines: str) -> None:
-    """Print lines as they are."""
-    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    """Print lines."""
+    put("".join(f"{plain(line)}\n" for line in lines))
 
 
 def show_text(*paragraphs: str) -> None:
@@ -65,7 +102,8 @@ def show_table(
         hidden: how many rows are left out, for a line below it.
     """
     draw = _styled if styled() else _plain
-    draw(title, head, list(rows), left)
+    # Escaped here: a column is as wide as what is shown.
+    draw(plain(title), [*map(plain, head)], [[*map(plain, row)] for row in rows], left)
     if hidden > 0:
         show_lines(f"and {hidden} more; --json shows all")
 
@@ -85,7 +123,9 @@ def _rounded(value: float) -> float:
     return 0.0 if abs(value) < 1e-12 else value
 
 
-def _plain(title: str, head: Sequence[str], rows: list[Sequence[str]], left: Sequence[int]) -> None:
+def _plain(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
+) -> None:
     """Aligned columns, two spaces apart: what other programs and diffs like."""
     table = [head, *rows]
     widths = [max(len(row[k]) for row in table) for k in range(len(head))]
@@ -99,7 +139,7 @@ def _plain(title: str, head: Sequence[str], rows: list[Sequence[str]], left: Seq
 
 
 def _styled(
-    title: str, head: Sequence[str], rows: list[Sequence[str]], left: Sequence[int]
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
 ) -> None:
     """Columns that fit the terminal."""
     from rich import box

@@ -54,7 +54,7 @@ def run(
     trials = dict(zip(made, done.trials, strict=True))
     nothing, gaits = float("nan"), ("",) * len(robot.legs)
     for i, error in wrong.items():
-        why = "; ".join(error.problems).replace('"', "'")
+        why = "; ".join(error.problems)
         trials[i] = physics.Trial(nothing, nothing, nothing, gaits, nothing, why)
     return physics.Sweep(values, tuple(trials[i] for i in range(count)))
 

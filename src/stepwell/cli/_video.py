@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
+from stepwell.cli._show import warn
 
 if TYPE_CHECKING:
     from stepwell.physics import Maze, Walk
@@ -14,25 +15,23 @@ if TYPE_CHECKING:
 LONGEST = 16.0  # [s]
 
 
-def write_video(result: Walk | Maze, folder: Path, name: str) -> tuple[str, ...]:
-    """Write NAME.mp4 and NAME.gif into a folder; nothing where no frames can be drawn.
+def film(
+    result: Walk | Maze, name: str, progress: Callable[[float, float], None] | None
+) -> Callable[[Path], None]:
+    """What writes NAME.mp4 and NAME.gif into a folder; nothing where no frames can be drawn."""
 
-    Returns:
-        The names of the files.
-    """
-    from stepwell import physics
-    from stepwell.cli._progress import progress
+    def write(folder: Path) -> None:
+        from stepwell import physics
 
-    walk = result.walk if isinstance(result, physics.Maze) else result
-    if len(walk.time) < 2:
-        return ()
-    speed = max(1.0, float(walk.time[-1]) / LONGEST)
-    try:
-        with progress("video") as tell:
-            targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
-            files = physics.video(result, *targets, speed=speed, progress=tell)
-    except (physics.VideoError, ModuleNotFoundError) as error:
-        # The figures are there, and they need none of it.
-        typer.echo(str(error), err=True)
-        return ()
-    return tuple(file.name for file in files)
+        walk = result.walk if isinstance(result, physics.Maze) else result
+        if len(walk.time) < 2:
+            return
+        speed = max(1.0, float(walk.time[-1]) / LONGEST)
+        targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
+        try:
+            physics.video(result, *targets, speed=speed, progress=progress)
+        except (physics.VideoError, ModuleNotFoundError) as error:
+            # The figures are there, and they need none of it.
+            warn(str(error))
+
+    return write

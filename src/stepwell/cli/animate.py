@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli._options import Design
+from stepwell.cli._options import Design, ForceFile
 from stepwell.cli._programs import From, To
 
 if TYPE_CHECKING:
@@ -31,15 +31,18 @@ def animate(
     program: _Program = False,
     start: From = None,
     to: To = None,
+    force: ForceFile = False,
 ) -> None:
     """Write a design in motion as a GIF.
 
     Snaps included, with the energy landscape of two cells, or the force of more, beside it.
     """
     from stepwell import figures
+    from stepwell.cli._folders import free_file
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_lines
 
+    free_file(out, force)
     result = _motion(design, program, start, to)
     try:
         with progress("frames") as tell:

@@ -8,7 +8,7 @@ import typer
 
 from stepwell.cli import _tolerances as given
 from stepwell.cli._drive import NewDrive, stiffness_of
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli._wishes import Span, span
 
 # The paper's box.
@@ -97,6 +97,7 @@ def design(
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Find anchors for a wanted cycle, or for a wanted set of states.
@@ -108,6 +109,7 @@ def design(
     """
     from stepwell import files
     from stepwell.cli import _design_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import answered, usable
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
@@ -119,6 +121,7 @@ def design(
     spread = given.tolerances(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
+    free(out, "design", force)
     names: tuple[str, ...] = ()
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
@@ -144,7 +147,7 @@ def design(
         record = files.design_record(found)
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_design(found, out, progress=tell)
+                names = files.write_design(found, out, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from stepwell.cli._options import ForceFile
 from stepwell.cli._robots import Robot, named, usable
 
 _File = Annotated[
@@ -16,15 +17,19 @@ _Arena = Annotated[
 ]
 
 
-def export(robot: Robot, out: _File = Path("robot.xml"), arena: _Arena = None) -> None:
+def export(
+    robot: Robot, out: _File = Path("robot.xml"), arena: _Arena = None, force: ForceFile = False
+) -> None:
     """Write a robot as MJCF.
 
     MuJoCo's own viewer opens it: bands, levers, links and antennas are there to be seen. Its
     keyframe `start` stands on the floor with every cell at 0.
     """
     from stepwell import files, physics
+    from stepwell.cli._folders import free_file
     from stepwell.cli._show import show_lines
 
+    free_file(out, force)
     design = files.load_robot(named(robot))
     place = files.load_arena(arena) if arena is not None else None
     with usable(robot):

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from stepwell.cli._drive import Drive
-from stepwell.cli._options import Design, Json
+from stepwell.cli._options import Design, ForceFile, Json
 
 _Start = Annotated[
     str | None,
@@ -34,6 +34,7 @@ def graph(
     drive: Drive = None,
     start: _Start = None,
     out: _File = None,
+    force: ForceFile = False,
     as_json: Json = False,
 ) -> None:
     """Say everything that one actuator can do to a chain.
@@ -43,16 +44,19 @@ def graph(
     With --out, the graph is drawn, or written for other programs.
     """
     from stepwell import files
+    from stepwell.cli._folders import free_file
     from stepwell.cli._outcomes import usable
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_lines
 
-    chain = files.load_chain(design)
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free_file(out, force)
     with usable("--out"):
         _ = None if out is None else files.checked_suffix(out)
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive, start=start, progress=tell)
-        record = files.graph_record(found)
+        record = files.graph_record(found, design=text)
     if out is not None:
         with usable("--out"):
             files.write_graph(found, out)

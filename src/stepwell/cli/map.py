@@ -1,13 +1,13 @@
 """`stepwell map`: what a chain does for each place of an anchor, or of any two parameters."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from stepwell.cli._grid import Grid, cell_of, grid, marks
 from stepwell.cli._knob import EXAMPLE, KnobRange, knob_range
-from stepwell.cli._options import Design, Json, Out
+from stepwell.cli._options import Design, Force, Json, Out
 from stepwell.cli._outcomes import usable
 
 if TYPE_CHECKING:
@@ -38,6 +38,14 @@ _Knob = Annotated[
 ]
 
 
+class _Place(NamedTuple):
+    """The design file, and where its map goes."""
+
+    text: str
+    out: Path | None
+    force: bool
+
+
 def map_(
     design: Design,
     cell: _Cell = CELL,
@@ -46,6 +54,7 @@ def map_(
     across: _Knob = None,
     up: _Knob = None,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw the transition map of two cells, or of any two parameters of a chain.
@@ -56,15 +65,19 @@ def map_(
     """
     from stepwell import files
     from stepwell.cli import _map_text
+    from stepwell.cli._folders import free
     from stepwell.cli._show import show_json, show_written
 
-    chain = files.load_chain(design)
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free(out, "map", force)
+    place = _Place(text, out, force)
     with usable(design):
         if across is None and up is None:
-            record, names = _of_anchor(chain, cell_of(chain, cell), x, y, out)
+            record, names = _of_anchor(chain, cell_of(chain, cell), x, y, place)
         else:
             axes = _both(cell, x, y, across, up)
-            record, names = _of_parameters(chain, axes, out)
+            record, names = _of_parameters(chain, axes, place)
     if as_json:
         show_json(record, out, names)
     else:
@@ -76,7 +89,7 @@ _Shown = tuple[dict[str, Any], tuple[str, ...]]
 _Axes = tuple[KnobRange, KnobRange]
 
 
-def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, out: Path | None) -> _Shown:
+def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _Shown:
     """The record of an anchor's map, and the files written."""
     from stepwell import files
     from stepwell.cli._progress import progress
@@ -88,13 +101,22 @@ def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, out: Path | None) ->
     with progress("boundaries") as tell:
         curves = boundaries(chain, cell, x=xs, y=ys, progress=tell)
     designs, names = marks(chain, cell), ()
-    if out is not None:
+    if place.out is not None:
         with progress("writing") as tell:
-            names = files.write_map(dataset, curves, out, designs=designs, progress=tell)
-    return files.map_record(dataset, curves, next(iter(designs.values()), None)), names
+            names = files.write_map(
+                dataset,
+                curves,
+                place.out,
+                designs=designs,
+                text=place.text,
+                progress=tell,
+                force=place.force,
+            )
+    here = next(iter(designs.values()), None)
+    return files.map_record(dataset, curves, here, text=place.text), names
 
 
-def _of_parameters(chain: "Chain", axes: _Axes, out: Path | None) -> _Shown:
+def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
     """The record of a map over two parameters, and the files written."""
     from stepwell import files
     from stepwell.cli._progress import progress
@@ -106,10 +128,18 @@ def _of_parameters(chain: "Chain", axes: _Axes, out: Path | None) -> _Shown:
     with progress("boundaries") as tell:
         curves = parameter_boundaries(chain, x, y, progress=tell)
     here, names = (axes[0].read(chain), axes[1].read(chain)), ()
-    if out is not None:
+    if place.out is not None:
         with progress("writing") as tell:
-            names = files.write_parameter_map(dataset, curves, out, design=here, progress=tell)
-    return files.parameter_map_record(dataset, curves, here), names
+            names = files.write_parameter_map(
+                dataset,
+                curves,
+                place.out,
+                design=here,
+                text=place.text,
+                progress=tell,
+                force=place.force,
+            )
+    return files.parameter_map_record(dataset, curves, here, text=place.text), names
 
 
 def _both(cell: str, x: Grid, y: Grid, across: KnobRange | None, up: KnobRange | None) -> _Axes:

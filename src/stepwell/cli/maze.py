@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli._robots import NoVideo, Robot, named, usable
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ def maze(
     no_antennas: _Bare = False,
     out: Out = None,
     no_video: NoVideo = False,
+    force: Force = False,
     as_json: Json = False,
     _: _List = False,
 ) -> None:
@@ -70,25 +71,35 @@ def maze(
     """
     from stepwell import files, physics
     from stepwell.cli import _maze_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import stopped
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
-    from stepwell.cli._video import write_video
+    from stepwell.cli._video import film
 
     source = named(robot)
     text = files.read(source)
     given = files.loads_robot(text, source)
     design = _changed(given, disconnect, no_antennas)
+    kept = text if design is given else None
+    free(out, "maze", force)
     place = _jittered(files.load_arena(arena), start_seed, layout_seed)
     with usable(robot), progress("walking") as tell:
         result = physics.maze(design, place, limit=limit, progress=tell)
     names: tuple[str, ...] = ()
     if out is not None:
-        kept = text if design is given else None
         with progress("writing") as tell:
-            names = files.write_maze(result, out, design=kept, progress=tell)
-        names += () if no_video else write_video(result, out, "maze")
-    record = files.maze_record(result)
+            names = files.write_maze(
+                result,
+                out,
+                design=kept,
+                start_seed=start_seed,
+                layout_seed=layout_seed,
+                film=None if no_video else film(result, "maze", tell),
+                progress=tell,
+                force=force,
+            )
+    record = files.maze_record(result, design=kept, start_seed=start_seed, layout_seed=layout_seed)
     if as_json:
         show_json(record, out, names)
     else:

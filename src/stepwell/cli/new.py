@@ -5,28 +5,28 @@ from typing import Annotated
 
 import typer
 
+from stepwell.cli._options import ForceFile
+
 _File = Annotated[
     Path, typer.Argument(metavar="NAME.toml", help="The file to write.", show_default=False)
 ]
 _Preset = Annotated[str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")]
-_Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 
 
-def new(file: _File, preset: _Preset = "paper-forward", force: _Force = False) -> None:
+def new(file: _File, preset: _Preset = "paper-forward", force: ForceFile = False) -> None:
     """Write a design file to start from.
 
     It is a copy of one of the designs that come with Stepwell, with its comments.
     """
     from stepwell import files
+    from stepwell.cli._folders import free_file
     from stepwell.cli._show import show_lines
 
     if file.suffix != ".toml":
         raise typer.BadParameter(
             f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
         )
-    if file.exists() and not force:
-        message = "exists: choose another name, or pass --force to replace it."
-        raise typer.BadParameter(message, param_hint=str(file))
+    free_file(file, force)
     files.write_atomic(file, files.preset_text(preset))
     command = "walk" if preset.startswith("robot-") else "run"
     show_lines(f"Wrote {file}. Next: stepwell {command} {file}")

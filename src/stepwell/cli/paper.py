@@ -1,12 +1,11 @@
 """`stepwell paper`: what the paper claims, computed anew."""
 
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 
 _All = Annotated[
     bool,
@@ -24,7 +23,11 @@ _Data = Annotated[
 
 
 def paper(
-    everything: _All = False, data: _Data = None, out: Out = None, as_json: Json = False
+    everything: _All = False,
+    data: _Data = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Check what the paper claims.
 
@@ -36,21 +39,13 @@ def paper(
     from stepwell.cli import _paper_text
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
-    from stepwell.files import staged_folder
 
-    names: tuple[str, ...] = ()
-    with staged_folder(out) if out is not None else nullcontext() as draft:
-        with progress("claims") as tell:
-            verdicts = claims.run(draft, progress=tell, everything=everything, data=data)
-        if draft is not None:
-            names = _names(draft)
+    with progress("claims") as tell:
+        verdicts = claims.run(out, progress=tell, everything=everything, data=data, force=force)
+    names = () if out is None else claims.outputs(everything)
     record = claims.record(verdicts)
     if as_json:
         show_json(record, out, names)
     else:
         _paper_text.show(record)
         show_written(out, names)
-
-
-def _names(folder: Path) -> tuple[str, ...]:
-    return tuple(sorted(str(f.relative_to(folder)) for f in folder.rglob("*") if f.is_file()))

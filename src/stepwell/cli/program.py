@@ -1,11 +1,16 @@
 """`stepwell program`: what the actuator has to do to bring a chain to a state."""
 
-from stepwell.cli._options import Design, Json, Out
+from stepwell.cli._options import Design, Force, Json, Out
 from stepwell.cli._programs import From, To
 
 
 def program(
-    design: Design, start: From = None, to: To = None, out: Out = None, as_json: Json = False
+    design: Design,
+    start: From = None,
+    to: To = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Find the fewest turning points of the actuator from one state to another.
 
@@ -16,6 +21,7 @@ def program(
     """
     from stepwell import files
     from stepwell.cli import _program_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import answered
     from stepwell.cli._programs import own, planned
     from stepwell.cli._progress import progress
@@ -24,16 +30,17 @@ def program(
 
     text = files.read(design)
     chain = files.loads_chain(text, design)
+    free(out, "program", force)
     names: tuple[str, ...] = ()
     try:
         found = planned(chain, start, to) if start or to else own(text, design)
     except Unreachable as why:
-        record, out = files.unreachable_record(chain, start, to, why), None
+        record, out = files.unreachable_record(chain, start, to, why, design=text), None
     else:
-        record = files.program_record(found)
+        record = files.program_record(found, design=text)
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_program(found, out, design=text, progress=tell)
+                names = files.write_program(found, out, design=text, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 import typer
 
 from stepwell._usual import REACH
-from stepwell.cli._options import Design, Json, Out
+from stepwell.cli._options import Design, Force, Json, Out
 
 _By = Annotated[
     str,
@@ -74,6 +74,7 @@ def reprogram(
     one_way: _OneWay = False,
     reach: _Reach = REACH * 1e3,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Find the smallest displacement of an anchor that changes what a chain does.
@@ -84,6 +85,7 @@ def reprogram(
     """
     from stepwell import files
     from stepwell.cli import _reprogram_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import answered, usable
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
@@ -91,12 +93,16 @@ def reprogram(
 
     if one_way and line is None:
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
-    chain = files.load_chain(design)
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free(out, "reprogram", force)
     ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
-    record = files.reprogram_record(found)
-    names = files.write_reprogramming(found, out) if out is not None else ()
+    record = files.reprogram_record(found, design=text)
+    names: tuple[str, ...] = ()
+    if out is not None:
+        names = files.write_reprogramming(found, out, design=text, force=force)
     if as_json:
         show_json(record, out, names)
     else:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli._outcomes import EXIT_CODES
 from stepwell.cli._robots import Robot, named, usable
 from stepwell.cli._show import styled
@@ -19,7 +19,7 @@ commands = typer.Typer(
 
 
 @commands.command(epilog=EXIT_CODES)
-def show(robot: Robot, out: Out = None, as_json: Json = False) -> None:
+def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = False) -> None:
     """Say what a robot is made of, and what statics says it will do.
 
     Every number with its unit and where it comes from, and the gait predicted without
@@ -28,18 +28,20 @@ def show(robot: Robot, out: Out = None, as_json: Json = False) -> None:
     """
     from stepwell import files
     from stepwell.cli import _robot_text
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
 
     source = named(robot)
     text = files.read(source)
     design = files.loads_robot(text, source)
+    free(out, "robot show", force, robot=text)
     said = design.predict()
     names: tuple[str, ...] = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_robot(design, said, out, design=text, progress=tell)
-    record = files.robot_record(design, said)
+            names = files.write_robot(design, said, out, design=text, progress=tell, force=force)
+    record = files.robot_record(design, said, design=text)
     if as_json:
         show_json(record, out, names)
     else:
@@ -87,6 +89,7 @@ def sweep(
     random: _Random = None,
     seed: _Seed = 0,
     cycles: _Cycles = 4,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Vary a robot's numbers and walk every one that comes out, on all cores.
@@ -97,19 +100,24 @@ def sweep(
     """
     from stepwell import files
     from stepwell.cli import _ranges, _robot_text, _sweep
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
 
-    design = files.load_robot(named(robot))
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    free(out, "robot sweep", force)
     found = _ranges.ranges(ranges, random)
     values = _ranges.points(found, random, seed)
+    drawn = seed if random else None
     keep = out / "unfinished"
     with usable("--out"), progress("robots") as tell:
         result = _sweep.run(design, robot, values, cycles, keep, tell)
     with progress("writing") as tell:
-        names = files.write_sweep(result, out, progress=tell)
+        names = files.write_sweep(result, out, design=text, seed=drawn, progress=tell, force=force)
     _sweep.forget(keep)
-    record = files.sweep_record(result)
+    record = files.sweep_record(result, design=text, seed=drawn)
     if as_json:
         show_json(record, out, names)
     else:
@@ -134,10 +142,12 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json
 
-    design = files.load_robot(named(robot))
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
     with usable(robot), progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    record = files.convergence_record(found)
+    record = files.convergence_record(found, design=text)
     if as_json:
         show_json(record)
     else:

@@ -1,9 +1,9 @@
 """`stepwell run`: what a design does, and how far it is from doing otherwise."""
 
-from stepwell.cli._options import Design, Json, Out
+from stepwell.cli._options import Design, Force, Json, Out
 
 
-def run(design: Design, out: Out = None, as_json: Json = False) -> None:
+def run(design: Design, out: Out = None, force: Force = False, as_json: Json = False) -> None:
     """Say what a design does.
 
     Its sequence, its forces, every switch and snap, and how far it is from doing otherwise.
@@ -12,12 +12,14 @@ def run(design: Design, out: Out = None, as_json: Json = False) -> None:
     """
     from stepwell import files
     from stepwell.cli import _run_text
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.design import margin
 
     text = files.read(design)
     chain = files.loads_chain(text, design)
+    free(out, "run", force, design=text)
     with progress("following") as tell:
         cycle = chain.cycle(progress=tell)
     with progress("margin") as tell:
@@ -25,8 +27,10 @@ def run(design: Design, out: Out = None, as_json: Json = False) -> None:
     names = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_run(cycle, limits, out, design=text, source=design, progress=tell)
-    record = files.run_record(cycle, limits)
+            names = files.write_run(
+                cycle, limits, out, design=text, source=design, progress=tell, force=force
+            )
+    record = files.run_record(cycle, limits, design=text)
     if as_json:
         show_json(record, out, names)
     else:

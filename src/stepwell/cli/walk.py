@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli._robots import NoVideo, Robot, named, usable
 
 _Cycles = Annotated[float, typer.Option(help="How often the actuator goes out and back.", min=0.01)]
@@ -15,6 +15,7 @@ def walk(
     cycles: _Cycles = 8,
     out: Out = None,
     no_video: NoVideo = False,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Let a robot walk, and say how.
@@ -25,22 +26,30 @@ def walk(
     """
     from stepwell import files, physics
     from stepwell.cli import _walk_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import stopped
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
-    from stepwell.cli._video import write_video
+    from stepwell.cli._video import film
 
     source = named(robot)
     text = files.read(source)
     design = files.loads_robot(text, source)
+    free(out, "walk", force, robot=text)
     with usable(robot), progress("walking") as tell:
         result = physics.walk(design, cycles, progress=tell)
     names: tuple[str, ...] = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_walk(result, out, design=text, progress=tell)
-        names += () if no_video else write_video(result, out, "walk")
-    record = files.walk_record(result)
+            names = files.write_walk(
+                result,
+                out,
+                design=text,
+                film=None if no_video else film(result, "walk", tell),
+                progress=tell,
+                force=force,
+            )
+    record = files.walk_record(result, design=text)
     if as_json:
         show_json(record, out, names)
     else:

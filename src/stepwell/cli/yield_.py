@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stepwell.cli import _tolerances as given
-from stepwell.cli._options import Design, Json, Out
+from stepwell.cli._options import Design, Force, Json, Out
 
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
@@ -44,6 +44,7 @@ def yield_(
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Say how many mechanisms, built with these tolerances, do what the design does.
@@ -54,6 +55,7 @@ def yield_(
     """
     from stepwell import files
     from stepwell.cli import _yield_text
+    from stepwell.cli._folders import free
     from stepwell.cli._outcomes import usable
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
@@ -63,11 +65,12 @@ def yield_(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
     text = files.read(design)
+    free(out, "yield", force, design=text)
     if program:
         if wanted or sensitivity:
             option = "--wanted" if wanted else "--sensitivity"
             raise typer.BadParameter("cannot stand with --program.", param_hint=option)
-        record, names = _survival(text, design, spread, samples, seed, out)
+        record, names = _survival(text, design, spread, samples, seed, out, force)
     else:
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
@@ -80,10 +83,10 @@ def yield_(
                 sensitivity=sensitivity,
                 progress=tell,
             )
-        record, names = files.yield_record(found), ()
+        record, names = files.yield_record(found, design=text), ()
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_yield(found, out, design=text, progress=tell)
+                names = files.write_yield(found, out, design=text, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:
@@ -92,7 +95,13 @@ def yield_(
 
 
 def _survival(
-    text: str, design: str, spread: "Tolerances", samples: int | None, seed: int, out: Path | None
+    text: str,
+    design: str,
+    spread: "Tolerances",
+    samples: int | None,
+    seed: int,
+    out: Path | None,
+    force: bool,
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """How many mechanisms the design's own program brings where it should, and files written."""
     from stepwell import files
@@ -106,5 +115,7 @@ def _survival(
         found = survival(
             program.chain, points, way[1], spread, start=way[0], n=samples, seed=seed, progress=tell
         )
-    names = files.write_survival(found, out, design=text) if out is not None else ()
-    return files.survival_record(found), names
+    names: tuple[str, ...] = ()
+    if out is not None:
+        names = files.write_survival(found, out, design=text, force=force)
+    return files.survival_record(found, design=text), names

@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell._usual import REACH
 from stepwell._value import ByValue
-from stepwell._write import write_atomic
+from stepwell._write import csv_text, write_atomic
 from stepwell.design import _asked, _hunt
 from stepwell.design._full_cycle import full_cycle
 from stepwell.design._reach import Condition, nearest_places
@@ -133,9 +133,8 @@ class Reprogramming(ByValue):
             "force_1_N": push.force_1,
             "peak_N": push.peak,
         }
-        lines = [",".join(columns)]
-        lines += [",".join(f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True)]
-        write_atomic(file, "\n".join(lines) + "\n")
+        rows = ((f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True))
+        write_atomic(file, csv_text(columns, rows))
 
     def __str__(self):
         if math.isinf(self.distance):

@@ -15,7 +15,7 @@ from stepwell._limits import require
 from stepwell._usual import ONE_BY_ONE, QUICKLY
 from stepwell._value import ByValue, ReadOnly
 from stepwell._version import __version__
-from stepwell._write import write_atomic
+from stepwell._write import csv_text, write_atomic
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import full_cycle, short
 from stepwell.design._interval import interval_95
@@ -175,10 +175,9 @@ class Yield(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        lines = ["outcome,count,share_1"]
-        for text, count in [(self.wanted, self.successes), *self.outcomes.items()]:
-            lines.append(f"{text},{count},{count / self.n:.9g}")
-        write_atomic(path, "\n".join(lines) + "\n")
+        counts = [(self.wanted, self.successes), *self.outcomes.items()]
+        rows = ((text, str(count), f"{count / self.n:.9g}") for text, count in counts)
+        write_atomic(path, csv_text(("outcome", "count", "share_1"), rows))
 
     def __str__(self):
         low, high = self.interval

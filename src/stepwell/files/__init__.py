@@ -1,9 +1,10 @@
 """Design files in and out, and results as files: read, check, write."""
 
-from stepwell.files._errors import DesignError
+from stepwell._write import write_atomic
+from stepwell.files._errors import DesignError, printable
+from stepwell.files._head import head
 from stepwell.files._keys import slips_text
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
-from stepwell.files.atomic import staged_folder, write_atomic
 from stepwell.files.bundle import write_map, write_parameter_map, write_run
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.design_bundle import (
@@ -19,6 +20,14 @@ from stepwell.files.design_record import (
     survival_record,
     yield_record,
 )
+from stepwell.files.folder import (
+    IncompleteError,
+    OverwriteError,
+    check_folder,
+    digest,
+    manifest,
+    staged_folder,
+)
 from stepwell.files.graph import checked_suffix, write_graph
 from stepwell.files.graph_record import graph_record
 from stepwell.files.map_record import parameter_map_record
@@ -28,6 +37,7 @@ from stepwell.files.measured import (
     write_comparison,
     write_readings,
 )
+from stepwell.files.outputs import OUTPUTS, pictures
 from stepwell.files.parameters import Parameter, parameters, vary
 from stepwell.files.program import WrittenProgram
 from stepwell.files.program_bundle import write_program
@@ -50,16 +60,22 @@ from stepwell.files.write import dumps, save, with_program
 __all__ = [
     "DesignError",
     "Given",
+    "IncompleteError",
+    "OUTPUTS",
+    "OverwriteError",
     "Parameter",
     "WrittenProgram",
     "arena_text",
     "arenas",
+    "check_folder",
     "checked_suffix",
     "convergence_record",
     "design_record",
+    "digest",
     "dumps",
     "force_scale",
     "graph_record",
+    "head",
     "impossible_record",
     "load",
     "load_arena",
@@ -71,13 +87,16 @@ __all__ = [
     "loads_chain",
     "loads_program",
     "loads_robot",
+    "manifest",
     "map_record",
     "maze_record",
     "parameter_map_record",
     "parameters",
+    "pictures",
     "preset",
     "preset_text",
     "presets",
+    "printable",
     "program_record",
     "provenance",
     "read",

@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.files.atomic import write_atomic
+from stepwell._write import write_atomic
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.figure import Figure
 
 Progress = Callable[[int, int], None]
@@ -43,6 +44,11 @@ def write_json(file: Path, record: dict[str, Any]) -> None:
     write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
 
 
+def write_netcdf(file: Path, data: xarray.Dataset) -> None:
+    """Write data as NetCDF."""
+    write_atomic(file, bytes(data.to_netcdf(engine="scipy")))
+
+
 def names(folder: Path) -> tuple[str, ...]:
-    """What a folder holds, by name."""
+    """What a draft will have put into its folder, by name."""
     return tuple(sorted(file.name for file in folder.iterdir()))

@@ -6,8 +6,9 @@ import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
-from stepwell.files.atomic import staged_folder, write_atomic
+from stepwell._write import write_atomic
+from stepwell.files._steps import Progress, Steps, names, save_figures, write_json, write_netcdf
+from stepwell.files.folder import staged_folder
 from stepwell.files.map_record import parameter_boundary_rows, parameter_map_record
 from stepwell.files.record import boundary_rows, map_record, run_record
 from stepwell.files.report import report
@@ -32,32 +33,37 @@ def write_run(
     design: str | None = None,
     source: str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write what a design does into a folder, all of it or nothing.
 
     Args:
         cycle: the design's cycle.
         margin: how far the design is from doing something else.
-        folder: made if missing; files of the same names are replaced, others stay.
+        folder: made if missing; what the same function wrote there before is replaced.
         design: text of the design file, to keep beside the results; written anew by default.
         source: the design file's name, for the report.
         progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
 
     Returns:
         The names of the files: design.toml, path.csv, result.json, report.html, and for each
         figure a .png and a .svg.
 
     Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
-    with staged_folder(folder) as draft:
+    text = design or dumps(cycle.chain)
+    record = run_record(cycle, margin, design=text)
+    with staged_folder(folder, "run", record, force=force) as draft:
         drawn = _figures(cycle)
         steps = Steps(progress, 4 + 2 * len(drawn))
-        write_atomic(draft / "design.toml", design or dumps(cycle.chain))
+        write_atomic(draft / "design.toml", text)
         steps.next()
         cycle.path.to_csv(draft / "path.csv")
         steps.next()
-        write_json(draft / "result.json", run_record(cycle, margin))
+        write_json(draft / "result.json", record)
         steps.next()
         captions = dict(drawn.values())
         write_atomic(draft / "report.html", report(cycle, margin, captions, source))
@@ -72,21 +78,26 @@ def write_map(
     folder: str | os.PathLike[str],
     *,
     designs: Mapping[str, tuple[float, float]] | None = None,
+    text: str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write a transition map into a folder, all of it or nothing.
 
     Args:
         dataset: what `design.transition_map` returns.
         boundaries: what `design.boundaries` returns for the same chain and cell.
-        folder: made if missing; files of the same names are replaced, others stay.
+        folder: made if missing; what the same function wrote there before is replaced.
         designs: anchor q [m] of each design to be marked, by name.
+        text: of the design file, for the hash of it in map.json.
         progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
 
     Returns:
         The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
 
     Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
     from stepwell import figures
@@ -94,11 +105,12 @@ def write_map(
     q = next(iter(designs.values()), None) if designs else None
     return _write_map(
         dataset,
-        map_record(dataset, boundaries, q),
+        map_record(dataset, boundaries, q, text=text),
         boundary_rows(boundaries),
         lambda: figures.transition_map(dataset, boundaries, designs),
         folder,
         progress,
+        force,
     )
 
 
@@ -108,21 +120,26 @@ def write_parameter_map(
     folder: str | os.PathLike[str],
     *,
     design: tuple[float, float] | None = None,
+    text: str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write a map over two parameters into a folder, all of it or nothing.
 
     Args:
         dataset: what `design.parameter_map` returns.
         boundaries: what `design.parameter_boundaries` returns for the same parameters.
-        folder: made if missing; files of the same names are replaced, others stay.
+        folder: made if missing; what the same function wrote there before is replaced.
         design: the two parameters of the design itself, in SI, to be marked.
+        text: of the design file, for the hash of it in map.json.
         progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
 
     Returns:
         The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
 
     Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
     from stepwell import figures
@@ -130,11 +147,12 @@ def write_parameter_map(
     inside = {"this design": design} if design and _shows(dataset, design) else None
     return _write_map(
         dataset,
-        parameter_map_record(dataset, boundaries, design),
+        parameter_map_record(dataset, boundaries, design, text=text),
         parameter_boundary_rows(boundaries),
         lambda: figures.parameter_map(dataset, boundaries, inside),
         folder,
         progress,
+        force,
     )
 
 
@@ -145,10 +163,11 @@ def _write_map(
     draw: Callable[[], Figure],
     folder: str | os.PathLike[str],
     progress: Progress | None,
+    force: bool,
 ) -> tuple[str, ...]:
-    with staged_folder(folder) as draft:
+    with staged_folder(folder, "map", record, force=force) as draft:
         steps = Steps(progress, 5)
-        dataset.to_netcdf(draft / "map.nc", engine="scipy")
+        write_netcdf(draft / "map.nc", dataset)
         steps.next()
         write_json(draft / "map.json", record)
         steps.next()

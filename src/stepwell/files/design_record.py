@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell._version import __version__
+from stepwell.files._head import head
 from stepwell.files.record import actuator_record, finite, told_drive
 from stepwell.mechanism import Chain
 
@@ -28,26 +28,28 @@ REPROGRAM_SCHEMA = "stepwell.reprogram/1"
 MOST_CELLS = 12
 
 
-def yield_record(found: Yield) -> dict[str, Any]:
+def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
     """How many built mechanisms do what is wanted, as JSON can hold it.
 
     Args:
         found: what `design.yields` returns.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
     return {
-        **_about(YIELD_SCHEMA, found.chain),
+        **_about(YIELD_SCHEMA, found, design),
         **_yield(found),
     }
 
 
-def survival_record(found: Survival) -> dict[str, Any]:
+def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
     """How many built mechanisms a stroke program brings where it should, as JSON can hold it.
 
     Args:
         found: what `design.survival` returns.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes; turning points in mm, or in N under force
@@ -56,7 +58,7 @@ def survival_record(found: Survival) -> dict[str, Any]:
     chain = found.chain
     unit, factor = told_drive(chain)
     return {
-        **_about(SURVIVAL_SCHEMA, chain),
+        **_about(SURVIVAL_SCHEMA, found, design),
         "from": found.start,
         "to": found.ends,
         f"turning_points_{unit}": [finite(point, factor) for point in found.turning_points],
@@ -76,7 +78,7 @@ def design_record(found: Design) -> dict[str, Any]:
     """
     chain = found.chain
     return {
-        **_head(chain.title, possible=True, proved=found.proved),
+        **_head(chain, found.yield_.seed, proved=found.proved),
         "reason": found.method,
         "sequence": found.sequence,
         "loading_order": list(found.loading),
@@ -105,18 +107,19 @@ def impossible_record(why: Impossible) -> dict[str, Any]:
         The record that docs/commands.md describes.
     """
     return {
-        **_head("", possible=False, proved=why.proved),
+        **_head(None, None, proved=why.proved),
         "reason": str(why),
         "largest_gap_N": finite(why.largest_gap),
         "gap_needed_N": finite(why.gap_needed),
     }
 
 
-def reprogram_record(found: Reprogramming) -> dict[str, Any]:
+def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict[str, Any]:
     """The smallest displacement of an anchor that does it, as JSON can hold it.
 
     Args:
         found: what `design.reprogram` returns.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes, in mm, N and mJ.
@@ -124,8 +127,7 @@ def reprogram_record(found: Reprogramming) -> dict[str, Any]:
     push = found.push
     rows = zip(push.fraction, push.force_0, push.force_1, push.peak, strict=True)
     return {
-        "schema": REPROGRAM_SCHEMA,
-        "stepwell": __version__,
+        **head(REPROGRAM_SCHEMA, design or found.chain),
         "title": found.chain.title,
         "by": found.by,
         "target": found.target,
@@ -154,12 +156,11 @@ def reprogram_record(found: Reprogramming) -> dict[str, Any]:
     }
 
 
-def _head(title: str, *, possible: bool, proved: bool) -> dict[str, Any]:
+def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, Any]:
     return {
-        "schema": DESIGN_SCHEMA,
-        "stepwell": __version__,
-        "title": title,
-        "possible": possible,
+        **head(DESIGN_SCHEMA, chain, seed),
+        "title": "" if chain is None else chain.title,
+        "possible": chain is not None,
         "proved": proved,
     }
 
@@ -192,10 +193,10 @@ def _robustness(found: Robustness) -> dict[str, Any]:
     }
 
 
-def _about(schema: str, chain: Chain) -> dict[str, Any]:
+def _about(schema: str, found: Yield | Survival, design: str | None) -> dict[str, Any]:
+    chain = found.chain
     return {
-        "schema": schema,
-        "stepwell": __version__,
+        **head(schema, design or chain, found.seed),
         "title": chain.title,
         "cells": list(chain.names),
     }

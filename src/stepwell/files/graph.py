@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.files.atomic import write_atomic
+from stepwell._write import write_atomic
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from stepwell._version import __version__
+from stepwell.files._head import head
 from stepwell.files.record import finite
 
 if TYPE_CHECKING:
@@ -18,11 +18,12 @@ if TYPE_CHECKING:
 GRAPH_SCHEMA = "stepwell.graph/1"
 
 
-def graph_record(graph: TransitionGraph) -> dict[str, Any]:
+def graph_record(graph: TransitionGraph, *, design: str | None = None) -> dict[str, Any]:
     """What a transition graph says in the terms of the field, as JSON can hold it.
 
     Args:
         graph: any.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes; drives in mm, or in N under force control.
@@ -31,8 +32,7 @@ def graph_record(graph: TransitionGraph) -> dict[str, Any]:
     loops = reading.sub_loops
     gardens = reading.garden_of_eden
     return {
-        "schema": GRAPH_SCHEMA,
-        "stepwell": __version__,
+        **head(GRAPH_SCHEMA, design or graph.chain),
         "title": graph.chain.title if graph.chain else "",
         "actuator": graph.actuator,
         "cells": list(graph.names),

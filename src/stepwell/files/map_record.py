@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell._version import __version__
+from stepwell._write import csv_text
+from stepwell.files._head import head
 from stepwell.files.record import finite
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ def parameter_map_record(
     dataset: xarray.Dataset,
     boundaries: Iterable[ParameterBoundary],
     design: tuple[float, float] | None = None,
+    *,
+    text: str | None = None,
 ) -> dict[str, Any]:
     """What a map over two parameters says in short: how much of it each sequence takes.
 
@@ -36,6 +39,7 @@ def parameter_map_record(
         dataset: what `design.parameter_map` returns.
         boundaries: what `design.parameter_boundaries` returns for the same parameters.
         design: the two parameters of the design itself, in SI.
+        text: of the design file, for the hash of it; unknown by default.
 
     Returns:
         The record that docs/commands.md describes.
@@ -45,8 +49,7 @@ def parameter_map_record(
     meanings = str(notes["flag_meanings"]).split()
     values = [int(value) for value in notes["flag_values"]]
     return {
-        "schema": PARAMETER_MAP_SCHEMA,
-        "stepwell": __version__,
+        **head(PARAMETER_MAP_SCHEMA, text),
         "title": str(dataset.attrs["title"]),
         **{
             name: _axis(dataset[letter], None if design is None else design[k])
@@ -75,20 +78,21 @@ def parameter_map_record(
 
 def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
     """The curves of a map as CSV: curve, kind and the two parameters, a row for every point."""
-    lines: list[str] = []
+    head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
         told = [told_in(unit) for unit in boundary.units]
         names = [
             f"{name}_{unit.replace('/', '_per_')}"
             for name, (unit, _) in zip(boundary.parameters, told, strict=True)
         ]
-        lines = lines or [f"curve,kind,{names[0]},{names[1]}"]
+        head = ["curve", "kind", *names]
         kind = boundary.kind.name.lower()
         (_, across), (_, up) = told
-        lines += [
-            f"{number},{kind},{x * across:.9g},{y * up:.9g}" for x, y in boundary.points.tolist()
+        rows += [
+            (str(number), kind, f"{x * across:.9g}", f"{y * up:.9g}")
+            for x, y in boundary.points.tolist()
         ]
-    return "\n".join(lines or ["curve,kind"]) + "\n"
+    return csv_text(head, rows)
 
 
 def _axis(axis: xarray.DataArray, design: float | None) -> dict[str, Any]:

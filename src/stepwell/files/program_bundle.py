@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from stepwell._write import write_atomic
 from stepwell.files._steps import Progress, Steps, names, save_figures, write_json
-from stepwell.files.atomic import staged_folder, write_atomic
+from stepwell.files.folder import staged_folder
 from stepwell.files.program import WrittenProgram
 from stepwell.files.program_record import program_record
 from stepwell.files.write import dumps, with_program
@@ -21,34 +22,38 @@ def write_program(
     *,
     design: str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write a stroke program into a folder, all of it or nothing.
 
     Args:
         program: any.
-        folder: made if missing; files of the same names are replaced, others stay.
+        folder: made if missing; what the same function wrote there before is replaced.
         design: text of the chain's design file, to keep with the program in it; written anew by
             default.
         progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
 
     Returns:
         The names of the files: design.toml with the table [program], program.csv, program.json,
         program.png and program.svg.
 
     Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
     from stepwell import figures
 
     kept = WrittenProgram.of(program)
-    with staged_folder(folder) as draft:
+    record = program_record(program, design=design)
+    with staged_folder(folder, "program", record, force=force) as draft:
         steps = Steps(progress, 5)
         text = with_program(design, kept) if design else dumps(program.chain, program=kept)
         write_atomic(draft / "design.toml", text)
         steps.next()
         program.to_csv(draft / "program.csv")
         steps.next()
-        write_json(draft / "program.json", program_record(program))
+        write_json(draft / "program.json", record)
         steps.next()
         save_figures({"program": figures.stroke_program(program)}, draft, steps)
         return names(draft)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stepwell._version import __version__
+from stepwell.files._head import head
 from stepwell.files.record import (
     LONGEST_SPELLED_OUT,
     actuator_record,
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 PROGRAM_SCHEMA = "stepwell.program/1"
 
 
-def program_record(program: Program) -> dict[str, Any]:
+def program_record(program: Program, *, design: str | None = None) -> dict[str, Any]:
     """A program that was found, as JSON can hold it.
 
     Args:
         program: any.
+        design: text of the chain's design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes, in mm, or in N under force control.
@@ -32,7 +33,7 @@ def program_record(program: Program) -> dict[str, Any]:
     unit, factor = told_drive(program.chain)
     path = program.path
     return {
-        **_head(program.chain, program.start, program.to),
+        **_head(program.chain, program.start, program.to, design),
         "arrives": program.arrives,
         "does_it": program.arrives == program.to,
         "proved": program.shortest,
@@ -50,7 +51,12 @@ def program_record(program: Program) -> dict[str, Any]:
 
 
 def unreachable_record(
-    chain: Chain, start: str | None, to: str | None, why: Unreachable
+    chain: Chain,
+    start: str | None,
+    to: str | None,
+    why: Unreachable,
+    *,
+    design: str | None = None,
 ) -> dict[str, Any]:
     """That no program does it, as JSON can hold it.
 
@@ -58,12 +64,13 @@ def unreachable_record(
         chain: what was to be driven.
         start, to: the states between which there is no way.
         why: what `chain.program` raised.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
     return {
-        **_head(chain, start, to),
+        **_head(chain, start, to, design),
         "arrives": None,
         "does_it": False,
         "proved": why.proved,
@@ -71,10 +78,9 @@ def unreachable_record(
     }
 
 
-def _head(chain: Chain, start: str | None, to: str | None) -> dict[str, Any]:
+def _head(chain: Chain, start: str | None, to: str | None, design: str | None) -> dict[str, Any]:
     return {
-        "schema": PROGRAM_SCHEMA,
-        "stepwell": __version__,
+        **head(PROGRAM_SCHEMA, design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": list(chain.names),

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell._version import __version__
+from stepwell._write import csv_text
+from stepwell.files._head import head
 from stepwell.mechanism import Cell, Chain
 
 if TYPE_CHECKING:
@@ -27,12 +28,13 @@ LONGEST_SPELLED_OUT = 64
 LONGEST_BECOMING = 12
 
 
-def run_record(cycle: Cycle, margin: Margin) -> dict[str, Any]:
+def run_record(cycle: Cycle, margin: Margin, *, design: str | None = None) -> dict[str, Any]:
     """What a design does, as JSON can hold it: finite numbers, text, lists and None.
 
     Args:
         cycle: the design's cycle.
         margin: how far the design is from doing something else.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes, in mm, deg, N and mJ.
@@ -41,8 +43,7 @@ def run_record(cycle: Cycle, margin: Margin) -> dict[str, Any]:
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     becoming = len(chain) <= LONGEST_BECOMING
     return {
-        "schema": RUN_SCHEMA,
-        "stepwell": __version__,
+        **head(RUN_SCHEMA, design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)],
@@ -65,7 +66,11 @@ def run_record(cycle: Cycle, margin: Margin) -> dict[str, Any]:
 
 
 def map_record(
-    dataset: xarray.Dataset, boundaries: Iterable[Boundary], q: tuple[float, float] | None = None
+    dataset: xarray.Dataset,
+    boundaries: Iterable[Boundary],
+    q: tuple[float, float] | None = None,
+    *,
+    text: str | None = None,
 ) -> dict[str, Any]:
     """What a transition map says in short: how much of it each pathway takes.
 
@@ -73,6 +78,7 @@ def map_record(
         dataset: what `design.transition_map` returns.
         boundaries: what `design.boundaries` returns for the same chain and cell.
         q: the design's own anchor [m], if it has one.
+        text: of the design file, for the hash of it; unknown by default.
 
     Returns:
         The record that docs/commands.md describes, in mm.
@@ -83,8 +89,7 @@ def map_record(
     values = [int(value) for value in attributes["flag_values"]]
     axes = {name: dataset[name].to_numpy() * 1e3 for name in ("x", "y")}
     return {
-        "schema": MAP_SCHEMA,
-        "stepwell": __version__,
+        **head(MAP_SCHEMA, text),
         "title": str(dataset.attrs["title"]),
         "moved_cell": str(dataset.attrs["moved_cell"]),
         "design_q_mm": None if q is None else [finite(v, 1e3) for v in q],
@@ -113,11 +118,12 @@ def map_record(
 
 def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a transition map as CSV: curve, kind, x_mm, y_mm, a row for every point."""
-    lines = ["curve,kind,x_mm,y_mm"]
-    for number, boundary in enumerate(boundaries):
-        kind = boundary.kind.name.lower()
-        lines += [f"{number},{kind},{x * 1e3:.9g},{y * 1e3:.9g}" for x, y in boundary.points]
-    return "\n".join(lines) + "\n"
+    rows = (
+        (str(number), boundary.kind.name.lower(), f"{x * 1e3:.9g}", f"{y * 1e3:.9g}")
+        for number, boundary in enumerate(boundaries)
+        for x, y in boundary.points
+    )
+    return csv_text(("curve", "kind", "x_mm", "y_mm"), rows)
 
 
 def force_scale(cell: Cell) -> float:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell._version import __version__
+from stepwell.files._head import head
+from stepwell.files.folder import digest
 from stepwell.files.provenance import provenance
 from stepwell.files.record import finite
-from stepwell.robot import Flip, LegPrediction, Prediction, Push, Robot
+from stepwell.files.write import dumps
+from stepwell.robot import Arena, Flip, LegPrediction, Prediction, Push, Robot
 from stepwell.robot.predict import depths
 from stepwell.statics import StaticsError
 
@@ -22,19 +24,21 @@ SWEEP_SCHEMA = "stepwell.sweep/1"
 CONVERGENCE_SCHEMA = "stepwell.convergence/1"
 
 
-def robot_record(robot: Robot, prediction: Prediction) -> dict[str, Any]:
+def robot_record(
+    robot: Robot, prediction: Prediction, *, design: str | None = None
+) -> dict[str, Any]:
     """A robot's numbers and what statics says of its gait, as JSON can hold it.
 
     Args:
         robot: any robot.
         prediction: of it.
+        design: text of its design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
     return {
-        "schema": ROBOT_SCHEMA,
-        "stepwell": __version__,
+        **head(ROBOT_SCHEMA, design or robot),
         "title": robot.title,
         "mass_g": robot.mass * 1e3,
         "weight_N": robot.weight,
@@ -55,11 +59,12 @@ def robot_record(robot: Robot, prediction: Prediction) -> dict[str, Any]:
     }
 
 
-def walk_record(walk: Walk) -> dict[str, Any]:
+def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
     """What a robot did while it walked, as JSON can hold it.
 
     Args:
         walk: any walk.
+        design: text of the robot's design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes.
@@ -68,7 +73,7 @@ def walk_record(walk: Walk) -> dict[str, Any]:
 
     mean = Trial.of(walk)
     return {
-        "schema": WALK_SCHEMA,
+        **head(WALK_SCHEMA, design or walk.robot, None, "mujoco"),
         **_common(walk),
         "u_max_mm": _most(walk.robot) * 1e3,
         "mean_advance_over_u_max": finite(mean.advance),
@@ -87,11 +92,19 @@ def walk_record(walk: Walk) -> dict[str, Any]:
     }
 
 
-def maze_record(maze: Maze) -> dict[str, Any]:
+def maze_record(
+    maze: Maze,
+    *,
+    design: str | None = None,
+    start_seed: int | None = None,
+    layout_seed: int | None = None,
+) -> dict[str, Any]:
     """What a robot did in an arena, as JSON can hold it.
 
     Args:
         maze: a way through any arena.
+        design: text of the robot's design file, for the hash of it; written anew by default.
+        start_seed, layout_seed: from which start and obstacles were drawn, if they were.
 
     Returns:
         The record that docs/commands.md describes.
@@ -99,7 +112,10 @@ def maze_record(maze: Maze) -> dict[str, Any]:
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
     end = [float(walk.x[-1]) * 1e3, float(walk.y[-1]) * 1e3] if len(walk.time) else None
     return {
-        "schema": MAZE_SCHEMA,
+        **head(MAZE_SCHEMA, design or robot, None, "mujoco"),
+        "arena_sha256": _arena_hash(arena),
+        "start_seed": start_seed,
+        "layout_seed": layout_seed,
         **_common(walk),
         "arena": arena.title,
         "start_mm": [arena.start[0] * 1e3, arena.start[1] * 1e3],
@@ -129,18 +145,21 @@ def maze_record(maze: Maze) -> dict[str, Any]:
     }
 
 
-def sweep_record(sweep: Sweep) -> dict[str, Any]:
+def sweep_record(
+    sweep: Sweep, *, design: str | None = None, seed: int | None = None
+) -> dict[str, Any]:
     """What many robots did, as JSON can hold it.
 
     Args:
         sweep: any.
+        design: text of the design file that was varied, for the hash of it; unknown by default.
+        seed: from which the values were drawn, if they were.
 
     Returns:
         The record that docs/commands.md describes.
     """
     return {
-        "schema": SWEEP_SCHEMA,
-        "stepwell": __version__,
+        **head(SWEEP_SCHEMA, design, seed, "mujoco"),
         "keys": list(sweep.values),
         "trials": [
             {
@@ -157,18 +176,18 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def convergence_record(found: Convergence) -> dict[str, Any]:
+def convergence_record(found: Convergence, *, design: str | None = None) -> dict[str, Any]:
     """How far a walk depends on the time step, as JSON can hold it.
 
     Args:
         found: any.
+        design: text of the robot's design file, for the hash of it; written anew by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
     return {
-        "schema": CONVERGENCE_SCHEMA,
-        "stepwell": __version__,
+        **head(CONVERGENCE_SCHEMA, design or found.robot, None, "mujoco"),
         "title": found.robot.title,
         "time_steps": [
             {
@@ -187,7 +206,6 @@ def _common(walk: Walk) -> dict[str, Any]:
     robot, settings = walk.robot, walk.settings
     went = len(walk.time) > 0
     return {
-        "stepwell": __version__,
         "title": robot.title,
         "cycles": walk.cycles,
         "period_s": robot.drive.period,
@@ -204,6 +222,13 @@ def _common(walk: Walk) -> dict[str, Any]:
             "linkage": str(settings.linkage),
         },
     }
+
+
+def _arena_hash(arena: Arena) -> str | None:
+    try:
+        return digest(dumps(arena))
+    except ValueError:
+        return None
 
 
 def _parameters(robot: Robot) -> list[dict[str, Any]]:

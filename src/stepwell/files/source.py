@@ -11,6 +11,7 @@ from typing import Any
 from stepwell import _limits
 from stepwell.files._errors import DesignError
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
+from stepwell.files.folder import doubt
 from stepwell.files.program import WrittenProgram
 from stepwell.files.shipped import preset_text, presets
 from stepwell.mechanism import Chain
@@ -92,13 +93,18 @@ def read(design: str | os.PathLike[str]) -> str:
         The text.
 
     Raises:
-        DesignError: there is none, or it is not UTF-8 text.
+        DesignError: there is none, it is not UTF-8 text, or a command was stopped while it
+            replaced it.
     """
     name = os.fspath(design)
     if name.startswith(PRESET):
         return preset_text(name.removeprefix(PRESET))
     try:
-        return _content(Path(design)).decode("utf-8-sig")
+        text = _content(Path(design)).decode("utf-8-sig")
+        unsure = doubt(Path(design))
+        if unsure is None:
+            return text
+        problem = f"its folder {unsure}."
     except FileNotFoundError:
         problem = f"no such file.{_neighbour(Path(design))}"
     except UnicodeDecodeError as error:

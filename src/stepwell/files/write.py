@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import re
 
+from stepwell._write import write_atomic
 from stepwell.files._arena_text import arena_text_of
 from stepwell.files._chain_text import chain_text
 from stepwell.files._errors import DesignError
 from stepwell.files._robot_text import robot_text
 from stepwell.files.arena import loads_arena
-from stepwell.files.atomic import write_atomic
 from stepwell.files.design import loads, loads_chain, loads_program
 from stepwell.files.program import WrittenProgram
 from stepwell.mechanism import Chain

@@ -26,7 +26,7 @@ from stepwell.lab.recording import Recording
 from stepwell.lab.rig import PAPER_RIG, Rig
 from stepwell.lab.series import Series, Sorted, sort_series
 from stepwell.lab.snaps import Snap, find_snaps
-from stepwell.lab.table import summary, table, table_csv
+from stepwell.lab.table import hashes, summary, table, table_csv
 
 __all__ = [
     "LAWS",
@@ -65,6 +65,7 @@ __all__ = [
     "find_snaps",
     "fit",
     "fit_record",
+    "hashes",
     "hysteresis",
     "mean_curve",
     "oddities",

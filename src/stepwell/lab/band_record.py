@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from stepwell._version import __version__
+from stepwell._version import __version__, versions
 from stepwell.lab._spread import Estimate, of_samples
 from stepwell.lab.band import BandTest, hysteresis, stiffness, stiffness_by_window
 from stepwell.lab.choose import Choice
@@ -26,6 +26,7 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     return {
         "schema": "stepwell.lab.band/1",
         "stepwell": __version__,
+        "versions": versions(),
         "window_mm": [1e3 * edge for edge in test.window],
         "cycles": list(test.cycles),
         "samples": list(test.samples),

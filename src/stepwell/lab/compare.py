@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell._value import ByValue
-from stepwell._version import __version__
+from stepwell._version import __version__, versions
+from stepwell._write import csv_text
 from stepwell.lab._errors import LabError
 from stepwell.lab.cell_test import CellTest, cell_test, mean_rmse
 from stepwell.lab.pair_test import PairTest, pair_tests
@@ -71,13 +71,15 @@ class Comparison(ByValue):
 
     def to_csv(self) -> str:
         """The same rows as CSV text, units in the column names (mm, N)."""
-        data, text = self.to_xarray(), io.StringIO()
-        names = [f'"{name}"' for name in data["series"].values]
-        text.write("series,stroke_mm,measured_N,model_N,judged\n")
+        data = self.to_xarray()
+        names = data["series"].values
+        head = ("series", "stroke_mm", "measured_N", "model_N", "judged")
         columns = (data[name].values for name in ("of", "stroke", "force", "model", "judged"))
-        for of, u, force, model, inside in zip(*columns, strict=True):
-            text.write(f"{names[of]},{u * 1e3:.6g},{force:.6g},{model:.6g},{int(inside)}\n")
-        return text.getvalue()
+        rows = (
+            (str(names[of]), f"{u * 1e3:.6g}", f"{force:.6g}", f"{model:.6g}", str(int(inside)))
+            for of, u, force, model, inside in zip(*columns, strict=True)
+        )
+        return csv_text(head, rows)
 
     def __repr__(self):
         return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs)"
@@ -124,6 +126,7 @@ def comparison_record(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema": "stepwell.lab.compare/1",
         "stepwell": __version__,
+        "versions": versions(),
         "bar_mm": None if np.isinf(comparison.rig.bar) else comparison.rig.bar * 1e3,
         "mean_rmse_over_kr": [
             {"bands": n, "rmse_over_kr": comparison.mean_rmse(n)} for n in counts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import stat
@@ -53,14 +54,22 @@ def read(file: str | os.PathLike[str]) -> Recording:
     """
     name = os.fspath(file)
     try:
-        export = parse(_content(Path(file)))
+        content = _content(Path(file))
+        export = parse(content)
     except FileNotFoundError:
         raise LabError(name, "no such file.") from None
     except OSError as error:
         raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(name, export.time, export.stroke, export.force, export.remarks)
+    return Recording(
+        name,
+        export.time,
+        export.stroke,
+        export.force,
+        export.remarks,
+        hashlib.sha256(content).hexdigest(),
+    )
 
 
 def read_all(

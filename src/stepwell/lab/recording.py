@@ -28,6 +28,7 @@ class Recording(ByValue):
         stroke: (n,) displacement of the machine [m].
         force: (n,) [N], positive where the machine pulls.
         remarks: what the reader had to leave out.
+        sha256: of the file; "" where there is none.
 
     Raises:
         ValueError: arrays that are not as long as each other, or fewer than two samples.
@@ -38,6 +39,7 @@ class Recording(ByValue):
     stroke: Array = field(repr=False)
     force: Array = field(repr=False)
     remarks: tuple[str, ...] = ()
+    sha256: str = field(default="", repr=False)
 
     def __post_init__(self):
         lengths = len(self.time), len(self.stroke), len(self.force)

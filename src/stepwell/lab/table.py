@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stepwell._version import __version__
+from stepwell._write import csv_text
 from stepwell.lab.odd import batch_oddities, oddities
 from stepwell.lab.recording import Recording
 
@@ -56,14 +56,14 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
 
 def table_csv(recordings: Sequence[Recording]) -> str:
     """The same rows as CSV text, units in the column names (s, mm, N)."""
-    text = io.StringIO()
-    text.write("recording,half,direction,time_s,stroke_mm,force_N\n")
-    rows = table(recordings)
-    names = [recording.name.replace(",", "_") for recording in recordings]
-    columns = (rows[name].values for name in ("of", "half", "direction", "time", "stroke", "force"))
-    for of, half, way, time, stroke, force in zip(*columns, strict=True):
-        text.write(f"{names[of]},{half},{way},{time:.10g},{stroke * 1e3:.10g},{force:.10g}\n")
-    return text.getvalue()
+    head = ("recording", "half", "direction", "time_s", "stroke_mm", "force_N")
+    data = table(recordings)
+    columns = (data[name].values for name in ("of", "half", "direction", "time", "stroke", "force"))
+    rows = (
+        (recordings[of].name, str(half), str(way), f"{time:.10g}", f"{u * 1e3:.10g}", f"{f:.10g}")
+        for of, half, way, time, u, f in zip(*columns, strict=True)
+    )
+    return csv_text(head, rows)
 
 
 def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
@@ -88,6 +88,11 @@ def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
         }
         for recording in recordings
     ]
+
+
+def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
+    """The SHA-256 of each recording's file by its name: what a result was computed from."""
+    return {recording.source: recording.sha256 for recording in recordings}
 
 
 def _known(value: float) -> float | None:

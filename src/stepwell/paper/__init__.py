@@ -2,7 +2,17 @@
 
 from stepwell.paper.claim import Claim, Finding, Judgement, Verdict
 from stepwell.paper.registry import claims
-from stepwell.paper.run import record, run
+from stepwell.paper.run import outputs, record, run
 from stepwell.paper.table import markdown
 
-__all__ = ["Claim", "Finding", "Judgement", "Verdict", "claims", "markdown", "record", "run"]
+__all__ = [
+    "Claim",
+    "Finding",
+    "Judgement",
+    "Verdict",
+    "claims",
+    "markdown",
+    "outputs",
+    "record",
+    "run",
+]

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from stepwell._version import __version__
+from stepwell.files import head, pictures
 from stepwell.paper.claim import Verdict
 from stepwell.paper.registry import claims
 
@@ -20,6 +20,7 @@ def run(
     *,
     everything: bool = False,
     data: str | os.PathLike[str] | None = None,
+    force: bool = False,
 ) -> tuple[Verdict, ...]:
     """Compute every claim anew.
 
@@ -28,6 +29,7 @@ def run(
             in it or none.
         progress: called with (done, total) claims and figures.
         everything: also the claims and figures that take many simulated runs, minutes of them.
+        force: replace files in `out` that others wrote or changed too.
         data: folder of the recordings published with the paper; without it the claims that they
             decide say that they need data.
 
@@ -36,6 +38,7 @@ def run(
 
     Raises:
         LabError: a folder of data without a recording.
+        OverwriteError: a file in `out` is not one that this function wrote.
         OSError: the folder cannot be written.
 
     Source: Kamp et al. 2024.
@@ -43,8 +46,10 @@ def run(
     asked = claims(data, everything=everything)
     total = len(asked)
     if out is not None:
+        from stepwell import files
         from stepwell.paper.figures import figures_of
 
+        files.check_folder(out, "paper", names=outputs(everything), force=force)
         total += len(figures_of(everything))
     found: list[Verdict] = []
     for claim in asked:
@@ -52,15 +57,14 @@ def run(
         if progress is not None:
             progress(len(found), total)
     if out is not None:
-        _write(out, found, progress, total, everything)
+        _write(out, found, progress, total, everything, force)
     return tuple(found)
 
 
 def record(verdicts: Iterable[Verdict]) -> dict[str, Any]:
     """The verdicts as JSON can hold them; docs/commands.md describes the names."""
     return {
-        "schema": SCHEMA,
-        "stepwell": __version__,
+        **head(SCHEMA, None),
         "claims": [
             {
                 "id": verdict.claim.id,
@@ -77,18 +81,28 @@ def record(verdicts: Iterable[Verdict]) -> dict[str, Any]:
     }
 
 
+def outputs(everything: bool = False) -> tuple[str, ...]:
+    """The names of the files that `run` writes."""
+    from stepwell.paper.figures import figures_of
+
+    return ("claims.json", *pictures(*figures_of(everything)))
+
+
 def _write(
     out: str | os.PathLike[str],
     verdicts: list[Verdict],
     progress: Callable[[int, int], None] | None,
     total: int,
     everything: bool,
+    force: bool,
 ) -> None:
     from stepwell import figures, files
     from stepwell.paper.figures import figures_of
 
-    with files.staged_folder(out) as draft:
-        files.write_atomic(draft / "claims.json", json.dumps(record(verdicts), indent=2) + "\n")
+    told = record(verdicts)
+    names = outputs(everything)
+    with files.staged_folder(out, "paper", told, names=names, force=force) as draft:
+        files.write_atomic(draft / "claims.json", json.dumps(told, indent=2) + "\n")
         for done, (name, draw) in enumerate(figures_of(everything).items(), len(verdicts) + 1):
             figure = draw()
             for suffix in (".png", ".svg"):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stepwell._limits import require
 from stepwell._value import ByValue
 from stepwell._version import __version__
-from stepwell._write import write_atomic
+from stepwell._write import csv_text, write_atomic
 from stepwell.physics._engine import Run, Samples, affordable, stopped_at
 from stepwell.physics._mujoco import mujoco, quietly, rollout
 from stepwell.physics._sensors import sampled
@@ -110,14 +110,13 @@ class Sweep(ByValue):
         legs = len(self.trials[0].gaits) if self.trials else 0
         head = [*self.values, "advance_1", "sideways_1", "turn_deg", "work_J"]
         head += [f"gait_{i + 1}" for i in range(legs)] + ["stopped"]
-        lines = [",".join(head)]
+        rows: list[list[str]] = []
         for i, trial in enumerate(self.trials):
             row = [repr(float(values[i])) for values in self.values.values()]
             numbers = (trial.advance, trial.sideways, np.degrees(trial.turn), trial.work)
             row += [f"{number:.6g}" for number in numbers]
-            row += [*trial.gaits, _quoted(trial.stopped)]
-            lines.append(",".join(row))
-        write_atomic(path, "\n".join(lines) + "\n")
+            rows.append([*row, *trial.gaits, trial.stopped])
+        write_atomic(path, csv_text(head, rows))
 
     def __repr__(self):
         names = ", ".join(self.values)
@@ -181,11 +180,6 @@ def sweep(
         if progress is not None:
             progress(len(found), len(robots))
     return Sweep(values, tuple(found[i] for i in range(len(robots))))
-
-
-def _quoted(text: str) -> str:
-    """As a CSV field."""
-    return '"' + text.replace('"', '""') + '"' if text else ""
 
 
 def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: int) -> list[Walk]:

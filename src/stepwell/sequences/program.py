@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path as File
 
 from stepwell._value import ByValue, Carried
-from stepwell._write import write_atomic
+from stepwell._write import csv_text, write_atomic
 from stepwell.mechanism import Chain
 from stepwell.sequences._vertices import arrival, sequence_of
 from stepwell.sequences._windows import windows
@@ -141,17 +141,14 @@ class Program(ByValue):
     def to_csv(self, file: str | File) -> None:
         """Write begin, turns and end as CSV, with their windows (mm, or N)."""
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
-        lines = [f"what,drive_{unit},low_{unit},high_{unit}"]
+        head = ["what", *(f"{name}_{unit}" for name in ("drive", "low", "high"))]
         rows = [
             ("begin", self.begin, self.begin, self.begin),
             *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
             ("end", self.end, self.low, self.high),
         ]
-        lines += [
-            f"{what}," + ",".join(f"{value * factor:.9g}" for value in values)
-            for what, *values in rows
-        ]
-        write_atomic(file, "\n".join(lines) + "\n")
+        told = ([what, *(f"{value * factor:.9g}" for value in values)] for what, *values in rows)
+        write_atomic(file, csv_text(head, told))
 
     def __str__(self):
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)

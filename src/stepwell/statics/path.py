@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell._value import ByValue
-from stepwell._write import write_atomic
+from stepwell._write import csv_text, write_atomic
 from stepwell.kernels import beside
 from stepwell.kernels.effort import end_early, no_limit
 from stepwell.mechanism import Chain
@@ -299,23 +299,24 @@ class Path(ByValue):
     def to_csv(self, file: str | File) -> None:
         """Write all samples as CSV, units in the column names (mm, N, mJ, N/m)."""
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
-        columns: dict[str, Any] = {
-            f"drive_{unit}": self.drive * factor,
-            "stroke_mm": self.stroke * 1e3,
-            **{
-                f"travel_{name.replace(' ', '_')}_mm": self.travel[:, i] * 1e3
+        # Pairs, and no dict: two names that differ in a blank alone would be one key.
+        columns: list[tuple[str, Any]] = [
+            (f"drive_{unit}", self.drive * factor),
+            ("stroke_mm", self.stroke * 1e3),
+            *(
+                (f"travel_{name.replace(' ', '_')}_mm", self.travel[:, i] * 1e3)
                 for i, name in enumerate(self.chain.names)
-            },
-            "force_N": self.force,
-            "energy_mJ": self.energy * 1e3,
-            "branch": self.branch,
-            "direction": self.direction,
-            "residual_N": self.residual,
-            "stability_N_per_m": self.stability,
-        }
-        lines = [",".join(columns)]
-        lines += [",".join(f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True)]
-        write_atomic(file, "\n".join(lines) + "\n")
+            ),
+            ("force_N", self.force),
+            ("energy_mJ", self.energy * 1e3),
+            ("branch", self.branch),
+            ("direction", self.direction),
+            ("residual_N", self.residual),
+            ("stability_N_per_m", self.stability),
+        ]
+        head, values = zip(*columns, strict=True)
+        rows = ((f"{v:.12g}" for v in row) for row in zip(*values, strict=True))
+        write_atomic(file, csv_text(head, rows))
 
     def __repr__(self):
         snaps = int(np.sum(self._segments[:, f.KIND] == f.SNAP))

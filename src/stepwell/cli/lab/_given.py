@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stepwell.cli._progress import progress
+from stepwell.cli._show import warn
 
 if TYPE_CHECKING:
     from stepwell.lab import Recording
@@ -45,7 +46,7 @@ def recordings(paths: Sequence[Path]) -> list[Recording]:
     with progress("reading") as tell:
         batch = read_all(paths, progress=tell)
     for error in batch.refused:
-        typer.echo(str(error), err=True)
+        warn(str(error))
     if not batch.recordings:
         raise LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
     return list(batch.recordings)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli.lab._given import between, counted, recordings
 
 _Folders = Annotated[
@@ -52,6 +52,7 @@ def band(
     gauge: _Gauge = None,
     law: _Law = None,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Say how stiff bands are, and write a `band` table for a design file.
@@ -61,13 +62,16 @@ def band(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
+    from stepwell.cli._folders import free
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli.lab import _text
     from stepwell.files import write_band
 
+    free(out, "lab band", force)
     low, high = between(window)
+    given = recordings(folders)
     test = lab.band_test(
-        recordings(folders),
+        given,
         window=(low * 1e-3, high * 1e-3),
         cycles=counted(cycles),
         drop=drop or (),
@@ -81,8 +85,8 @@ def band(
         raise
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    record = lab.band_record(test, choice, table)
-    names = write_band(test, choice, record, out) if out is not None else ()
+    record = lab.band_record(test, choice, table) | {"data_sha256": lab.hashes(given)}
+    names = write_band(test, choice, record, out, force=force) if out is not None else ()
     if as_json:
         show_json(record, out, names)
     else:

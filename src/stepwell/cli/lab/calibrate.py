@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
 
 _Law = Annotated[
@@ -19,6 +19,7 @@ def calibrate(
     baseline: Baseline = None,
     no_baseline: NoBaseline = False,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Fit one physical model to all unit cells at once.
@@ -28,12 +29,14 @@ def calibrate(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
-    from stepwell._version import __version__
+    from stepwell._version import __version__, versions
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli.lab import _text
     from stepwell.files import write_calibration
 
+    free(out, "lab calibrate", force)
     given = recordings([data])
     found = lab.sort_series(given, baseline=subtracted(baseline, no_baseline))
     samples = lab.prepare(found.series)
@@ -42,6 +45,8 @@ def calibrate(
     record = {
         "schema": "stepwell.lab.calibrate/1",
         "stepwell": __version__,
+        "versions": versions(),
+        "data_sha256": lab.hashes(given),
         **lab.fit_record(calibration),
         "told": [
             line
@@ -53,7 +58,7 @@ def calibrate(
         + list(found.told),
         "table": lab.calibrated_table(calibration, data.name),
     }
-    names = write_calibration(calibration, record, out) if out is not None else ()
+    names = write_calibration(calibration, record, out, force=force) if out is not None else ()
     if as_json:
         show_json(record, out, names)
     else:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
 
 _Designs = Annotated[
@@ -34,6 +34,7 @@ def compare(
     as_designed: _AsDesigned = False,
     bar: _Bar = 70.0,
     out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Compare unit cells and pairs on a test machine with their models.
@@ -43,22 +44,29 @@ def compare(
     With --out, verdicts, curves and figures are written into a folder.
     """
     from stepwell import files, lab
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli.lab import _text
 
+    free(out, "lab compare", force)
+    given = recordings([data])
+    texts = {design: files.read(design) for design in designs or ()}
     comparison = lab.compare(
-        recordings([data]),
-        [files.load(design) for design in designs or ()],
+        given,
+        [files.loads(text, design) for design, text in texts.items()],
         baseline=subtracted(baseline, no_baseline),
         as_designed=as_designed,
         rig=lab.Rig(math.inf if math.isinf(bar) else bar * 1e-3),
     )
-    record = lab.comparison_record(comparison)
+    record = lab.comparison_record(comparison) | {
+        "designs_sha256": {design: files.digest(text) for design, text in texts.items()},
+        "data_sha256": lab.hashes(given),
+    }
     names = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_comparison(comparison, record, out, progress=tell)
+            names = files.write_comparison(comparison, record, out, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

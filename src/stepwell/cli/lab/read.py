@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Json, Out
+from stepwell.cli._options import Force, Json, Out
 
 _Files = Annotated[
     list[Path],
@@ -17,29 +17,35 @@ _Files = Annotated[
 ]
 
 
-def read(files: _Files, out: Out = None, as_json: Json = False) -> None:
+def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = False) -> None:
     """Read recordings and say what they hold.
 
     A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
     With --out, all samples are written into a folder as one tidy table with units.
     """
     from stepwell import lab
-    from stepwell._version import __version__
+    from stepwell._version import __version__, versions
+    from stepwell.cli._folders import free
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli.lab import _text
     from stepwell.files import write_readings
 
+    free(out, "lab read", force)
     with progress("reading") as tell:
         batch = lab.read_all(files, progress=tell)
     record = {
         "schema": "stepwell.lab.read/1",
         "stepwell": __version__,
+        "versions": versions(),
+        "data_sha256": lab.hashes(batch.recordings),
         "recordings": lab.summary(batch.recordings),
         "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
         "ignored": list(batch.ignored),
     }
-    names = write_readings(batch.recordings, record, out) if out and batch.recordings else ()
+    names: tuple[str, ...] = ()
+    if out and batch.recordings:
+        names = write_readings(batch.recordings, record, out, force=force)
     if as_json:
         show_json(record, out, names)
     else:

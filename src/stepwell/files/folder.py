@@ -1,0 +1,354 @@
+"""A folder of results: files that belong together, all of one run, in nobody's way."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from stepwell._version import __version__
+from stepwell._write import draft_beside, sync_folder, told_of, write_atomic
+from stepwell.files._errors import printable
+from stepwell.files.outputs import OUTPUTS
+
+FOLDER_SCHEMA = "stepwell.folder/1"
+# What is in a folder that is whole; and what may be in one whose files are being replaced.
+MANIFEST, UNFINISHED = "stepwell.json", "stepwell.unfinished.json"
+_MOST_BYTES = 1 << 20
+_MOST_NAMED = 6
+
+
+class OverwriteError(FileExistsError):
+    """What somebody else wrote stands where results should go; nothing was written."""
+
+
+class IncompleteError(ValueError):
+    """A folder that does not hold one whole set of results."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Note:
+    """What a command has left of itself in a folder: the hashes its files may have, by name."""
+
+    command: str
+    files: Mapping[str, tuple[str, ...]]
+
+
+def digest(data: str | bytes) -> str:
+    """The SHA-256 of bytes, or of text as UTF-8, as `sha256sum` prints it."""
+    return hashlib.sha256(data.encode("utf-8") if isinstance(data, str) else data).hexdigest()
+
+
+def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """What a folder of results says of itself, once it is known to be whole.
+
+    Args:
+        folder: what a command wrote with --out, or a function such as `write_run`.
+
+    Returns:
+        The record that docs/commands.md describes: `command`, `design_sha256`, `seed`, and the
+        SHA-256 of every file.
+
+    Raises:
+        IncompleteError: a run was stopped while it replaced the files, or a file is missing or
+            is another one than was written.
+    """
+    place = Path(folder)
+    note = _note(place / MANIFEST)
+    if note is None:
+        why = _interrupted(place) or "holds no results of Stepwell, or not all of them"
+        raise IncompleteError(f"{printable(str(folder))}: {why}.")
+    for name, hashes in note.files.items():
+        if _digest_of(place / name) not in hashes:
+            what = "is not the one that was written" if (place / name).exists() else "is missing"
+            raise IncompleteError(f"{printable(str(folder))}: {printable(name)} {what}.")
+    return json.loads((place / MANIFEST).read_text("utf-8"))
+
+
+def doubt(file: Path) -> str | None:
+    """Why a file must not be read, its folder holding parts of two results; None if it may."""
+    if _note(file.parent / MANIFEST) is not None:
+        return None
+    note = _note(file.parent / UNFINISHED)
+    # A file that both results have in common may be read: so the run that was stopped can be
+    # repeated on the design in its own folder.
+    if note is None or len(note.files.get(file.name, ())) < 2:
+        return None
+    return _interrupted(file.parent)
+
+
+def check_folder(
+    folder: str | os.PathLike[str],
+    command: str,
+    *,
+    names: Iterable[str] | None = None,
+    force: bool = False,
+    texts: Mapping[str, str] | None = None,
+) -> None:
+    """Say before the work begins that its results could not be written.
+
+    Args:
+        folder: where they shall go; it may be missing.
+        command: whose results they are, such as "run".
+        names: of the files that may be written; those of OUTPUTS by default.
+        force: replace what others wrote.
+        texts: of files whose content is known already; one that is there already is no obstacle.
+
+    Raises:
+        OverwriteError: a file there is neither what this command wrote nor what it would write,
+            or the folder holds what another command wrote.
+        OSError: `folder` is no folder, or cannot be made or written.
+    """
+    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    hashes = {name: digest(text) for name, text in (texts or {}).items()}
+    _check(shown, target, command, dict.fromkeys(_names(command, names), "") | hashes, force)
+    with _made(shown):
+        place = target
+        while not place.exists():
+            place = place.parent
+        trial = draft_beside(place / "stepwell")
+        trial.mkdir()
+        trial.rmdir()
+
+
+@contextmanager
+def staged_folder(
+    folder: str | os.PathLike[str],
+    command: str,
+    record: Mapping[str, Any] | None = None,
+    *,
+    names: Iterable[str] | None = None,
+    force: bool = False,
+) -> Iterator[Path]:
+    """A draft folder whose files become `folder`'s when the block ends without error.
+
+    They appear together with the manifest, `stepwell.json`. Files of an earlier result of the
+    same command are replaced, or removed where there is no new one; all others stay.
+
+    Args:
+        folder: made if missing.
+        command: whose results they are, such as "run".
+        record: of the result, for its `design_sha256` and `seed`.
+        names: of the files that may be written; those of OUTPUTS by default.
+        force: replace files that others wrote or changed, and the results of other commands.
+
+    Yields:
+        The draft folder, empty.
+
+    Raises:
+        OverwriteError: as `check_folder`; nothing has changed then.
+        OSError: `folder` is no folder, or cannot be made or written.
+    """
+    shown, target = printable(os.fspath(folder)), Path(os.path.realpath(folder))
+    known = _names(command, names)
+    _check(shown, target, command, {}, force)
+    # A folder that is missing appears in one step. One that is there may be a file system of its
+    # own, into which nothing can be renamed from beside it.
+    draft = target / f".stepwell.{secrets.token_hex(6)}.tmp"
+    with _made(shown):
+        if not target.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            draft = draft_beside(target)
+        draft.mkdir()
+    try:
+        with told_of(draft, target):
+            yield draft
+            _commit(shown, draft, target, command, record or {}, known, force)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+    _clear(target)
+
+
+def _commit(
+    shown: str,
+    draft: Path,
+    target: Path,
+    command: str,
+    record: Mapping[str, Any],
+    known: frozenset[str],
+    force: bool,
+) -> None:
+    """Put a draft in its place; `manifest` tells what a kill after any step leaves."""
+    if not draft.is_dir():
+        raise OSError(f"{shown}: another command wrote into this folder: name one for each.")
+    files = sorted(file for file in draft.rglob("*") if file.is_file())
+    new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
+    if not new.keys() <= known:
+        raise RuntimeError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
+    _check(shown, target, command, new, force)
+    about = {
+        "schema": FOLDER_SCHEMA,
+        "stepwell": __version__,
+        "command": command,
+        "design_sha256": record.get("design_sha256"),
+        "seed": record.get("seed"),
+    }
+    mine = {name for name in new if not _is_theirs(target, name, new[name])}
+    write_atomic(draft / MANIFEST, _json(about | {"files": {n: new[n] for n in sorted(mine)}}))
+    if not target.exists():
+        os.rename(draft, target)
+        sync_folder(target.parent)
+        return
+    old = _owned(target)
+    may_be = {name: set(hashes) for name, hashes in old.items()}
+    for name in mine:
+        may_be.setdefault(name, set()).add(new[name])
+    hashes = {name: sorted(may_be[name]) for name in sorted(may_be)}
+    write_atomic(draft / UNFINISHED, _json(about | {"files": hashes}))
+    os.replace(draft / UNFINISHED, target / UNFINISHED)
+    sync_folder(target)
+    (target / MANIFEST).unlink(missing_ok=True)
+    sync_folder(target)
+    for name in sorted(mine):
+        place = target / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(draft / name, place)
+        sync_folder(place.parent)
+    for name in sorted(old.keys() - new.keys()):
+        if _digest_of(target / name) in old[name]:
+            (target / name).unlink()
+    sync_folder(target)
+    os.replace(draft / MANIFEST, target / MANIFEST)
+    sync_folder(target)
+    (target / UNFINISHED).unlink()
+
+
+def _check(
+    shown: str, target: Path, command: str, new: Mapping[str, str | None], force: bool
+) -> None:
+    """Refuse to write where others' work would be lost; `new` has a hash for each file, or ""."""
+    if target.exists() and not target.is_dir():
+        raise NotADirectoryError(f"{shown} is a file: give a folder to write into.")
+    for name in (*new, MANIFEST, UNFINISHED):
+        if (target / name).is_dir():
+            raise OverwriteError(f"{shown}: {name} is a folder in the way: move it away.")
+    if force:
+        return
+    notes = [note for name in (MANIFEST, UNFINISHED) if (note := _note(target / name))]
+    if notes and notes[0].command != command:
+        raise OverwriteError(
+            f"{shown}: holds what `stepwell {notes[0].command}` wrote, and a folder is for one "
+            f"command's results. Name another folder, or replace them with --force (in Python "
+            f"force=True)."
+        )
+    owned = _owned(target)
+    theirs = [
+        name
+        for name in new
+        if os.path.lexists(target / name)
+        and _digest_of(target / name) not in (*owned.get(name, ()), new[name])
+    ]
+    theirs += [
+        name
+        for name in (MANIFEST, UNFINISHED)
+        if os.path.lexists(target / name) and _note(target / name) is None
+    ]
+    if theirs:
+        named = ", ".join(map(printable, theirs[:_MOST_NAMED])) + (
+            f" and {len(theirs) - _MOST_NAMED} more" if len(theirs) > _MOST_NAMED else ""
+        )
+        it = "it" if len(theirs) == 1 else "them"
+        raise OverwriteError(
+            f"{shown}: `stepwell {command}` did not write {named} like this, so nothing is "
+            f"replaced. Name another folder, move {it} away, or "
+            f"replace {it} with --force (in Python force=True)."
+        )
+
+
+def _names(command: str, names: Iterable[str] | None) -> frozenset[str]:
+    return frozenset(OUTPUTS[command] if names is None else names)
+
+
+def _is_theirs(target: Path, name: str, content: str | None) -> bool:
+    """Whether somebody else's file says what ours would: it stays theirs, and is never removed."""
+    found = _digest_of(target / name)
+    return found is not None and found == content and found not in _owned(target).get(name, ())
+
+
+def _owned(target: Path) -> dict[str, tuple[str, ...]]:
+    """The hashes that files in a folder may have which Stepwell wrote."""
+    owned: dict[str, tuple[str, ...]] = {}
+    for name in (MANIFEST, UNFINISHED):
+        note = _note(target / name)
+        for file, hashes in (note.files if note else {}).items():
+            owned[file] = (*owned.get(file, ()), *hashes)
+    return owned
+
+
+def _note(file: Path) -> _Note | None:
+    """A manifest, or the note of an unfinished one; None where there is none of ours."""
+    try:
+        if file.is_symlink() or file.stat().st_size > _MOST_BYTES:
+            return None
+        data = json.loads(file.read_text("utf-8"))
+        if data["schema"] != FOLDER_SCHEMA or not isinstance(data["command"], str):
+            return None
+        files = {
+            name: (hashes,) if isinstance(hashes, str) else tuple(map(str, hashes))
+            for name, hashes in data["files"].items()
+        }
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    # Files are removed by these names: none may lead out of the folder.
+    return _Note(printable(data["command"]), files) if all(map(_is_inside, files)) else None
+
+
+def _is_inside(name: str) -> bool:
+    path = PurePosixPath(name)
+    odd = any(letter in name for letter in "\\:\0") or ".." in path.parts
+    return bool(path.parts) and not (odd or path.is_absolute())
+
+
+def _digest_of(file: Path) -> str | None:
+    """The SHA-256 of an ordinary file; None of all else."""
+    if file.is_symlink() or not file.is_file():
+        return None
+    with open(file, "rb") as handle:
+        return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def _kept(file: Path) -> str:
+    """The SHA-256 of a file of ours, once it is on the disk."""
+    with open(file, "rb+") as handle:
+        os.fsync(handle.fileno())
+    return digest(file.read_bytes())
+
+
+def _interrupted(folder: Path) -> str | None:
+    note = _note(folder / UNFINISHED)
+    return note and (
+        f"is incomplete: `stepwell {note.command}` was stopped while it replaced the files here, "
+        f"which may be of two results. Run it again, or remove the folder"
+    )
+
+
+def _json(record: Mapping[str, Any]) -> str:
+    return json.dumps(record, indent=2, ensure_ascii=False) + "\n"
+
+
+@contextmanager
+def _made(shown: str) -> Iterator[None]:
+    """Say of a folder that cannot be made or written what is to be done."""
+    try:
+        yield
+    except OSError as error:
+        why = f"cannot be made or written ({error.strerror}): name a folder where you may write"
+        raise type(error)(error.errno, why, shown) from None
+
+
+def _clear(target: Path) -> None:
+    """Remove drafts of this folder that killed commands left."""
+    for place, name in ((target, "stepwell"), (target.parent, target.name[:80])):
+        draft = re.compile(rf"\.{re.escape(name)}\.[0-9a-f]{{12}}\.tmp")
+        with suppress(OSError):
+            for left in place.iterdir():
+                if draft.fullmatch(left.name) and left.is_dir() and not left.is_symlink():
+                    shutil.rmtree(left, ignore_errors=True)
