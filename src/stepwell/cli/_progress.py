@@ -8,16 +8,52 @@ from time import monotonic
 # Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
 # pieces has an estimate too [s].
 _EVERY, _REMEMBERED = 0.1, 600.0
+WRITING = "writing"
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, with a line about what had been done."""
 
 
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[float, float], None] | None]:
+def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float], None] | None]:
     """What to call with (done, total); None where nobody is looking.
 
     The bar tells how much is done and how long the rest will take. It goes to standard error, so
     that it never mixes with results, and vanishes when done.
+
+    Args:
+        label: what is going on.
+        kept: what an interruption leaves and how to go on; nothing is written otherwise.
+
+    Raises:
+        Interrupted: in place of a KeyboardInterrupt, with one line that tells all this.
     """
-    if not sys.stderr.isatty():
+    reached = ""
+    try:
+        with _bar(label) as shown:
+            if shown is None:
+                yield None
+            else:
+
+                def update(done: float, total: float) -> None:
+                    nonlocal reached
+                    reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+                    shown(done, total)
+
+                yield update
+    except Interrupted:
+        raise
+    except KeyboardInterrupt:
+        left = kept or "nothing was written"
+        if label == WRITING:
+            left = "the folder is as it was, or says that it is incomplete"
+        raise Interrupted(f"Interrupted ({label}{reached}); {left}.") from None
+
+
+@contextmanager
+def _bar(label: str) -> Iterator[Callable[[float, float], None] | None]:
+    if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console

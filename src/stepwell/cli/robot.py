@@ -112,7 +112,8 @@ def sweep(
     values = _ranges.points(found, random, seed)
     drawn = seed if random else None
     keep = out / "unfinished"
-    with usable("--out"), progress("robots") as tell:
+    kept = "the robots that are done are kept, and the same command goes on with the others"
+    with usable("--out"), progress("robots", kept=kept) as tell:
         result = _sweep.run(design, robot, values, cycles, keep, tell)
     with progress("writing") as tell:
         names = files.write_sweep(result, out, design=text, seed=drawn, progress=tell, force=force)

@@ -81,7 +81,8 @@ def best_choice(
         _best_paths(second, takes, add, begin, part)
         segments[:, :, begin:end] = part
 
-    in_blocks(from_candidates, m, max(1, _BLOCK // (n * n * m * m)))
+    size = max(1, _BLOCK // (n * n * m * m))
+    in_blocks(from_candidates, m, _best_paths.block(size, second, takes, add, 0, segments))
     ahead = np.empty((n, m))
     _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
     # Rank in F1 of the cells taken by rising F0.

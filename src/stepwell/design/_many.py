@@ -207,6 +207,6 @@ class Judge:
             )  # fmt: skip
             counts.append(counted)
 
-        in_blocks(judge, m, max(1, _BLOCK // n))
+        in_blocks(judge, m, many.block(max(1, _BLOCK // n), draws))
         wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
         return Judged(verdict, does, gap, wrong, narrowest)

@@ -117,7 +117,8 @@ def _in_closed_form(fields: _Fields, chain: Chain, cell: int, x: Floats, y: Floa
     def rows(begin: int, end: int) -> None:
         sweep(x, y[begin:end], p, fixed, moving, cell, *(field[begin:end] for field in out))
 
-    in_blocks(rows, len(y), max(1, _BLOCK // len(x)))
+    size = sweep.block(max(1, _BLOCK // len(x)), x, y)
+    in_blocks(rows, len(y), size)
     # The last code is for -1, what is still open.
     codes = np.array([_CODES.index(p) for p in BY_ORDER] + [UNSOLVED], np.int8)
     fields.pathway[:] = codes[order]

@@ -54,7 +54,7 @@ class Entry(Generic[P, R]):
         """What the function says of these numbers and arrays."""
         if self._machine is not None:
             return self._machine(*args, **kwargs)
-        if self._pays(*args, **kwargs):
+        if self._pays(*args):
             return self.compiled()(*args, **kwargs)
         begun = perf_counter()
         try:
@@ -78,6 +78,16 @@ class Entry(Generic[P, R]):
             return made
         return self._machine
 
+    def block(self, size: int, *args: Any) -> int:
+        """How many of `size` things to take at a time where these arguments go in block by block.
+
+        All of them where it is machine code, or becomes it because the whole is worth it; a
+        fortieth where it is interpreted, which takes turns and has to hear Ctrl-C.
+        """
+        if self._machine is None and self._pays(*args):
+            self.compiled()
+        return size if self._machine is not None else max(1, size // 40)
+
     def ready(self) -> bool:
         """Whether its machine code is on disk."""
         if not self._ready and monotonic() - self._looked > _LOOK_AGAIN:
@@ -87,7 +97,7 @@ class Entry(Generic[P, R]):
             self._ready = _store.holds(stem(_function(self)))
         return self._ready
 
-    def ask_for_machine_code(self, *args: P.args, **kwargs: P.kwargs) -> None:
+    def ask_for_machine_code(self, *args: Any) -> None:
         """Have it compiled for arguments like these, in the background."""
         from stepwell.kernels import _compiler
 
@@ -97,20 +107,20 @@ class Entry(Generic[P, R]):
         kinds = pickle.dumps(tuple(_example(value) for value in args))
         self._tries -= _compiler.begin(_function(self), kinds)
 
-    def _pays(self, *args: P.args, **kwargs: P.kwargs) -> bool:
+    def _pays(self, *args: Any) -> bool:
         wanted = _wanted()
         if wanted != AUTO:
             return wanted == COMPILED
         price = self._seconds
         for place, field in self._sized:
-            array: Any = args[place]
+            array = args[place]
             price *= (getattr(array, field) if field else array).size
         if self._spent + price < _WORTH_LOADING:
             return False
         if price > _WORTH_WAITING or self.ready():
             return True
         if self._spent > _WORTH_COMPILING:
-            self.ask_for_machine_code(*args, **kwargs)
+            self.ask_for_machine_code(*args)
         return False
 
 

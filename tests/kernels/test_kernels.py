@@ -1,0 +1,356 @@
+"""Interpreted or compiled, on a sound cache, a damaged one or none: the same answers."""
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from conftest import examples
+from stepwell.kernels import Entry, _compiler, _store, beside, entry, in_blocks, kernel
+from stepwell.kernels._fingerprint import fingerprint
+
+SOURCE = Path(sw.__file__).parents[1]
+MODULES = [
+    *(
+        f"stepwell.statics.{n}"
+        for n in ("_follow", "_pieces", "_certificate", "_sample", "_sorted")
+    ),
+    "stepwell.statics.concave",
+    *(f"stepwell.design.{n}" for n in ("_certified", "_end", "_end_grid", "_holes", "_many")),
+    *(f"stepwell.design.{n}" for n in ("_nearest", "_sift", "_sweep")),
+]
+SMALL = """
+    from stepwell.statics.concave import Simple, end_forces
+    print(end_forces(Simple(0.02, 0.0, 28.5, 0.01, 0.0141, 0.7)))
+"""
+
+
+def entries() -> dict[str, Entry]:
+    found = {}
+    for module in MODULES:
+        for name, value in vars(import_module(module)).items():
+            if isinstance(value, Entry) and value.function.__module__ == module:
+                found[f"{module}.{name}"] = value
+    return found
+
+
+def said(script: str, **environment: str) -> "subprocess.CompletedProcess[str]":
+    """A fresh Python that runs a script; what it writes."""
+    paths = os.pathsep.join([str(SOURCE), environment.pop("PYTHONPATH", "")])
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": paths, **environment},
+    )
+
+
+@pytest.fixture
+def each_way(monkeypatch):
+    """Runs something interpreted and compiled."""
+
+    def both(run):
+        monkeypatch.setenv("STEPWELL_KERNELS", "compiled")
+        compiled = run()
+        with monkeypatch.context() as patch:
+            patch.setenv("STEPWELL_KERNELS", "interpreted")
+            for one in entries().values():
+                patch.setattr(one, "_machine", None)
+            return run(), compiled
+
+    return both
+
+
+def some_chain(rng: np.random.Generator) -> sw.Chain:
+    drive = [math.inf, math.inf, 0.0, float(rng.uniform(20, 500))][rng.integers(4)]
+    rubs = rng.random() < 0.4
+
+    def band() -> sw.Band:
+        q = rng.uniform((-0.015, -0.02), (0.03, 0.02))
+        law = sw.Linear()
+        if rng.random() < 0.3:
+            law = sw.Table((0.0, 0.004, 0.011), (0.0, float(rng.uniform(0.05, 0.3)), 0.4))
+        return sw.Band(
+            (-0.01, 0.0), (float(q[0]), float(q[1])), float(rng.uniform(10, 60)),
+            float(rng.uniform(0.005, 0.02)), law,
+        )  # fmt: skip
+
+    cells = [
+        sw.Cell(
+            [band() for _ in range(1 + (rng.random() < 0.2))],
+            lever=float(rng.uniform(0.01, 0.02)),
+            limit=float(rng.uniform(0.4, 1.0)),
+            friction=float(rng.uniform(0, 0.02)) if rubs else 0.0,
+        )
+        for _ in range(int(rng.integers(1, 10)))
+    ]
+    return sw.Chain(cells, actuator_stiffness=drive)
+
+
+def test_a_path_has_the_same_bits_interpreted_and_compiled(each_way):
+    def paths():
+        rng = np.random.default_rng(11)
+        told = []
+        for _ in range(examples(8)):
+            path = some_chain(rng).cycle().path
+            told.append((path.stroke, path.travel, path.force, path.energy, path.residual))
+            told.append((np.frombuffer(repr(path.events).encode(), np.uint8),))
+        return told
+
+    for one, other in zip(*each_way(paths), strict=True):
+        for a, b in zip(one, other, strict=True):
+            assert a.shape == b.shape
+            assert a.tobytes() == b.tobytes()
+
+
+def test_maps_yields_and_choices_have_the_same_bits_interpreted_and_compiled(each_way):
+    leg = sw.preset("paper-forward")
+    assert isinstance(leg, sw.Chain)
+
+    def results():
+        x, y = np.linspace(0, 0.02, 12), np.linspace(-0.015, 0.015, 12)
+        found = sw.transition_map(leg, cell=1, x=x, y=y)
+        told = [repr(found[name].values.tolist()) for name in found]
+        usual = sw.Tolerances(anchor=3e-4, stiffness=0.05)
+        told.append(repr(leg.yields(usual, n=400)))
+        told.append(repr(leg.margin()))
+        told.append(repr(sw.design("00>10>11>01>00", holes=0.005)))
+        return told
+
+    interpreted, compiled = each_way(results)
+    assert interpreted == compiled
+
+
+def test_the_first_answer_needs_no_compiler(tmp_path):
+    result = said(
+        """
+        import sys, stepwell as sw
+        leg = sw.preset("paper-forward")
+        print(leg.cycle().sequence, leg.cycle().path.force[0])
+        print(sorted({"numba", "llvmlite", "subprocess"} & set(sys.modules)))
+        """,
+        NUMBA_CACHE_DIR=str(tmp_path / "cache"),
+    )
+    assert result.stdout.splitlines()[0].startswith("00>10>11>01>00")
+    assert "numba" not in result.stdout and "llvmlite" not in result.stdout
+    assert result.stderr == "" and not (tmp_path / "cache").exists()
+
+
+def test_an_edited_formula_gives_new_answers_wherever_the_compiled_ones_are_kept(tmp_path):
+    shutil.copytree(SOURCE / "stepwell", tmp_path / "copy" / "stepwell")
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "STEPWELL_KERNELS": "compiled"}
+
+    def answer() -> str:
+        result = subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(SMALL)], capture_output=True, text=True,
+            env={**os.environ, **settings, "PYTHONPATH": str(tmp_path / "copy")},
+        )  # fmt: skip
+        assert result.returncode == 0, result.stderr
+        return result.stdout
+
+    before = answer()
+    geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "_geometry.py"
+    old = "return np.sqrt(x * x + y * y)"
+    text = geometry.read_text()
+    assert old in text
+    geometry.write_text(text.replace(old, "return np.sqrt(x * x + 2 * y)"))
+    assert answer() != before
+    geometry.write_text(text)
+    files = sorted(tmp_path.glob("kept/stepwell/*.kernel"))
+    assert answer() == before
+    assert sorted(tmp_path.glob("kept/stepwell/*.kernel")) == files
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """A folder with what SMALL needs, and what it prints."""
+    place = tmp_path_factory.mktemp("compiled")
+    result = said(SMALL, NUMBA_CACHE_DIR=str(place), STEPWELL_KERNELS="compiled")
+    assert result.returncode == 0, result.stderr
+    return place, result.stdout
+
+
+@pytest.mark.parametrize("damage", ["half", "empty", "bit"])
+def test_a_damaged_kernel_is_made_again_with_one_line(tmp_path, damage, compiled):
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path), "STEPWELL_KERNELS": "compiled"}
+    shutil.copytree(compiled[0], tmp_path, dirs_exist_ok=True)
+    (file,) = tmp_path.glob("stepwell/end_forces-*.kernel")
+    whole = file.read_bytes()
+    flipped = whole[:-9] + bytes([whole[-9] ^ 4]) + whole[-8:]
+    file.write_bytes({"half": whole[: len(whole) // 2], "empty": b"", "bit": flipped}[damage])
+    after = said(SMALL, **settings)
+    assert (after.returncode, after.stdout) == (0, compiled[1])
+    lines = [line for line in after.stderr.splitlines() if "compiling" not in line]
+    assert len(lines) == 1 and "is damaged; it is made again" in lines[0]
+    assert file.exists() and said(SMALL, **settings).stderr == ""
+
+
+def test_where_nothing_can_be_kept_one_line_names_the_setting(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "file"), "STEPWELL_KERNELS": "compiled"}
+    result = said(SMALL, **settings)
+    assert result.returncode == 0 and result.stdout.startswith("(")
+    lines = [line for line in result.stderr.splitlines() if "compiling" not in line]
+    assert len(lines) == 1 and "NUMBA_CACHE_DIR" in lines[0] and "for this run" in lines[0]
+    nowhere = "import tempfile\ntempfile.tempdir = '/nowhere'\n" + textwrap.dedent(SMALL)
+    bare = said(nowhere, **settings)
+    assert (bare.returncode, bare.stdout) == (0, result.stdout)
+    assert "no compiled kernels are kept" in bare.stderr
+    home = {"NUMBA_CACHE_DIR": "", "XDG_CACHE_HOME": str(tmp_path / "file"), "HOME": "/nowhere"}
+    assert said(SMALL, STEPWELL_KERNELS="compiled", **home).stdout == result.stdout
+
+
+def test_a_mode_that_is_none_is_refused(monkeypatch):
+    monkeypatch.setenv("STEPWELL_KERNELS", "fast")
+    with pytest.raises(ValueError, match=r"'fast': must be auto .*interpreted or compiled"):
+        entry()(kernel(lambda x: x))(1.0)
+
+
+TINY = """
+    import numpy as np
+    from stepwell.kernels import entry, kernel
+
+    STEP = 0.5
+
+    @kernel
+    def halved(x):
+        return x * STEP
+
+    @entry()
+    def walk(values):
+        total = 0.0
+        for value in values:
+            total += halved(value)
+        return total
+"""
+
+
+def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_path):
+    (tmp_path / "tiny.py").write_text(textwrap.dedent(TINY))
+    script = """
+        import time, numpy as np, tiny
+        values = np.arange(200_000.0)
+        end = time.monotonic() + 120
+        told = set()
+        while tiny.walk.interpreted and time.monotonic() < end:
+            told.add(tiny.walk(values))
+        told.add(tiny.walk(values))
+        print(tiny.walk.interpreted, len(told))
+    """
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
+    # Three at once, as when a class begins.
+    runs: list[subprocess.CompletedProcess[str]] = []
+    threads = [
+        threading.Thread(target=lambda: runs.append(said(script, **settings))) for _ in range(3)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [run.stdout for run in runs] == ["False 1\n"] * 3
+    assert [run.stderr for run in runs] == [""] * 3
+    kept = sorted(path.name.split("-")[0] for path in tmp_path.glob("kept/stepwell/*.kernel"))
+    assert kept == ["halved", "walk"]
+
+
+def test_a_fingerprint_tells_what_is_computed_and_not_where_or_when(tmp_path, monkeypatch):
+    def made(text: str) -> str:
+        place = tmp_path / str(len(list(tmp_path.iterdir())))
+        place.mkdir()
+        (place / "tiny.py").write_text(textwrap.dedent(text))
+        monkeypatch.syspath_prepend(place)
+        monkeypatch.delitem(sys.modules, "tiny", raising=False)
+        return fingerprint(import_module("tiny").walk.function)
+
+    first = made(TINY)
+    assert made("# moved down\n" + textwrap.dedent(TINY)) == first
+    assert made(TINY.replace("STEP = 0.5", "STEP = 0.25")) != first
+    assert made(TINY.replace("x * STEP", "x / STEP")) != first
+    assert made(TINY.replace("total = 0.0", "total = 1.0")) != first
+    with pytest.raises(TypeError, match="it may use kernels"):
+        made(TINY.replace("    @kernel\n", ""))
+
+
+def test_old_versions_of_a_kernel_do_not_pile_up(tmp_path, monkeypatch):
+    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
+    for i in range(30):
+        _store.write(f"law-{i:02}-0", b"code")
+        os.utime(tmp_path / f"law-{i:02}-0.kernel", (i, i))
+    _store.write("follow-0-0", b"code")
+    assert len(list(tmp_path.glob("law-*"))) <= 13
+    assert _store.read("law-29-0") == b"code" and _store.read("follow-0-0") == b"code"
+
+
+def test_a_full_disk_costs_one_line_and_no_answer(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    _store.write("law-0-0", b"code")
+    assert "No space left on device" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_compiler_that_fails_is_replaced_by_this_process(monkeypatch, tmp_path):
+    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(_compiler, "here", False)
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    assert not _compiler.compile_elsewhere(fingerprint, b"")
+    assert _compiler.here
+
+
+def test_an_interrupted_wait_ends_the_work_before_it_goes_on():
+    stopped = threading.Event()
+    ended = []
+
+    def work():
+        stopped.wait(60)
+        ended.append(True)
+
+    def look():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        beside(work, stopped.set, look)
+    assert ended == [True]
+
+
+def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
+    seen = np.zeros(1000, int)
+    told = []
+
+    def mark(begin, end):
+        seen[begin:end] += 1
+
+    in_blocks(mark, 1000, 7, lambda done, total: told.append((done, total)))
+    assert (seen == 1).all() and told[-1] == (1000, 1000)
+    begun = []
+
+    def fail(begin, end):
+        begun.append(begin)
+        time.sleep(0.01)
+        if begin == 14:
+            raise TimeoutError("its own")
+
+    with pytest.raises(TimeoutError, match="its own"):
+        in_blocks(fail, 100_000, 7)
+    assert len(begun) < 1000
+
+
+def test_every_kernel_can_be_compiled_from_what_it_names():
+    marked = entries()
+    assert len(marked) >= 20
+    prints = {name: fingerprint(one.function) for name, one in marked.items()}
+    assert len(set(prints.values())) == len(prints)
