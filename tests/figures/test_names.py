@@ -143,12 +143,12 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
     figures.animation(cycle, tmp_path / "a.gif", seconds=0.5, fps=2)
     runs = [unit("friction_1.txt", None), pair("2unit_friction_1.txt", None)]
-    runs += [unit("1unit_MM_$a$_1.txt", paper_cell()), pair("2unit_MMT_1.txt", cycle.chain)]
-    compared = lab.compare(runs, [cycle.chain])
+    cells = lab.compare([*runs, unit("1unit_MM_1.txt", paper_cell())]).cells
+    pairs = lab.compare([*runs, pair("2unit_MMT_1.txt", cycle.chain)], [cycle.chain]).pairs
     for draw, tests in (
-        (figures.measured_forces, compared.cells),
-        (figures.measured_energies, compared.cells),
-        (figures.measured_pairs, compared.pairs),
+        (figures.measured_forces, cells),
+        (figures.measured_energies, cells),
+        (figures.measured_pairs, pairs),
     ):
         assert tests
         check(partial(draw, tests), ALL)
