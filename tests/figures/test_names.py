@@ -4,6 +4,7 @@ import logging
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,9 +91,9 @@ def of_robots(name: str) -> Iterator[partial[object]]:
 
 def check(draw: Callable[[], object], name: str) -> int:
     """Draw it, and say how many texts show the name; none has it raw where that would be read."""
-    drawn = draw()
+    drawn: Any = draw()
     shown = 0
-    for figure in [drawn] if isinstance(drawn, Figure) else dict(drawn).values():  # type: ignore[call-overload]
+    for figure in [drawn] if isinstance(drawn, Figure) else drawn.values():
         figure.draw_without_rendering()
         texts = [text.get_text() for text in figure.findobj(Text)]
         shown += sum(literal(name).lstrip("\u200b") in text for text in texts)

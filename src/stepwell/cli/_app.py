@@ -92,8 +92,9 @@ def main() -> None:
 
 def _flush() -> None:
     """Say nothing where the reader has left, as `head` does after its lines."""
+    if sys.stdout is None:  # closed by the caller, with >&-
+        return
     try:
-        if sys.stdout is not None:
-            sys.stdout.flush()
+        sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
