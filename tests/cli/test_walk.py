@@ -77,6 +77,19 @@ def test_a_video_is_written_where_frames_can_be_drawn(stepwell, tmp_path):
     assert "walk.gif" in result.stdout
 
 
+def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
+    stepwell, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "av", None)
+    result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
+    assert result.exit_code == 0
+    if "No video" in result.stderr:
+        pytest.skip(result.stderr.strip())
+    assert written(tmp_path / "out") == WRITTEN | {"walk.gif"}
+    (line,) = result.stderr.splitlines()
+    assert "pip install 'stepwell[video]'" in line and "libx264" in line and "GPL" in line
+
+
 def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     stepwell, tmp_path, monkeypatch
 ):

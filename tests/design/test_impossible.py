@@ -14,7 +14,13 @@ from stepwell.design._candidates import Kind, Rule
 from stepwell.design.designed import Design
 from stepwell.design.impossible import Impossible
 from stepwell.design.inverse import PAPER_LEVER, design
-from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
+from stepwell.design.region import (
+    PAPER_BOX,
+    AnchorBox,
+    AnchorPolygon,
+    lattice,
+    usual_box,
+)
 from stepwell.design.stock import PAPER_BAND, Stock
 from stepwell.design.tolerances import Tolerances
 from stepwell.statics import StaticsError
@@ -142,7 +148,9 @@ def test_what_is_left_out_is_not_called_proved(monkeypatch):
     with pytest.raises(Impossible, match=r"2 of 371 choices .* were run") as refusal:
         design(ISSUE, within=box, holes=0.005, bands=(LONG,), n=1)
     assert not refusal.value.proved
-    assert str(refusal.value).startswith(f"{ISSUE}: not found: ")
+    assert str(refusal.value).startswith(
+        f"{ISSUE}: not found with anchors q in holes 5 mm apart at x 0 to 10 mm, y -10 to 10 mm: "
+    )
 
 
 def test_states_without_orders_are_impossible_only_where_no_cell_could_do_it():
@@ -197,3 +205,15 @@ def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
             assert wanted not in does or not made.proved
         else:
             assert sequence(made.chain.cells) == wanted
+
+
+def test_a_lever_gets_a_box_of_its_own_size_unless_one_is_named():
+    wide = design("00>01>11>10>00", lever=0.030, n=10)
+    ratio = 0.030 / PAPER_LEVER
+    box = AnchorBox(*(ratio * side for side in (0.0, 0.020, -0.015, 0.015)))
+    assert np.all(box.holds(wide.anchors)) and not np.all(PAPER_BOX.holds(wide.anchors))
+    assert usual_box(PAPER_LEVER) == PAPER_BOX
+    named = design("00>01>11>10>00", lever=0.030, within=PAPER_BOX, n=10)
+    assert np.all(PAPER_BOX.holds(named.anchors))
+    with pytest.raises(Impossible, match=r"in holes 80 mm apart at x 0 to 42\.43 mm"):
+        design("00>01>11>10>00", lever=0.030, holes=0.080)

@@ -9,6 +9,7 @@ import pytest
 from lab.machine import pair, recording, there, unit
 from stepwell import lab
 from stepwell.lab.cell_test import CLOSE
+from stepwell.lab.pair_test import _strokes
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -317,3 +318,8 @@ def test_order_of_runs_does_not_matter():
     for (a, x), (b, y) in zip(*found, strict=True):
         assert a == b and x == pytest.approx(y, rel=1e-6)
     assert all(a.name <= b.name for a, b in pairwise(forward.cells[0].series.recordings))
+
+
+def test_where_no_snap_is_predicted_no_unit_follows():
+    assert _strokes((0.010, 0.0123)) == "10.00, 12.30 mm"
+    assert _strokes(()) == "nowhere"

@@ -11,7 +11,7 @@ from stepwell.cli._show import plain, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
 # Wrong usage of any kind, which Typer does not export.
-_USAGE = cast(type[Exception], typer.BadParameter.__mro__[1])
+_USAGE = cast("type[Exception]", typer.BadParameter.__base__)
 EXIT_CODES = (
     "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
     "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "

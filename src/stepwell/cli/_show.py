@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from stepwell._text import printable
+
 _WIDTH = 100
 
 
@@ -20,8 +22,6 @@ def styled() -> bool:
 
 def plain(text: str) -> str:
     """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
-    from stepwell.files import printable
-
     return "\n".join(map(printable, text.split("\n")))
 
 

@@ -18,7 +18,7 @@ LONGEST = 16.0  # [s]
 def film(
     result: Walk | Maze, name: str, progress: Callable[[float, float], None] | None
 ) -> Callable[[Path], None]:
-    """What writes NAME.mp4 and NAME.gif into a folder; nothing where no frames can be drawn."""
+    """What writes NAME.mp4, if PyAV is here, and NAME.gif; nothing where no frames can be drawn."""
 
     def write(folder: Path) -> None:
         from stepwell import physics
@@ -28,10 +28,15 @@ def film(
             return
         speed = max(1.0, float(walk.time[-1]) / LONGEST)
         targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
-        try:
-            physics.video(result, *targets, speed=speed, progress=progress)
-        except (physics.VideoError, ModuleNotFoundError) as error:
-            # The figures are there, and they need none of it.
-            warn(str(error))
+        for some in (targets, targets[1:]):
+            try:
+                physics.video(result, *some, speed=speed, progress=progress)
+                return
+            except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
+                warn(str(error))
+            except physics.VideoError as error:
+                # The figures are there, and they need none of it.
+                warn(str(error))
+                return
 
     return write

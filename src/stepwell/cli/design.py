@@ -1,6 +1,7 @@
 """`stepwell design`: where the bands have to go for a wanted motion."""
 
 import math
+from dataclasses import replace
 from enum import StrEnum
 from typing import Annotated
 
@@ -11,8 +12,6 @@ from stepwell.cli._drive import NewDrive, stiffness_of
 from stepwell.cli._options import Force, Json, Out
 from stepwell.cli._wishes import Span, span
 
-# The paper's box.
-ACROSS, UP = Span(0, 20), Span(-15, 15)
 _Target = Annotated[
     str,
     typer.Argument(
@@ -23,7 +22,14 @@ _Target = Annotated[
     ),
 ]
 _Side = Annotated[
-    Span, typer.Option(parser=span, metavar="FROM:TO", help="Where anchors q may be [mm].")
+    Span | None,
+    typer.Option(
+        parser=span,
+        metavar="FROM:TO",
+        help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
+        "others in proportion.",
+        show_default=False,
+    ),
 ]
 _Holes = Annotated[
     float | None,
@@ -79,8 +85,8 @@ _Unusual = Annotated[
 
 def design(
     target: _Target,
-    x: _Side = ACROSS,
-    y: _Side = UP,
+    x: _Side = None,
+    y: _Side = None,
     holes: _Holes = None,
     bands: _Band = None,
     levers: _Lever = None,
@@ -114,10 +120,11 @@ def design(
     from stepwell.cli._progress import progress
     from stepwell.cli._show import show_json, show_written
     from stepwell.cli._wishes import stock, wish
-    from stepwell.design import AnchorBox, Impossible, design
-    from stepwell.design.inverse import PAPER_LEVER
+    from stepwell.design import Impossible, design
+    from stepwell.design.region import PAPER_LEVER, usual_box
 
     wanted = wish(target)
+    lengths = [lever / 1e3 for lever in levers or ()] or [PAPER_LEVER]
     spread = given.tolerances(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
@@ -127,10 +134,14 @@ def design(
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
                 **wanted,
-                within=AnchorBox(x.start / 1e3, x.stop / 1e3, y.start / 1e3, y.stop / 1e3),
+                within=replace(
+                    usual_box(max(lengths)),
+                    **({} if x is None else {"left": x.start / 1e3, "right": x.stop / 1e3}),
+                    **({} if y is None else {"bottom": y.start / 1e3, "top": y.stop / 1e3}),
+                ),
                 holes=None if holes is None else holes / 1e3,
                 bands=[stock(text) for text in bands or ["paper"]],
-                lever=[lever / 1e3 for lever in levers] if levers else PAPER_LEVER,
+                lever=lengths,
                 equal_levers=not mixed_levers,
                 tolerances=spread,
                 objective=objective.value,

@@ -13,7 +13,7 @@ from stepwell.design._goal import Goal
 from stepwell.design._others import another
 from stepwell.design._rest import tried
 from stepwell.design.impossible import Impossible, nothing_works
-from stepwell.design.region import Region
+from stepwell.design.region import Region, told
 from stepwell.design.tolerances import Tolerances
 from stepwell.design.yields import yields
 from stepwell.mechanism import Chain
@@ -175,4 +175,7 @@ class Tries:
         return yields(chain, tolerances, n=_MADE, seed=self.seed, wanted=counted).share
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
-        return nothing_works(self.goal, placed.attempts, placed.missed, rest, proved=proved)
+        allowed = told(self.regions, self.holes)
+        return nothing_works(
+            self.goal, placed.attempts, placed.missed, rest, allowed, proved=proved
+        )

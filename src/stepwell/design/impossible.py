@@ -36,6 +36,7 @@ class Impossible(Carried, ValueError):
         why: str,
         *,
         proved: bool,
+        allowed: str = "",
         region: Sequence[Floats] = (),
         largest_gap: float = math.nan,
         gap_needed: float = math.nan,
@@ -43,11 +44,12 @@ class Impossible(Carried, ValueError):
         self.wanted, self.proved = wanted, proved
         self.region = tuple(region)
         self.largest_gap, self.gap_needed = largest_gap, gap_needed
-        super().__init__(f"{short(wanted)}: {'impossible' if proved else 'not found'}: {why}.")
+        verdict = ("impossible" if proved else "not found") + (allowed and f" with {allowed}")
+        super().__init__(f"{short(wanted)}: {verdict}: {why}.")
 
 
 def nothing_works(
-    goal: Goal, attempts: list[Attempt], missed: str, rest: str, *, proved: bool
+    goal: Goal, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
     """Why nothing does what is wanted.
 
@@ -56,6 +58,7 @@ def nothing_works(
         attempts: to have the end forces in its orders.
         missed: what the engine finds of those that have them.
         rest: what else the engine has tried.
+        allowed: where anchors may be, in words.
         proved: whether nothing was left out.
     """
     if not attempts:
@@ -69,7 +72,9 @@ def nothing_works(
             f"weak enough for the actuator"
         )
         advice = "allow other places or another band, tighter tolerances or a stronger actuator"
-        return Impossible(goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved)
+        return Impossible(
+            goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved, allowed=allowed
+        )
     region, force = nearest.region(), np.concatenate([table.force for table in nearest.tables])
     needed = TIE * float(np.max(np.abs(force)))
     if missed:
@@ -83,6 +88,7 @@ def nothing_works(
             goal.text,
             f"{_with(why, rest, proved)}: {advice}",
             proved=proved,
+            allowed=allowed,
             region=region,
             largest_gap=gap,
             gap_needed=needed,
@@ -106,6 +112,7 @@ def nothing_works(
         goal.text,
         f"{_with(why, rest, proved)}: allow more places or other bands",
         proved=proved,
+        allowed=allowed,
         region=region,
         largest_gap=largest,
         gap_needed=needed,

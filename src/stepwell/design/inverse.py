@@ -18,7 +18,7 @@ from stepwell.design._orders import Wish, by_cells_at_1, of_sequence, of_states
 from stepwell.design._reached import unsearchable
 from stepwell.design._tries import Placed, Tries
 from stepwell.design.designed import Design
-from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, Region
+from stepwell.design.region import PAPER_LEVER, AnchorBox, AnchorPolygon, Region, usual_box
 from stepwell.design.stock import PAPER_BAND, Stock
 from stepwell.design.tolerances import USUAL, Tolerances, refuse_slips
 from stepwell.design.yields import Yield, yields
@@ -27,7 +27,6 @@ from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
 
-PAPER_LEVER = 0.010 * math.sqrt(2.0)
 _WAY = "If it is meant so, say unusual=True."
 _OBJECTIVES = ("yield", "worst")
 
@@ -37,7 +36,7 @@ def design(
     *,
     states: Iterable[str] | str | None = None,
     cells: int | None = None,
-    within: Region | Sequence[Region] = PAPER_BOX,
+    within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
     p: tuple[float, float] = (-0.010, 0.0),
     bands: Sequence[Stock] = (PAPER_BAND,),
@@ -66,7 +65,8 @@ def design(
             For chains of up to eight cells the engine follows every branch, of the drawing and
             of each mechanism made for the yield; `Design.reached` says whether that was done.
         cells: how many, for states="all".
-        within: where the outer anchors may be, for all cells or one for each.
+        within: where the outer anchors may be, for all cells or one for each; by default the
+            paper's box, in proportion to the largest lever.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
             round) the region [m]; None for anywhere.
         p: inner anchor of every cell [m].
@@ -99,9 +99,11 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
-    goal, regions = _wanted(sequence, states, cells, within)
     levers = [float(r) for r in np.atleast_1d(lever)]
     _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
+    if within is None:
+        within = usual_box(max(levers))
+    goal, regions = _wanted(sequence, states, cells, within)
     if not unusual:
         _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
     sets = [[(band, r) for band in bands] for r in levers]

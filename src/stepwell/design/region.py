@@ -126,6 +126,27 @@ Region = AnchorBox | AnchorPolygon
 
 PAPER_BOX = AnchorBox(0.0, 0.020, -0.015, 0.015)
 """Where Kamp et al. (2024, Fig. 2C) moved the outer anchor of the outer cell."""
+PAPER_LEVER = 0.010 * math.sqrt(2.0)
+
+
+def usual_box(lever: float) -> AnchorBox:
+    """The paper's box, as large for a lever [m] as it is for the paper's."""
+    ratio, box = lever / PAPER_LEVER, PAPER_BOX
+    return AnchorBox(*(ratio * side for side in (box.left, box.right, box.bottom, box.top)))
+
+
+def told(regions: Sequence[Region], holes: float | None) -> str:
+    """Where anchors may be, in a few words with units."""
+    places: list[str] = []
+    for region in regions:
+        box = region.bounds
+        kind = "" if isinstance(region, AnchorBox) else f"a polygon of {len(region.corners)} in "
+        places.append(
+            f"{kind}x {box.left * 1e3:.4g} to {box.right * 1e3:.4g} mm, "
+            f"y {box.bottom * 1e3:.4g} to {box.top * 1e3:.4g} mm"
+        )
+    pitch = "anywhere" if holes is None else f"in holes {holes * 1e3:.4g} mm apart"
+    return f"anchors q {pitch} at {' or '.join(dict.fromkeys(places))}"
 
 
 def lattice(region: Region, pitch: float) -> Floats:

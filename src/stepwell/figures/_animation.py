@@ -22,6 +22,7 @@ from stepwell.figures._drawing import Drawing
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._landscape import landscape
 from stepwell.figures._linkage import Linkage
+from stepwell.figures._names import literal
 from stepwell.figures._plan import Window, draw_plan, limits, plan_of, windows_of
 from stepwell.figures._reading import MM, path_of, snaps_of
 from stepwell.figures._style import BLACK, INK, YELLOW, blank, cell_colours, place, styled
@@ -230,7 +231,7 @@ class _Scene:
             text = self.figure.text(
                 x / w,
                 (5.0 + below if beside else h - 13.0) / h,
-                name,
+                literal(name),
                 color=colour,
                 fontweight="bold",
             )

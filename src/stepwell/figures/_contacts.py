@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from stepwell.figures import _marks
 from stepwell.figures._gait import refuse_empty
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MJ, MM
 from stepwell.figures._style import (
     FAINT,
@@ -88,12 +89,12 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
             loads[:, i],
             color=colour,
             linewidth=1.2,
-            label=name,
+            label=literal(name),
             gid=f"force {name}",
             zorder=2 if name == "T-foot" else 3,
         )
     bars.set_ylim(len(names) - 0.4, -0.6)
-    bars.set_yticks(range(len(names)), names)
+    bars.set_yticks(range(len(names)), [*map(literal, names)])
     bars.tick_params(axis="y", length=0)
     bars.tick_params(labelbottom=False)
     bars.set_title("Stands on the floor", loc="left", pad=3.0)

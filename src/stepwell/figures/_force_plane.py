@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, Polygon
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.figures._labels import Label, beside
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     COLUMN,
     FAINT,
@@ -225,7 +226,7 @@ def _frame_order(
 ) -> None:
     """Ticks with the names of the rows; the forces are those of the plane."""
     colours = cell_colours(len(order))
-    words = [shortened(name, _NAME) for name in names]
+    words = [literal(shortened(name, _NAME)) for name in names]
     if side == 0:
         ax.set_ylim(len(order) - 0.4, -0.6)
         ax.set_xticks(main.get_xticks(), [])

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._style import FAINT, INK, PAGE, blank, cell_colours, pale, place, styled
 from stepwell.figures._walk_reading import (
@@ -74,7 +75,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
             travel = walk.travel[some, i, j] * MM
             ax.plot(time, travel, color=colour, linewidth=1.4, gid=f"{leg.name} cell {j}")
         ax.set_ylim(-0.06 * full, 1.06 * full)
-        ax.set_ylabel(f"Travel $s$ of\n{leg.name} [mm]")
+        ax.set_ylabel(f"Travel $s$ of\n{literal(leg.name)} [mm]")
         ax.set_xlim(*span(walk, some))
         _states(ax, resting(walk, leg.name, some))
     starts = walk.starts
@@ -163,7 +164,7 @@ def _number_cycles(ax: Axes, starts: np.ndarray, first: int) -> None:
 def _key(figure: Figure, walk: Walk, height: float) -> None:
     longest = max(walk.robot.legs, key=lambda leg: len(leg.chain)).chain
     handles: list[Line2D | Patch] = [
-        Line2D([], [], color=colour, label=name)
+        Line2D([], [], color=colour, label=literal(name))
         for name, colour in zip(longest.names, cell_colours(len(longest)), strict=True)
     ]
     handles += [

@@ -11,6 +11,7 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
+from stepwell.figures._names import literal
 from stepwell.figures._style import INK, root
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ def beside(
             continue
         done.append((label.text, *here))
         text = ax.annotate(
-            label.text,
+            literal(label.text),
             (label.x, label.y),
             (0, 0),
             textcoords="offset points",

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._reading import (
     MJ,
     MM,
@@ -99,8 +100,8 @@ def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
     ax.spines.bottom.set_bounds(0, width)
     ax.spines.left.set_bounds(0, height)
     ax.tick_params(length=2.0)
-    ax.set_xlabel(f"Travel of {chain.names[0]} [mm]")
-    ax.set_ylabel(f"Travel of {chain.names[1]} [mm]")
+    ax.set_xlabel(f"Travel of {literal(chain.names[0])} [mm]")
+    ax.set_ylabel(f"Travel of {literal(chain.names[1])} [mm]")
     for name, at, offset in (
         ("00", (0, 0), (-1, -1)),
         ("10", (width, 0), (1, -1)),

@@ -9,6 +9,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.typing import ColorType, LineStyleType
 
+from stepwell.figures._names import literal
 from stepwell.figures._style import FAINT, INK, root
 from stepwell.figures._words import wrapped
 
@@ -64,7 +65,7 @@ class Key:
                 )  # fmt: skip
                 ax.text(3.7, middle, row.mark, ha="center", va="center_baseline", weight="bold")
             for line in lines:
-                ax.text(_SAMPLE, y - _LINE / 2, line, va="center_baseline", color=INK)
+                ax.text(_SAMPLE, y - _LINE / 2, literal(line), va="center_baseline", color=INK)
                 y -= _LINE
             y -= _GAP
 

@@ -17,6 +17,7 @@ from stepwell.figures._arena import OBSTACLE, TOUCHED, draw_arena, outlines
 from stepwell.figures._dimension import limits, round_length, scale_bar
 from stepwell.figures._gait import refuse_empty
 from stepwell.figures._labels import Label, beside
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._robot_parts import bracket, frame, in_world
 from stepwell.figures._style import (
@@ -105,7 +106,7 @@ def maze(maze: Maze) -> Figure:
         text.set_bbox(
             {"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.75, "linewidth": 0}
         )
-    title = f"{arena.title}: " if arena.title else ""
+    title = f"{literal(arena.title)}: " if arena.title else ""
     figure.text(
         0.5,
         1 - 1.5 / height,

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from stepwell.figures._gait import refuse_empty
+from stepwell.figures._names import literal
 from stepwell.figures._style import FAINT, INK, PAGE, blank, pale, place, styled
 from stepwell.figures._walk_reading import PRESSED, direction, gait_colours, intervals
 
@@ -56,7 +57,7 @@ def maze_timeline(maze: Maze) -> Figure:
         bottom -= _ANTENNA
         axes.append(ax := place(figure, _LEFT, bottom, wide, _ANTENNA))
         _swing(ax, maze, i)
-        ax.set_ylabel(f"{antenna.name}\nantenna [°]")
+        ax.set_ylabel(f"{literal(antenna.name)}\nantenna [°]")
         bottom -= _GAP
     bottom -= len(legs) * _LANE
     axes.append(ax := place(figure, _LEFT, bottom, wide, len(legs) * _LANE))
@@ -115,7 +116,7 @@ def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
     for change in maze.changes:
         at = [leg.name for leg in legs].index(change.leg)
         ax.plot([change.time] * 2, [at - 0.4, at + 0.4], color=INK, linewidth=0.8, gid="change")
-    ax.set_yticks(range(len(legs)), [f"{leg.name} leg" for leg in legs])
+    ax.set_yticks(range(len(legs)), [f"{literal(leg.name)} leg" for leg in legs])
     ax.tick_params(axis="y", length=0)
     ax.set_ylim(len(legs) - 0.5, -0.5)
 

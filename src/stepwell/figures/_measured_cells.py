@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     BLUE,
     GREEN,
@@ -107,7 +108,7 @@ def _panels(
         _panel(ax, group, measured, model)
         dx, dy = (1e3 * x for x in group[0].cell.bands[0].d)
         way = ", unloading" if unloading else ""
-        name_panel(ax, f"{code}{way}, $d$ = ({_mm(dx)}, {_mm(dy)}) mm")
+        name_panel(ax, f"{literal(code)}{way}, $d$ = ({_mm(dx)}, {_mm(dy)}) mm")
         if row == rows - 1 or k + _COLUMNS >= len(groups):
             ax.set_xlabel("Lever angle $\\theta$ [°]")
         if column == 0:

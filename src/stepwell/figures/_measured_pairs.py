@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     FAINT,
     INK,
@@ -92,7 +93,7 @@ def _panel(ax: Axes, test: PairTest) -> None:
     )
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
     order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
-    name_panel(ax, f"{mechanism}: {order}")
+    name_panel(ax, literal(f"{mechanism}: {order}"))
 
 
 def _legend(figure: Figure, ways: list[bool], height: float) -> None:

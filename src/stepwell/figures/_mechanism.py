@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from stepwell.figures import _marks
 from stepwell.figures._drawing import SLACK_DASHES, THICKEST, Drawing
 from stepwell.figures._linkage import Linkage, Pose
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._style import (
     INK,
@@ -201,7 +202,7 @@ def ground(ax: Axes, linkage: Linkage, origin: tuple[float, float], scale: float
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     names = sheet.linkage.chain.names
     handles = [
-        Line2D([], [], color=colour, linewidth=2.0, label=name)
+        Line2D([], [], color=colour, linewidth=2.0, label=literal(name))
         for name, colour in zip(names, cell_colours(len(names)), strict=True)
     ]
     strongest = sheet.linkage.greatest_tension()

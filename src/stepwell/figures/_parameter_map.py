@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stepwell.figures._labels import Label, beside
 from stepwell.figures._map_key import Key, Row, badge
+from stepwell.figures._names import literal
 from stepwell.figures._regions import name_regions
 from stepwell.figures._style import (
     BLACK,
@@ -166,7 +167,7 @@ def _axis(dataset: Dataset, name: str) -> _Axis:
     coordinate = dataset[name]
     values = coordinate.to_numpy().astype(float)
     unit, scale = _SHOWN.get(str(coordinate.attrs["units"]), (coordinate.attrs["units"], 1.0))
-    cell, _, part = str(coordinate.attrs["long_name"]).partition(".")
+    cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
     words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
     return _Axis(values * scale, scale, f"{words} [{unit}]", _is_geometric(values))
 

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._style import FAINT, INK, PAGE, VERMILLION, blank, pale, place, root, styled
 from stepwell.figures._walk_reading import direction, leg_colours
@@ -40,7 +41,7 @@ def prediction(prediction: Prediction) -> Figure:
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
     panels += [(_drags, len(pushes))] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
-    title = [prediction.robot.title] if prediction.robot.title else []
+    title = [literal(prediction.robot.title)] if prediction.robot.title else []
     height = _TOP + 4.0 * len(title) + sum(_HEAD + _ROW * rows + _FOOT for _, rows in panels)
     figure = blank(PAGE, height)
     # Nothing is ever minus zero.
@@ -205,7 +206,7 @@ def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
 
 
 def _rows(ax: Axes, names: Sequence[str], most: float) -> None:
-    ax.set_yticks(range(len(names)), names)
+    ax.set_yticks(range(len(names)), [*map(literal, names)])
     ax.tick_params(axis="y", length=0)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlim(0.0, most)

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from stepwell.figures._names import literal
 from stepwell.figures._robot_above import ANTENNA, FOOT, SUPPORT, above_limits, draw_above
 from stepwell.figures._robot_side import draw_side, side_limits
 from stepwell.figures._style import INK, PAGE, blank, cell_colours, pale, place, root, styled
@@ -43,7 +44,9 @@ def robot_drawing(robot: Robot) -> Figure:
         ax.set_xlim(left, right)
     _key(figure, robot)
     if robot.title:
-        figure.text(0.5, 1 - 1.5 / height, robot.title, ha="center", va="top", weight="bold")
+        figure.text(
+            0.5, 1 - 1.5 / height, literal(robot.title), ha="center", va="top", weight="bold"
+        )
     return figure
 
 
@@ -103,7 +106,13 @@ def _key(figure: Figure, robot: Robot) -> None:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     handles: list[Line2D | Patch] = [
         Line2D(
-            [], [], color=colour, linewidth=1.8, marker="o", markersize=2.8, label=f"band of {name}"
+            [],
+            [],
+            color=colour,
+            linewidth=1.8,
+            marker="o",
+            markersize=2.8,
+            label=f"band of {literal(name)}",
         )
         for name, colour in zip(longest.names, cell_colours(len(longest)), strict=True)
     ]

@@ -10,6 +10,7 @@ from matplotlib.legend import Legend
 
 from stepwell.figures._force_stroke import force_stroke
 from stepwell.figures._landscape import landscape
+from stepwell.figures._names import literal
 from stepwell.figures._style import PAGE, blank, keep_inside, name_panel, place, styled
 from stepwell.figures._travel_stroke import travel_stroke
 
@@ -42,7 +43,7 @@ def landscapes(cycles: Mapping[str, Cycle]) -> Figure:
         left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + key
         ax = place(figure, left, bottom, side, side)
         landscape(cycle, ax=ax)
-        name_panel(ax, name, 1.5)
+        name_panel(ax, literal(name), 1.5)
         legend = ax.get_legend()
         if legend is not None:
             legends.append(legend)
@@ -80,7 +81,7 @@ def strokes(cycles: Mapping[str, Cycle]) -> Figure:
         force = place(figure, 15.0, bottom, 70.0, body)
         force_stroke(cycle, ax=force)
         # Above the legend.
-        name_panel(force, name, 6.0)
+        name_panel(force, literal(name), 6.0)
         travel = place(figure, 104.0, bottom, 72.0, body)
         travel_stroke(cycle, ax=travel)
         keep_inside(travel)

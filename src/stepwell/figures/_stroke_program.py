@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stepwell.figures import _marks
 from stepwell.figures._labels import Label, beside
+from stepwell.figures._names import literal
 from stepwell.figures._plan import Plan, Window, draw_plan, limits, plan_of, windows_of
 from stepwell.figures._reading import MM, curve, snaps_of, vertices
 from stepwell.figures._style import (
@@ -200,7 +201,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Array, names: Sequence[str]) -> None:
         ticks += [base, top]
         marks += ["0", f"{cell.full_travel * MM:.3g}"]
         ax.annotate(
-            name,
+            literal(name),
             (1.0, (base + top) / 2),
             (4.0, 0.0),
             xycoords=("axes fraction", "data"),

@@ -13,6 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 
+from stepwell.figures._names import families
+
 # Widths of one and of two columns of a journal page [mm].
 COLUMN = 85.0
 PAGE = 180.0
@@ -58,8 +60,8 @@ STYLE: dict[Any, Any] = {
     "axes.unicode_minus": True,
     "figure.dpi": 150.0,
     "figure.facecolor": "white",
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
+    # By name, and no generic family: a figure may be saved under settings of its user's own.
+    "font.family": list(families()),
     "font.size": 7.0,
     "legend.fontsize": 7.0,
     "legend.frameon": False,
@@ -72,6 +74,7 @@ STYLE: dict[Any, Any] = {
     "mathtext.fontset": "dejavusans",
     "savefig.dpi": 300.0,
     "text.color": INK,
+    "text.usetex": False,
     "xtick.color": INK,
     "xtick.labelsize": 7.0,
     "xtick.major.width": 0.7,

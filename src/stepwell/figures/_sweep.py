@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     BLUE,
     FAINT,
@@ -72,7 +73,9 @@ def sweep(found: Sweep) -> Figure:
     else:
         figure = _over_many(values, advance, gaits, colours, foot)
     handles = [
-        Line2D([], [], linestyle="none", marker="o", markersize=4.5, color=colour, label=gait)
+        Line2D(
+            [], [], linestyle="none", marker="o", markersize=4.5, color=colour, label=literal(gait)
+        )
         for gait, colour in colours.items()
     ]
     figure.legend(
@@ -108,7 +111,7 @@ def _over_one(
     _least(lower, 2.0)
     upper.tick_params(labelbottom=False)
     upper.set_xlim(lower.get_xlim())
-    lower.set_xlabel(key)
+    lower.set_xlabel(literal(key))
     return figure
 
 
@@ -146,8 +149,8 @@ def _over_two(
         ax.set_title("beside each robot: $d/u_\\mathrm{max}$ and turn to the left per cycle",
                      fontsize=7.0, loc="right", pad=2.0)  # fmt: skip
     ax.margins(x=0.5 / columns, y=0.5 / rows)
-    ax.set_xlabel(across)
-    ax.set_ylabel(up)
+    ax.set_xlabel(literal(across))
+    ax.set_ylabel(literal(up))
     return figure
 
 
@@ -169,7 +172,7 @@ def _over_many(
         ax = place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
         _points(ax, numbers, advance, gaits, colours)
         _least(ax, 0.5)
-        ax.set_xlabel(key, fontsize=7.0)
+        ax.set_xlabel(literal(key), fontsize=7.0)
         ax.set_ylabel("$d/u_\\mathrm{max}$")
     return figure
 

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from stepwell._value import ByValue
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     FAINT,
     GREEN,
@@ -166,11 +167,11 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     if one.target:
         ax.axvspan(*one.target, color=pale(GREEN, 0.7), linewidth=0, zorder=0, gid="target")
     ax.set_ylim(len(effects) - 0.5, -0.5)
-    names = [f"{e.parameter}  {_number(e.low)} to {_number(e.high)}" for e in effects]
+    names = [f"{literal(e.parameter)}  {_number(e.low)} to {_number(e.high)}" for e in effects]
     ax.set_yticks(range(len(effects)), names)
     ax.tick_params(axis="y", length=0)
     ax.locator_params(axis="x", nbins=4)
-    ax.set_xlabel(one.result, loc="right")
+    ax.set_xlabel(literal(one.result), loc="right")
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.grid(axis="x", color=FAINT, linewidth=0.3, alpha=0.5, zorder=0)
     ax.set_axisbelow(True)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stepwell.figures import _marks
 from stepwell.figures._dimension import round_length
 from stepwell.figures._gait import refuse_empty
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._robot_parts import frame, in_world
 from stepwell.figures._style import BLUE, FAINT, INK, ORANGE, PAGE, blank, place, styled
@@ -88,7 +89,11 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         rows.append((path, moved, turned))
         if name:
             figure.text(
-                _LEFT / PAGE, (bottom + high + 1.8) / height, name, weight="bold", va="bottom"
+                _LEFT / PAGE,
+                (bottom + high + 1.8) / height,
+                literal(name),
+                weight="bold",
+                va="bottom",
             )
         if walk.stopped:
             moved.text(

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 
 from stepwell.figures._labels import Label, beside
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._regions import name_regions
 from stepwell.figures._style import (
@@ -103,7 +104,7 @@ def transition_map(
     ax.set_aspect("equal")
     ax.set_xlim(x[0], x[-1])
     ax.set_ylim(y[0], y[-1])
-    cell = str(dataset.attrs.get("moved_cell", "")) or "moved cell"
+    cell = literal(str(dataset.attrs.get("moved_cell", ""))) or "moved cell"
     ax.set_xlabel(f"$q_x$ of {cell} [mm]")
     ax.set_ylabel(f"$q_y$ of {cell} [mm]")
 

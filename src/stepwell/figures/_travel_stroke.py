@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM, curve, path_of, snaps_of
 from stepwell.figures._style import (
     COLUMN,
@@ -78,7 +79,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
             ticks += [base, top]
             marks += ["0", f"{cell.full_travel * MM:.3g}"]
             ax.annotate(
-                name,
+                literal(name),
                 (0.0, top),
                 (3.0, 1.5),
                 xycoords=("axes fraction", "data"),

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.figures import _marks
+from stepwell.figures._names import literal
 from stepwell.figures._reading import MM
 from stepwell.figures._style import COLUMN, INK, canvas, cell_colours, keep_inside, styled
 from stepwell.mechanism import Cell
@@ -101,7 +102,7 @@ def _curves(
     ax.add_artist(lower)
     above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
     handles = [
-        Line2D([], [], color=colour, label=name)
+        Line2D([], [], color=colour, label=literal(name))
         for colour, name in zip(cell_colours(len(cells)), named, strict=True)
     ]
     ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, above), ncols=2)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from stepwell.figures._names import literal
 from stepwell.figures._style import (
     COLUMN,
     FAINT,
@@ -102,7 +103,7 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:
-            ax.text(0.0, y + _LINE / 2, line, va="center_baseline")
+            ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline")
             y += _LINE
         middle = y + _BAR / 2
         ax.barh(middle, 100.0 * share, _BAR, color=pale(colour, 0.3), linewidth=0, gid="outcomes")
@@ -150,7 +151,7 @@ def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
             ax.barh(middle, max(0.0, float(share)), _BAR, color=shade, linewidth=0, gid=gid)
     ax.set_yticks(
         [k * (_BAR + _GAP) + _BAR / 2 + _GAP / 2 for k in range(len(parts))],
-        [table.parameters[i] for i in parts],
+        [literal(table.parameters[i]) for i in parts],
     )
     ax.set_ylim(tall, 0.0)
     ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))

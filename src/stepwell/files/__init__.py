@@ -1,7 +1,7 @@
 """Design files in and out, and results as files: read, check, write."""
 
 from stepwell._write import write_atomic
-from stepwell.files._errors import DesignError, printable
+from stepwell.files._errors import DesignError
 from stepwell.files._head import head
 from stepwell.files._keys import slips_text
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
@@ -96,7 +96,6 @@ __all__ = [
     "preset",
     "preset_text",
     "presets",
-    "printable",
     "program_record",
     "provenance",
     "read",

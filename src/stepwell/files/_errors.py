@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 
+from stepwell._text import printable
 from stepwell._value import Carried
 
 MOST_LINES = 40
@@ -28,13 +29,6 @@ class DesignError(Carried, ValueError):
         if len(self.problems) > MOST_LINES:
             lines.append(f"{self.name}: and {len(self.problems) - MOST_LINES} more like these.")
         super().__init__("\n".join(lines))
-
-
-def printable(text: str) -> str:
-    """`text` on one line, with whatever a terminal cannot show escaped."""
-    return "".join(
-        c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text
-    )
 
 
 def key_path(keys: Sequence[str | int]) -> str:

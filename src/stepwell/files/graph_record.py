@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from stepwell.files._head import head
+from stepwell.files._ties import tie_notes
 from stepwell.files.record import finite
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def graph_record(graph: TransitionGraph, *, design: str | None = None) -> dict[s
         "accumulators": [in_unit.accumulator(one) for one in reading.counting.accumulators],
         "accumulators_all": reading.counting.exhaustive,
         "latches": [in_unit.latch(one) for one in reading.latches],
-        "ties": list(dict.fromkeys(str(tie) for tie in graph.ties)),
+        "ties": tie_notes(graph.ties, graph.chain),
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepwell._write import csv_text
 from stepwell.files._head import head
+from stepwell.files._ties import tie_notes
 from stepwell.mechanism import Cell, Chain
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def run_record(cycle: Cycle, margin: Margin, *, design: str | None = None) -> di
             "gap_over_kr": finite(margin.gap),
             "changes": [_change(change, becoming) for change in margin.changes],
         },
-        "ties": list(dict.fromkeys(str(tie) for tie in cycle.degenerate)),
+        "ties": tie_notes(cycle.degenerate, chain),
     }
 
 

@@ -11,6 +11,7 @@ from string import Template
 from typing import TYPE_CHECKING
 
 from stepwell._version import __version__
+from stepwell.files._ties import tie_notes
 from stepwell.files.record import LONGEST_BECOMING
 from stepwell.mechanism import Chain, Linear
 
@@ -104,8 +105,8 @@ def _numbers(cycle: Cycle, margin: Margin | None) -> str:
 def _warnings(cycle: Cycle) -> str:
     if not cycle.degenerate:
         return ""
-    advice = dict.fromkeys(str(tie) for tie in cycle.degenerate)
-    items = "".join(f"<li>{escape(text)}</li>" for text in advice)
+    notes = tie_notes(cycle.degenerate, cycle.chain)
+    items = "".join(f"<li>{escape(text)}</li>" for text in notes)
     return (
         '<div class="warning" role="note"><strong>Too close to call.</strong> The model cannot '
         f"tell which of these happens; a real mechanism will decide.<ul>{items}</ul></div>"

@@ -120,7 +120,7 @@ class PairTest(ByValue):
         mean, spread, count = self.snap_strokes
         theory = _strokes(self.snaps_predicted)
         held = _strokes(self.snaps_with_friction)
-        both = f"{theory} mm, with friction {held} mm"
+        both = f"{theory}, with friction {held}"
         if not count and self.snaps_predicted:
             word = "could hold" if self.hold >= self.pull else "could hold only"
             return (
@@ -387,7 +387,7 @@ def _with_friction(chain: Chain, baseline: Baseline) -> Chain:
 
 
 def _strokes(strokes: tuple[float, ...]) -> str:
-    return ", ".join(f"{u * 1e3:.2f}" for u in strokes) or "nowhere"
+    return ", ".join(f"{u * 1e3:.2f}" for u in strokes) + " mm" if strokes else "nowhere"
 
 
 def _rms(values: Array) -> float:

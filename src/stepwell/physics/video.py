@@ -216,8 +216,9 @@ class _Mp4:
             import av
         except ModuleNotFoundError as error:
             raise ModuleNotFoundError(
-                "MP4 files need PyAV, which is not installed here. "
-                "Install it with: pip install 'stepwell[robot]'",
+                "MP4 files need PyAV, which is not installed here. Install it with: pip install "
+                "'stepwell[video]'. Its wheel bundles the encoder that writes them, libx264, "
+                "which is under the GPL; GIF files need neither.",
                 name=error.name,
             ) from None
         self._out = io.BytesIO()

@@ -1,0 +1,56 @@
+"""Ties in as few notes as there are things to be done about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from stepwell.mechanism import Chain
+from stepwell.statics import Tie
+
+_MOST_DRIVES = 6
+
+
+def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:
+    """Advice on ties, once for the same cells and for cells that are alike.
+
+    Args:
+        ties: in the order in which they are met.
+        chain: whose they are; None where it is not known, and then no cells are alike.
+
+    Returns:
+        A note for each: the advice on the first tie, and where the others are.
+    """
+    alike = {} if chain is None else _alike(chain)
+    groups: dict[tuple[frozenset[int], int], list[Tie]] = {}
+    for tie in ties:
+        cells = frozenset(alike.get(cell, cell) for cell in tie.cells)
+        groups.setdefault((cells, len(tie.cells)), []).append(tie)
+    return [_note(group, chain) for group in groups.values()]
+
+
+def _alike(chain: Chain) -> dict[int, int]:
+    """For each cell the innermost one that is the same but for its name."""
+    bare = [replace(cell, name="") for cell in chain.cells]
+    first: dict[object, int] = {}
+    return {i: first.setdefault(cell, i) for i, cell in enumerate(bare)}
+
+
+def _note(group: list[Tie], chain: Chain | None) -> str:
+    first = group[0]
+    unit, factor = ("N", 1.0) if chain and chain.actuator_stiffness == 0 else ("mm", 1e3)
+    # A rounding error is no other place, and has no sign.
+    drives = dict.fromkeys(f"{round(tie.drive * factor, 6) + 0.0:.6g}" for tie in group)
+    others = list(drives)[1:]
+    cells = dict.fromkeys(cell for tie in group for cell in tie.cells)
+    note = first.advice
+    if set(cells) != set(first.cells) and chain is not None:
+        note += f" So it is with all of {', '.join(chain.names[c] for c in sorted(cells))}, alike"
+        note += " as they are" + (", also" if others else ".")
+    elif others:
+        note += " So it is also"
+    if others:
+        more = len(others) - _MOST_DRIVES
+        note += f" at {', '.join(others[:_MOST_DRIVES])} {unit}"
+        note += f" and {more} places more." if more > 0 else "."
+    return note

@@ -1,0 +1,176 @@
+"""Names in figures are text: never mathematics, never left out, in a font with their letters."""
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+import stepwell as sw
+from lab.machine import pair, unit
+from stepwell import figures, files, lab, physics
+from stepwell.design import (
+    Tolerances,
+    boundaries,
+    parameter_boundaries,
+    parameter_map,
+    transition_map,
+    yields,
+)
+from stepwell.figures import _names
+from stepwell.figures._names import literal
+from stepwell.lab.series import paper_cell
+
+NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
+ALL = "$\\frac$_^%"
+
+
+def named(chain: sw.Chain, name: str) -> sw.Chain:
+    cells = [replace(cell, name=f"{name}{i}") for i, cell in enumerate(chain.cells)]
+    return replace(chain, cells=tuple(cells), title=name)
+
+
+def of_chains(name: str) -> Iterator[partial[object]]:
+    """Every figure of a chain, with its names."""
+    chain = named(sw.preset("paper-forward"), name)
+    cycle, x, y = chain.cycle(), np.linspace(0, 0.02, 4), np.linspace(-0.015, 0.015, 4)
+    knobs = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
+    spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
+    yield partial(figures.standard, cycle)
+    yield partial(figures.overview, cycle)
+    yield partial(figures.landscapes, {name: cycle})
+    yield partial(figures.strokes, {name: cycle})
+    yield partial(figures.unit_cell_force, chain.cells)
+    yield partial(figures.unit_cell_energy, chain.cells)
+    yield partial(
+        figures.transition_map,
+        transition_map(chain, 1, x=x, y=y),
+        boundaries(chain, 1, x=x, y=y),
+        {name: (0.01, 0.0)},
+    )
+    yield partial(
+        figures.parameter_map,
+        parameter_map(chain, *knobs),
+        parameter_boundaries(chain, *knobs),
+        {name: (0.01, 30.0)},
+    )
+    yield partial(figures.stroke_program, chain.program("01"))
+    yield partial(figures.transition_graph, chain.graph())
+    yield partial(figures.yield_bars, spread)
+    yield partial(figures.force_plane, chain, clouds=spread.end_forces(20))
+    effects = [figures.Effect(name, 0.1, 0.2, 0.3, 0.4)]
+    yield partial(figures.tornado, figures.Sensitivity(name, 0.35, effects))
+
+
+def of_robots(name: str) -> Iterator[partial[object]]:
+    """Every figure of a robot, with its names."""
+    robot = files.load_robot("preset:robot-explorer")
+    legs = [replace(leg, name=name + leg.name, chain=named(leg.chain, name)) for leg in robot.legs]
+    antennas = [replace(a, name=name + a.name, leg=name + a.leg, cell=0) for a in robot.antennas]
+    robot = replace(robot, legs=legs, antennas=antennas, title=name)
+    maze = robot.maze(replace(files.load_arena("cylinder"), title=name), limit=12)
+    yield partial(figures.robot_drawing, robot)
+    yield partial(figures.robot_above, robot)
+    yield partial(figures.robot_side, robot)
+    yield partial(figures.prediction, robot.predict())
+    yield partial(figures.maze, maze)
+    yield partial(figures.maze_timeline, maze)
+    for draw in (figures.gait, figures.trajectory, figures.contacts):
+        yield partial(draw, maze.walk)
+    yield partial(figures.trajectories, {name: maze.walk})
+    trial = physics.Trial(0.1, 0.0, 0.1, (name, name), 0.0, "")
+    for n in (1, 2, 3):
+        values = {f"leg.{name}.{i}": [0.3, 0.5] for i in range(n)}
+        yield partial(figures.sweep, physics.Sweep(values, (trial, trial)))
+
+
+def check(draw: Callable[[], object], name: str) -> int:
+    """Draw it, and say how many texts show the name; none has it raw where that would be read."""
+    drawn: Any = draw()
+    shown = 0
+    for figure in [drawn] if isinstance(drawn, Figure) else drawn.values():
+        figure.draw_without_rendering()
+        texts = [text.get_text() for text in figure.findobj(Text)]
+        shown += sum(literal(name).lstrip("\u200b") in text for text in texts)
+        if "$" in name or not name.isprintable():
+            assert not [text for text in texts if name in text]
+    return shown
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_is_drawn_letter_by_letter(name):
+    cycle = named(sw.preset("paper-forward"), name).cycle()
+    assert check(partial(figures.standard, cycle), name) > 0
+    assert check(partial(figures.unit_cell_force, cycle.chain.cells), name) > 0
+
+
+@pytest.fixture(scope="module")
+def chains():
+    return list(of_chains(ALL))
+
+
+@pytest.fixture(scope="module")
+def robots():
+    return list(of_robots(ALL))
+
+
+def test_every_figure_of_a_chain_draws_names_as_text(chains):
+    # A transition graph calls cells by their places.
+    assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 1
+
+
+def test_every_figure_of_a_robot_draws_names_as_text(robots):
+    assert sum(check(draw, ALL) > 0 for draw in robots) >= 10
+
+
+def test_no_figure_is_left_out_here(chains, robots, tmp_path):
+    tried = {draw.func.__name__ for draw in (*chains, *robots)}
+    elsewhere = {
+        # Each draws what `standard` draws.
+        "mechanism", "landscape", "force_stroke", "travel_stroke",
+        # No figures.
+        "save", "svg", "Effect", "Sensitivity",
+        # Names of laws and numbers, all ours.
+        "band_laws", "calibration",
+        # Below.
+        "animation", "measured_forces", "measured_energies", "measured_pairs",
+    }  # fmt: skip
+    assert tried | elsewhere == set(figures.__all__)
+    cycle = named(sw.preset("paper-forward"), ALL).cycle()
+    figures.animation(cycle, tmp_path / "a.gif", seconds=0.5, fps=2)
+    runs = [unit("friction_1.txt", None), pair("2unit_friction_1.txt", None)]
+    cells = lab.compare([*runs, unit("1unit_MM_1.txt", paper_cell())]).cells
+    pairs = lab.compare([*runs, pair("2unit_MMT_1.txt", cycle.chain)], [cycle.chain]).pairs
+    for draw, tests in (
+        (figures.measured_forces, cells),
+        (figures.measured_energies, cells),
+        (figures.measured_pairs, pairs),
+    ):
+        assert tests
+        check(partial(draw, tests), ALL)
+
+
+def test_letters_that_a_font_has_are_drawn_and_others_are_told_once(monkeypatch, caplog):
+    monkeypatch.setattr(_names, "families", lambda: ("DejaVu Sans",))
+    monkeypatch.setattr(_names, "_said", set())
+    cycle = named(sw.preset("paper-forward"), "漢字 Ж é").cycle()
+    with caplog.at_level(logging.WARNING, "stepwell"):
+        for figure in figures.standard(cycle).values():
+            figure.draw_without_rendering()
+    (record,) = caplog.records
+    assert "Noto Sans CJK" in record.getMessage()
+    assert literal("漢字 Ж é") == "□□ Ж é"
+    monkeypatch.setattr(_names, "families", lambda: ("DejaVu Sans", "a font of East Asia"))
+    monkeypatch.setattr(
+        _names,
+        "_letters",
+        lambda family, known=_names._letters: (
+            known(family) if family == "DejaVu Sans" else frozenset(map(ord, "漢字"))
+        ),
+    )
+    assert literal("漢字") == "漢字"

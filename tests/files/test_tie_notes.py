@@ -1,0 +1,43 @@
+"""Ties are told once for what is done about them, not once for every place."""
+
+from dataclasses import replace
+
+import stepwell as sw
+from stepwell.files._ties import tie_notes
+
+FIRST, SECOND = sw.preset("paper-forward").cells
+
+
+def notes(*cells: sw.Cell) -> list[str]:
+    chain = sw.Chain(tuple(replace(cell, name="") for cell in cells))
+    ties = chain.cycle().degenerate
+    assert len({str(tie) for tie in ties}) > 2
+    return tie_notes(ties, chain)
+
+
+def test_a_chain_with_every_band_slack_is_told_so_once():
+    slack = sw.Cell(sw.Band((-0.01, 0.0), (0.01, 0.0), 28.5, 0.2))
+    (note,) = notes(slack, slack)
+    assert note.startswith("inner and outer offer the same constant force up to drive 20 mm")
+    assert note.endswith("So it is also at 40, 0 mm.")
+
+
+def test_cells_that_are_alike_are_told_once_with_their_names():
+    (note,) = notes(FIRST, FIRST, FIRST, FIRST)
+    assert note.startswith("cell 1 and cell 4 tie at drive 0 mm")
+    assert "all of cell 1, cell 2, cell 3, cell 4, alike as they are, also at 20, 40, " in note
+
+
+def test_pairs_that_differ_keep_their_own_notes():
+    found = notes(FIRST, FIRST, SECOND, SECOND)
+    assert [note[:17] for note in found if " tie at " in note] == [
+        "cell 1 and cell 2",
+        "cell 3 and cell 4",
+    ]
+    assert len(found) == 3  # and where the snap of the inner ones lands
+
+
+def test_under_a_force_the_places_are_forces():
+    chain = sw.Chain((FIRST, FIRST), actuator_stiffness=0.0)
+    for note in tie_notes(chain.cycle().degenerate, chain):
+        assert " mm" not in note.partition("So it is")[2]
