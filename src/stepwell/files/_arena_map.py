@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from decimal import Decimal
 from typing import NamedTuple
 
@@ -65,7 +66,8 @@ def drawn(text: str, name: str) -> Arena:
     (start,) = [letter for letter in HEADINGS if letter in found]
     goal = found.get("G")
     try:
-        return Arena(
+        # A map says the size of a letter, within bounds of its own.
+        made = Arena(
             walls=_walls(set(found.get("#", [])), size),
             cylinders=[
                 Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in found.get("o", [])
@@ -74,7 +76,9 @@ def drawn(text: str, name: str) -> Arena:
             heading=HEADINGS[start],
             goal=Goal(_middle(goal[0], size)) if goal else None,
             title=title,
+            unusual=True,
         )
+        return replace(made, unusual=False)
     except ValueError as error:
         raise DesignError(name, str(error).split("\n")) from None
 

@@ -195,6 +195,7 @@ class RobotKeys(Keys):
     leg: Annotated[tuple[LegKeys, ...], Field(strict=False)]
     antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False)] = ()
     source: SourceKeys = SourceKeys()
+    unusual: schema.Switch = False
 
 
 # Where a reader may come from when a path holds one of these keys.
