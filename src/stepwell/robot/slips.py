@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 # Weights over what the bands of a leg pull with: of the body, and of parts that a leg moves.
 _BODY, _PART = (1 / 50, 50.0), (1 / 2000, 10.0)
 # How far an arena goes, and how thick what stands in it is [m].
-_FARTHEST = 0.010, 100.0
-_THICKNESS = 5e-4, 10.0
+FARTHEST = 0.010, 100.0
+THICKNESS = 5e-4, 10.0
 WAY = "If it is meant so, say unusual=True."
 
 
@@ -88,12 +88,12 @@ def _of_arena(arena: Arena) -> Iterator[Slip]:
     points += [one.at for one in arena.cylinders]
     points += [arena.goal.at] if arena.goal else []
     farthest = max(points, key=lambda point: math.hypot(*point))
-    low, high = _FARTHEST
+    low, high = FARTHEST
     reach = math.hypot(*farthest)
     if reach and not low <= reach <= high:
         why = f"arenas reach from {low * 1e3:g} mm to {high:g} m"
         yield Slip("the farthest point", farthest, sizes.meant(farthest, low, high), "m", why)
-    low, high = _THICKNESS
+    low, high = THICKNESS
     thick = [(f"wall[{i}].thickness", wall.thickness) for i, wall in enumerate(arena.walls)]
     thick += [(f"cylinder[{i}].radius", one.radius) for i, one in enumerate(arena.cylinders)]
     for name, value in thick:
