@@ -113,9 +113,9 @@ def test_the_documented_ranges_are_the_ones_that_hold(key, limits):
         outside = float(limit) + beyond * max(abs(float(limit)) * 1e-3, 1e-9)
         value = f"{key} = {{}}"
         text = {
-            "stiffness_N_per_m": "[chain]\nband = {{ {0} }}\n{1}",
-            "friction_N": "[chain]\n{1}{0}",
-        }.get(key, "[chain]\n{0}\n{1}")
+            "stiffness_N_per_m": "[chain]\nunusual = true\nband = {{ {0} }}\n{1}",
+            "friction_N": "[chain]\nunusual = true\n{1}{0}",
+        }.get(key, "[chain]\nunusual = true\n{0}\n{1}")
         cell = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
         files.loads(text.format(value.format(limit), cell))
         with pytest.raises(files.DesignError):

@@ -208,10 +208,10 @@ def test_a_cell_is_found_by_name_before_place_and_number():
     cell = sw.preset("paper-cell-10-0").cells[0]
     named = [sw.Cell(cell.band, name=name) for name in ("outer", "1", "leg")]
     chain = sw.Chain(tuple(named))
-    assert [cell_of(chain, text) for text in ("outer", "1", "leg", "inner", "2", "0")] == [
-        *(0, 1, 2, 0, 2, 0)
+    assert [cell_of(chain, text) for text in ("outer", "1", "leg", "inner", "2", "3")] == [
+        *(0, 1, 2, 0, 1, 2)
     ]
     twice = sw.Chain((named[2], named[2]))
-    with pytest.raises(typer.BadParameter, match=r"leg \(0\), leg \(1\)"):
+    with pytest.raises(typer.BadParameter, match=r"leg \(1\), leg \(2\)"):
         cell_of(twice, "leg")
-    assert cell_of(twice, "1") == 1
+    assert cell_of(twice, "1") == 0

@@ -8,7 +8,9 @@ import pytest
 import stepwell as sw
 from stepwell import design as room
 from stepwell.design import USUAL, Stock, design, reprogram, survival, transition_map, yields
+from stepwell.design.inverse import PAPER_LEVER
 from stepwell.design.parameter_maps import parameter_map
+from stepwell.files import dumps, loads
 from stepwell.mechanism import SlipError
 
 LEG = sw.preset("paper-forward")
@@ -47,8 +49,7 @@ def test_a_yield_without_friction_says_so():
 
 
 def across(chain: sw.Chain) -> object:
-    axis = np.linspace(0, 20, 3)
-    return transition_map(chain, x=axis, y=axis)
+    return transition_map(chain, x=np.linspace(0, 20, 3), y=np.linspace(0, 0.015, 3))
 
 
 @pytest.mark.parametrize(
@@ -59,7 +60,7 @@ def across(chain: sw.Chain) -> object:
         (lambda c: survival(c, (0, 0.04), "11", sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
         (lambda c: c.margin(reach=20), "reach", 0.020),
         (lambda c: reprogram(c, None, "inner.p", reach=20), "reach", 0.020),
-        (across, "(x, y)", (0.020, 0.020)),
+        (across, "x", 0.020),
         (
             lambda c: parameter_map(c, ("inner.q.x", [0, 20]), ("outer.q.y", [0, 0.01])),
             "inner.q.x",
@@ -93,7 +94,8 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
     [
         ({"lever": 14.142}, "lever", 0.014142),
         ({"p": (-10, 0)}, "p", (-0.010, 0.0)),
-        ({"within": room.AnchorBox(0, 20, -15, 15)}, "within", (0.020, 0.015)),
+        ({"within": room.AnchorBox(0, 20, -0.015, 0.015)}, "within, x", 0.020),
+        ({"within": room.AnchorBox(0, 2e-5, -1e-5, 1e-5)}, "within", (0.020, 0.010)),
         ({"holes": 5.0}, "holes", 0.005),
         ({"bands": [Stock(28.5, 10.0)]}, "rest_length", 0.010),
         ({"bands": [Stock(0.0285, 0.010)]}, "stiffness", 28.5),
@@ -123,3 +125,22 @@ def test_a_search_is_never_asked_wherever_it_goes():
     made = design("00>10>11>01>00", within=near, n=20)
     assert math.isfinite(made.yield_.share)
     LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), n=200, sensitivity=True)
+
+
+@pytest.mark.parametrize("scale", [0.03, 30.0])
+def test_a_mechanism_of_any_ordinary_size_is_asked_all_questions_without_a_word(scale):
+    bands = [
+        sw.Band((-0.010 * scale, 0.0), (q * scale, 0.0), rest_length=0.010 * scale)
+        for q in (0.010, 0.020)
+    ]
+    chain = sw.Chain([sw.Cell(band, lever=PAPER_LEVER * scale) for band in bands])
+    axis = np.linspace(-0.02, 0.02, 3) * scale
+    loose = sw.Tolerances(anchor=0.003 * scale, stiffness=0.2, friction=0.01)
+    found = chain.yields(loose, n=50)
+    transition_map(chain, x=axis, y=axis)
+    parameter_map(chain, ("1.stiffness", [0.1, 1e4]), ("2.rest_length", [0.0, 0.02 * scale]))
+    assert chain.margin().reach == reprogram(chain, None, "1.p").reach == 0.020
+    assert str(chain.cycle().sequence) == "00>10>11>01>00"
+    for number in range(10):
+        made = found.mechanism(number)
+        assert loads(dumps(made)) == made

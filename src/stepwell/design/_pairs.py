@@ -60,8 +60,9 @@ def require_places(across: int, up: int, each: int) -> None:
 
 def refuse_far(chain: Chain, cell: int, x: Floats, y: Floats) -> None:
     """Raise SlipError for a grid that is far outside the cell whose anchor it shows."""
-    corner = float(max(x, key=abs)), float(max(y, key=abs))
-    far = tuple(sizes.far("(x, y)", corner, chain.cells[cell].lever))
+    lever = chain.cells[cell].lever
+    ends = (("x", float(max(x, key=abs))), ("y", float(max(y, key=abs))))
+    far = tuple(slip for name, end in ends for slip in sizes.far(name, end, lever))
     if far and not chain.unusual:
         raise SlipError(far, WAY)
 

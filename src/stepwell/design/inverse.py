@@ -249,7 +249,8 @@ def _refuse_slips(
     found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
     if not found:
         found += sizes.length("p", (float(p[0]), float(p[1])), lever)
-        found += sizes.length("within", corner, lever)
+        far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
+        found += far or sizes.length("within", corner, lever)
         found += sizes.length("holes", holes or 0.0, lever)
         for band in bands:
             found += sizes.length("rest_length", band.rest_length, lever)

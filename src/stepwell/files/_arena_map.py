@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from decimal import Decimal
 from typing import NamedTuple
 
@@ -67,14 +68,17 @@ def drawn(text: str, name: str) -> Arena:
     try:
         walls, posts = _walls(set(found.get("#", [])), size), found.get("o", [])
         _limits.require("obstacles", len(walls) + len(posts), "has")
-        return Arena(
+        # A map says the size of a letter, within bounds of its own.
+        made = Arena(
             walls=walls,
             cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
             start=_middle(found[start][0], size),
             heading=HEADINGS[start],
             goal=Goal(_middle(goal[0], size)) if goal else None,
             title=title,
+            unusual=True,
         )
+        return replace(made, unusual=False)
     except ValueError as error:
         raise DesignError(name, str(error).split("\n")) from None
 

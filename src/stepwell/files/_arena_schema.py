@@ -42,6 +42,7 @@ class ArenaKeys(Keys):
     title: Line = ""
     start_mm: Point | None = None
     heading_deg: Heading | None = None
+    unusual: schema.Switch = False
     goal: GoalKeys | None = None
     wall: Annotated[tuple[WallKeys, ...], Field(strict=False), schema.at_most("obstacles")] = ()
     cylinder: Annotated[

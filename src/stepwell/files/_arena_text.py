@@ -5,12 +5,14 @@ from __future__ import annotations
 from stepwell.files import _arena_schema as schema
 from stepwell.files._keys import table_lines
 from stepwell.robot import Arena
+from stepwell.robot.slips import of_arena
 
 
 def arena_text_of(arena: Arena) -> str:
     """The file of an arena: start and goal first, then what stands in the way."""
-    left_out = ["goal", "wall", "cylinder", *([] if arena.title else ["title"])]
-    text = [*table_lines(schema.ArenaKeys, arena, left_out), ""]
+    left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
+    odd = ["unusual = true"] if arena.unusual or of_arena(arena) else []
+    text = [*odd, *table_lines(schema.ArenaKeys, arena, left_out), ""]
     if arena.goal is not None:
         text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]
     for wall in arena.walls:

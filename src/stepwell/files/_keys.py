@@ -95,6 +95,19 @@ def slips_text(error: SlipError) -> str:
     return "\n".join([*lines, way] if error.way else lines)
 
 
+def slip_lines(error: SlipError) -> list[str]:
+    """Slips of unit in a file whose keys are the fields of a robot or an arena, one line each."""
+    keys = {field: key for key, field in _FIELDS.items()}
+    lines: list[str] = []
+    for slip in error.slips:
+        place, dot, name = slip.name.rpartition(".")
+        end = _SHOWN.get(slip.unit, ("", f"_{slip.unit}", 0))[1]
+        key = slip.name if " " in slip.name else place + dot + keys.get(name, name + end)
+        way = "If it is meant so, set unusual = true at the top of the file."
+        lines.append(f"{told(slip, key)} {way}")
+    return lines
+
+
 def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
     """A slip of unit by the key of the file that holds it, in the unit of files."""
     unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))

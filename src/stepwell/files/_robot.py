@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 from stepwell.files import _robot_schema as schema
 from stepwell.files._cells import Shared, cell, merged
 from stepwell.files._errors import DesignError
-from stepwell.files._keys import fields
+from stepwell.files._keys import fields, slip_lines
 from stepwell.files._sources import sources
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, SlipError
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
 
 T = TypeVar("T")
@@ -33,7 +33,16 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     said = {path: label for label, paths in keys.source.lists().items() for path in paths}
     if not problems:
         try:
-            made = Robot(legs, antennas=antennas, title=keys.title, sources=said, **parts)  # type: ignore[arg-type]
+            made = Robot(
+                legs,  # type: ignore[arg-type]
+                antennas=antennas,  # type: ignore[arg-type]
+                title=keys.title,
+                sources=said,
+                unusual=keys.unusual,
+                **parts,  # type: ignore[arg-type]
+            )
+        except SlipError as error:
+            problems += slip_lines(error)
         except ValueError as error:
             problems += str(error).split("\n")
         else:

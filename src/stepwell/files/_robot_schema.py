@@ -199,6 +199,7 @@ class RobotKeys(Keys):
         tuple[AntennaKeys, ...], Field(strict=False), schema.at_most("antennas")
     ] = ()
     source: SourceKeys = SourceKeys()
+    unusual: schema.Switch = False
 
 
 # Where a reader may come from when a path holds one of these keys.

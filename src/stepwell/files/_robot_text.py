@@ -8,6 +8,7 @@ from stepwell.files._keys import table_lines
 from stepwell.files._toml_text import array, quoted
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
+from stepwell.robot.slips import of_robot
 
 
 def robot_text(robot: Robot) -> str:
@@ -27,7 +28,9 @@ def whole_text(robot: Robot) -> str:
 
 
 def _text(robot: Robot, chain: list[str], shared: Shared, *, own_chains: bool) -> str:
-    text = [*_title(robot.title), *([""] if robot.title else []), *chain]
+    odd = robot.unusual or of_robot(robot)
+    head = _title(robot.title) + (["unusual = true"] if odd else [])
+    text = [*head, *([""] if head else []), *chain]
     for name, table in (
         ("body", schema.BodyKeys),
         ("foot", schema.FootKeys),

@@ -12,10 +12,11 @@ from pydantic import ValidationError
 from stepwell.files import _arena_schema as schema
 from stepwell.files._arena_map import drawn
 from stepwell.files._errors import DesignError, did_you_mean
-from stepwell.files._keys import fields
+from stepwell.files._keys import fields, slip_lines
 from stepwell.files._toml import parsed
 from stepwell.files._wording import worded
 from stepwell.files.source import read
+from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
@@ -103,6 +104,8 @@ def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
         where = ""
         rest = fields(keys, left_out=["wall", "cylinder", "goal"])
         return Arena(walls, cylinders, goal=goal, **rest)
+    except SlipError as error:
+        raise DesignError(name, slip_lines(error)) from None
     except ValueError as error:
         raise DesignError(name, [f"{where}{line}" for line in str(error).split("\n")]) from None
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stepwell._limits import require
 from stepwell._value import ByValue
-from stepwell.mechanism import _check
+from stepwell.mechanism import SlipError, _check
 from stepwell.mechanism._check import Vec2
+from stepwell.robot.slips import WAY, of_arena
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,9 +103,11 @@ class Arena(ByValue):
         heading: direction it faces there [rad] from the x axis, to the left.
         goal: where it should go, if anywhere.
         title: what reports call it.
+        unusual: True where an arena smaller than a hand or larger than a field is meant.
 
     Raises:
-        ValueError: a start inside a wall or a cylinder.
+        ValueError: a start inside a wall or a cylinder, or sizes that are probably in another
+            unit.
     """
 
     walls: Sequence[Wall] = ()
@@ -113,6 +116,9 @@ class Arena(ByValue):
     heading: float = 0.0
     goal: Goal | None = None
     title: str = ""
+    unusual: bool = field(default=False, compare=False)
+    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):
         object.__setattr__(self, "walls", tuple(self.walls))
@@ -120,6 +126,11 @@ class Arena(ByValue):
         require("obstacles", len(self.walls) + len(self.cylinders), "the arena has")
         object.__setattr__(self, "start", _check.vector("start", self.start))
         object.__setattr__(self, "heading", _check.finite("heading", self.heading, "rad"))
+        if not (self.unusual or self._asked):
+            slips = of_arena(self)
+            if slips:
+                raise SlipError(slips, WAY)
+        object.__setattr__(self, "_asked", True)
         gap = self.clearance(*self.start)
         if gap <= 0:
             raise ValueError(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stepwell._limits import require
 from stepwell._value import ByValue
+from stepwell.mechanism import SlipError
 from stepwell.mechanism._check import Vec2
 from stepwell.robot._geometry import problems
 from stepwell.robot.antenna import Antenna
@@ -19,6 +20,7 @@ from stepwell.robot.drive import Drive
 from stepwell.robot.floor import Floor
 from stepwell.robot.foot import Foot
 from stepwell.robot.leg import Leg
+from stepwell.robot.slips import WAY, of_robot
 
 if TYPE_CHECKING:
     from stepwell.physics import Maze, Settings, Walk
@@ -42,11 +44,13 @@ class Robot(ByValue):
         title: what reports call it.
         sources: where numbers come from: keys of its design file, "paper", "authors' notes",
             "measured" or "assumed" each. Keys that are not in it are assumed.
+        unusual: True where sizes far off the legs' stroke and bands are meant, as for a Cell.
 
     Raises:
         ValueError: a geometry that cannot walk, with every reason found: strokes that do not
             match the drive, legs or supports that collide, a centre of mass outside the
-            supports, links that do not reach, an antenna on no leg.
+            supports, links that do not reach, an antenna on no leg; or sizes that are probably
+            in another unit.
 
     Source: Kamp et al. 2024, Figs. 3 and 4.
     """
@@ -60,6 +64,9 @@ class Robot(ByValue):
     antennas: Sequence[Antenna] = ()
     title: str = ""
     sources: Mapping[str, str] = field(default_factory=dict, hash=False, repr=False)
+    unusual: bool = field(default=False, compare=False)
+    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):
         object.__setattr__(self, "legs", tuple(self.legs))
@@ -67,6 +74,11 @@ class Robot(ByValue):
         object.__setattr__(self, "sources", dict(self.sources))
         require("legs", len(self.legs), "the robot has")
         require("antennas", len(self.antennas), "the robot has")
+        if not (self.unusual or self._asked):
+            slips = of_robot(self)
+            if slips:
+                raise SlipError(slips, WAY)
+        object.__setattr__(self, "_asked", True)
         found = problems(self)
         if found:
             raise ValueError("\n".join(found))
