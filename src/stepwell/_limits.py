@@ -20,7 +20,7 @@ class Limit(NamedTuple):
 # What a machine is made of, what may be asked of it, and how long a file is. docs/limits.md has
 # the table and the reasons.
 LIMITS = {
-    "cells": Limit(1000, "cells in a chain"),
+    "cells": Limit(10_000, "cells in a chain"),
     "bands": Limit(100, "bands on a cell"),
     "rows": Limit(10_000, "rows of a table"),
     "turns": Limit(10_000, "turning points"),

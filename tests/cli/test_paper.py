@@ -1,16 +1,26 @@
 """`stepwell paper`: the verdicts shown and the figures written whole or not at all."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from cli.folders import written
 from stepwell import paper
 from stepwell.paper import figures
+from stepwell.paper.claim import Claim, Judgement, Verdict
+
+CLAIMS = Path(__file__).resolve().parents[2] / "docs" / "claims.json"
 
 
-@pytest.fixture(scope="module")
-def verdicts():
+@pytest.fixture
+def verdicts(monkeypatch):
+    """The committed verdicts, which `tests/paper` holds against those computed anew."""
+    committed = json.loads(CLAIMS.read_text("utf-8"))["claims"]
+    found = {
+        one["id"]: (one["ours"], Judgement(one["verdict"]), one["reason"]) for one in committed
+    }
+    monkeypatch.setattr(Claim, "judge", lambda claim: Verdict(claim, *found[claim.id]))
     return paper.run()
 
 
@@ -41,7 +51,9 @@ def test_json_holds_every_claim_as_text(stepwell, verdicts):
     assert record["files"] == []
 
 
-def test_figures_go_into_the_folder_and_the_command_says_where(stepwell, tmp_path, monkeypatch):
+def test_figures_go_into_the_folder_and_the_command_says_where(
+    stepwell, tmp_path, monkeypatch, verdicts
+):
     # One figure stands for all: drawing each of them is tested in its own room.
     monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force})
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
@@ -55,7 +67,9 @@ def test_figures_go_into_the_folder_and_the_command_says_where(stepwell, tmp_pat
 
 
 @pytest.mark.parametrize(("failure", "code"), [(KeyboardInterrupt, 130), (OSError, 1)])
-def test_a_failure_leaves_no_figure_behind(stepwell, tmp_path, monkeypatch, failure, code):
+def test_a_failure_leaves_no_figure_behind(
+    stepwell, tmp_path, monkeypatch, verdicts, failure, code
+):
     def fails():
         raise failure
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from conftest import examples
 from lab.machine import recording, tension, there
 from stepwell import files, lab
 from stepwell.lab.laws import BY_NAME
 
-DRAWS = 200
+DRAWS = examples(80)
 OFTEN = 0.90
 TRUE = {"stiffness": 28.5, "onset": -0.005}
 

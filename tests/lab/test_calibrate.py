@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from conftest import examples
 from lab.machine import unit
 from stepwell import files, lab
 from stepwell.lab.calibrate import _force
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
-DRAWS = 200
+DRAWS = examples(80)
 OFTEN = 0.90
 D = [(10, 0), (10, 15), (10, -15), (20, 0), (20, 15), (20, -15), (30, 0), (30, 15), (30, -15)]
 TRUE = {

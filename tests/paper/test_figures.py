@@ -40,7 +40,7 @@ def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
     assert {"(20, 0)", "(0, 0)", "(10, \N{MINUS SIGN}15)", "(10, 15)"} <= set(written)
 
 
-def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch):
+def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch, known_verdicts):
     chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
     monkeypatch.setattr(figures, "FIGURES", chosen)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
@@ -56,7 +56,7 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch)
     assert len(told) == len(paper.claims()) + len(chosen)
 
 
-def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatch):
+def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatch, known_verdicts):
     def fails():
         raise RuntimeError("no ink")
 

@@ -29,8 +29,8 @@ def judge(name: str) -> paper.Verdict:
 
 
 @pytest.fixture(scope="module")
-def verdicts():
-    return {verdict.claim.id: verdict for verdict in paper.run()}
+def verdicts(computed):
+    return {verdict.claim.id: verdict for verdict in computed}
 
 
 def test_every_claim_has_a_name_of_its_own_and_says_where_and_what():
@@ -62,7 +62,7 @@ def test_what_differs_and_what_needs_data_is_known_and_has_its_reason(verdicts):
     assert all(verdicts[name].reason for name in differing | open_ | lacking)
 
 
-def test_progress_is_told_for_every_claim():
+def test_progress_is_told_for_every_claim(known_verdicts):
     told = []
     paper.run(progress=lambda done, total: told.append((done, total)))
     total = len(paper.claims())

