@@ -7,7 +7,15 @@ import pytest
 
 import stepwell as sw
 from stepwell import design as room
-from stepwell.design import USUAL, Stock, design, reprogram, survival, transition_map, yields
+from stepwell.design import (
+    USUAL,
+    Stock,
+    design,
+    reprogram,
+    survival,
+    transition_map,
+    yields,
+)
 from stepwell.design.inverse import PAPER_LEVER
 from stepwell.design.parameter_maps import parameter_map
 from stepwell.files import dumps, loads
