@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from conftest import examples
+from sizes import examples
 from stepwell.design import _covered
 from stepwell.design._candidates import Kind, Rule
 from stepwell.design.designed import Design

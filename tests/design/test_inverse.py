@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import stepwell as sw
-from conftest import examples
+from sizes import examples
 from stepwell import sequences
 from stepwell.design import _attempt, _candidates, _holes, _orders, _place
 from stepwell.design.designed import Design

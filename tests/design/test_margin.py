@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 import stepwell as sw
 from chains import concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.design import Change, _asked
 from stepwell.design.change import shifted, stiffened
 

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.design.designed import Design
 from stepwell.design.impossible import Impossible
 from stepwell.design.inverse import design

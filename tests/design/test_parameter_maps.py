@@ -10,7 +10,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.design import BoundaryKind
 from stepwell.design._outcomes import snapping_steps
 from stepwell.design.knobs import knob, knobs

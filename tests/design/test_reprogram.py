@@ -10,7 +10,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_cell, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.design import _asked
 from stepwell.design.knobs import knob
 from stepwell.design.push import Push

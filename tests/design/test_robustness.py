@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.design._box import Box
 from stepwell.design._candidates import Kind
 from stepwell.design._nearest import concave_disc

@@ -8,8 +8,8 @@ import pytest
 
 import stepwell as sw
 from chains import concave_chain
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.design._reached import reached
 from stepwell.design.designed import Design
 from stepwell.design.impossible import Impossible

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell import design as room
 from stepwell.design import (
     USUAL,
+    AnchorBox,
     Stock,
     design,
     reprogram,
@@ -102,8 +102,8 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
     [
         ({"lever": 14.142}, "lever", 0.014142),
         ({"p": (-10, 0)}, "p", (-0.010, 0.0)),
-        ({"within": room.AnchorBox(0, 20, -0.015, 0.015)}, "within, x", 0.020),
-        ({"within": room.AnchorBox(0, 2e-5, -1e-5, 1e-5)}, "within", (0.020, 0.010)),
+        ({"within": AnchorBox(0, 20, -0.015, 0.015)}, "within, x", 0.020),
+        ({"within": AnchorBox(0, 2e-5, -1e-5, 1e-5)}, "within", (0.020, 0.010)),
         ({"holes": 5.0}, "holes", 0.005),
         ({"bands": [Stock(28.5, 10.0)]}, "rest_length", 0.010),
         ({"bands": [Stock(0.0285, 0.010)]}, "stiffness", 28.5),
@@ -119,7 +119,7 @@ def test_a_wish_in_another_unit_is_refused_with_what_was_meant(wish, name, meant
 
 
 def test_a_wish_that_is_unusual_is_followed_and_its_cells_say_so():
-    far = room.AnchorBox(0.8, 0.82, -0.015, 0.015)
+    far = AnchorBox(0.8, 0.82, -0.015, 0.015)
     with pytest.raises(SlipError):
         design("00>10>11>01>00", within=far, n=1)
     made = design("00>10>11>01>00", within=far, n=1, unusual=True)
@@ -129,7 +129,7 @@ def test_a_wish_that_is_unusual_is_followed_and_its_cells_say_so():
 
 def test_a_search_is_never_asked_wherever_it_goes():
     # A box round the place where q is zero: anchors nobody would type.
-    near = room.AnchorBox(-1e-5, 0.015, -1e-5, 0.015)
+    near = AnchorBox(-1e-5, 0.015, -1e-5, 0.015)
     made = design("00>10>11>01>00", within=near, n=20)
     assert math.isfinite(made.yield_.share)
     LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), n=200, sensitivity=True)

@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.design import _draws, _tally
 from stepwell.design._draws import Draws
 from stepwell.design._full_cycle import numbered_cycle, orders

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from conftest import examples
+from sizes import examples
 from stepwell.files import (
     DesignError,
     arena_text,

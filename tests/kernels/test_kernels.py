@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from conftest import examples
+from sizes import examples
 from stepwell.kernels import Entry, _compiler, _store, beside, entry, in_blocks, kernel
 from stepwell.kernels._fingerprint import fingerprint
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from conftest import examples
 from lab.machine import recording, tension, there
+from sizes import examples
 from stepwell import files, lab
 from stepwell.lab.laws import BY_NAME
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from conftest import examples
 from lab.machine import unit
+from sizes import examples
 from stepwell import files, lab
 from stepwell.lab.calibrate import _force
 from stepwell.lab.series import paper_cell

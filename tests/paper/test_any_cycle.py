@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import examples
+from sizes import examples
 from stepwell.paper import any_cycle
 from stepwell.sequences import Sequence
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from conftest import SIZE
 from physics.robots import FORWARD, explorer, robot
+from sizes import SIZE
 from stepwell.files import load_robot
 from stepwell.physics import Outcome, Settings, maze
 from stepwell.robot import Arena, Cylinder, Goal, Wall, other_start

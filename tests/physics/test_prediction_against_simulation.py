@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from conftest import SIZE, examples
 from physics.robots import robot
+from sizes import SIZE, examples
 from stepwell.physics import walk
 from stepwell.robot import Drive, Floor, Foot
 

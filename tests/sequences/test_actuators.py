@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.mechanism import SOFTEST, STIFFEST
 from stepwell.sequences.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError

@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.sequences.dot import from_dot, to_dot
 from stepwell.sequences.exchange import from_graphml, from_json, to_graphml, to_json
 from stepwell.sequences.fields import from_switching_fields, switching_fields

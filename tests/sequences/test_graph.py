@@ -9,8 +9,8 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.sequences._branches import Branches
 from stepwell.sequences._preisach import preisach
 from stepwell.sequences._relays import order_kept, relays

@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.sequences import Unreachable, graph
 from stepwell.sequences._branches import Branches, reach
 from stepwell.sequences._plan import _by_fields

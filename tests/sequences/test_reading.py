@@ -9,8 +9,8 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.sequences import counting as counting_module, reading as reading_module
 from stepwell.sequences._mesostates import Routes, atlas
 from stepwell.sequences._relays import relays

@@ -9,7 +9,7 @@ import pytest
 import oracle
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 
 STEPS = 1500
 

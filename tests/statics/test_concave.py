@@ -8,8 +8,8 @@ import pytest
 
 import stepwell as sw
 from chains import LEVER, LIMIT, concave_cell
-from conftest import examples
 from oracle import OracleCell, follow
+from sizes import examples
 from stepwell.statics.concave import Simple, certify, end_forces, pair, push, simple, travel_at
 
 PAPER = [(10, 0), (0, 0), (20, 0), (10, -15), (20, 15), (0, -15)]

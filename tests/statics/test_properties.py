@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_chain, concave_chain
-from conftest import examples
+from sizes import examples
 from stepwell.statics import Cause
 
 seeds = st.integers(0, 2**32 - 1)

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
 from chains import any_cell, any_chain
-from conftest import examples
+from sizes import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
 from stepwell.statics import _certificate, _follow as f
