@@ -16,6 +16,7 @@ import stepwell as sw
 from stepwell._value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads
+from stepwell.kernels import Entry
 from stepwell.lab import LabError
 from stepwell.mechanism import SlipError
 from stepwell.sequences import Unreachable
@@ -62,7 +63,7 @@ def test_every_public_class_is_a_value_an_error_or_a_name():
         one
         for one in CLASSES
         if not issubclass(one, ByValue | enum.Enum | BaseException | tuple)
-        and one is not sw.TransitionGraph
+        and one not in (sw.TransitionGraph, Entry)  # one can be changed, the other is a function
     ]
     assert others == []
     assert len(VALUES) > 70

@@ -584,9 +584,9 @@ def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
 
 
 def test_of_several_levers_one_is_chosen_for_all():
-    made = design(NESTED, lever=(0.010, 0.018), n=FEW)
+    made = design(NESTED, lever=(0.010, 0.018), within=PAPER_BOX, n=FEW)
     assert len({cell.lever for cell in made.chain.cells}) == 1
-    each = [design(NESTED, lever=r, n=FEW) for r in (0.010, 0.018)]
+    each = [design(NESTED, lever=r, within=PAPER_BOX, n=FEW) for r in (0.010, 0.018)]
     assert any(np.array_equal(made.anchors, one.anchors) for one in each)
     assert "2 combinations" in made.method
 

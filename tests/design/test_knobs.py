@@ -73,7 +73,7 @@ def test_every_parameter_is_found_by_its_name_and_by_its_number(case):
     chain, one, _ = case
     assert knob(chain, one.name) == one
     if one.cell is not None:
-        assert knob(chain, f"{one.cell}.{one.part}") == one
+        assert knob(chain, f"{one.cell + 1}.{one.part}") == one
 
 
 def test_the_values_and_units_of_the_papers_pair():

@@ -52,7 +52,7 @@ def tasks(seed: int, count: int) -> list[tuple[sw.Chain, str, str, float]]:
     found: list[tuple[sw.Chain, str, str, float]] = []
     while len(found) < count:
         chain = concave_chain(rng, int(rng.integers(2, 5)))
-        by = f"{rng.integers(len(chain))}.{rng.choice(['p', 'q'])}"
+        by = f"{1 + rng.integers(len(chain))}.{rng.choice(['p', 'q'])}"
         move = somewhere(rng, REACH)
         target = does(chain, by, move)
         if target != str(chain.cycle().sequence):
@@ -91,7 +91,7 @@ def test_any_other_sequence_is_as_near_as_the_margin_says():
         for change in sw.margin(chain, reach=REACH).changes:
             if change.parameter != "anchor" or change.method != "exact":
                 continue
-            result = reprogram(chain, None, f"{change.cell}.q", reach=REACH)
+            result = reprogram(chain, None, f"{change.cell + 1}.q", reach=REACH)
             assert result.method == "exact"
             assert result.distance == pytest.approx(change.distance, rel=1e-9)
             assert result.after == change.becomes
@@ -280,7 +280,7 @@ def test_the_push_is_the_slope_of_the_bands_energy_at_fixed_travel(seed, anchor)
     def energy(part: float) -> np.ndarray:
         """At state 0 and at state 1."""
         try:
-            design = displaced(sw.Chain((loose,)), f"0.{anchor}", (part * move[0], part * move[1]))
+            design = displaced(sw.Chain((loose,)), f"1.{anchor}", (part * move[0], part * move[1]))
         except ValueError:
             assume(False)
             raise

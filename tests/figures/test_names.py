@@ -64,7 +64,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.yield_bars, spread)
     yield partial(figures.force_plane, chain, clouds=spread.end_forces(20))
     effects = [figures.Effect(name, 0.1, 0.2, 0.3, 0.4)]
-    yield partial(figures.tornado, figures.Sensitivity(name, 0.35, effects))
+    yield partial(figures.tornado, figures.Sensitivity("share", 0.35, effects))
 
 
 def of_robots(name: str) -> Iterator[partial[object]]:

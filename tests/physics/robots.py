@@ -17,7 +17,7 @@ FORWARD, BACKWARD = "00>10>11>01>00", "00>01>11>10>00"
 
 def cell(name: str, q: float, p: float = -0.010, k: float = STIFFNESS, rest: float = REST):
     """A cell of the paper's size with its band from (p, 0) to (q, 0) [m]."""
-    return sw.Cell(sw.Band((p, 0.0), (q, 0.0), k, rest), name=name)
+    return sw.Cell(sw.Band((p, 0.0), (q, 0.0), k, rest), name=name, unusual=k > 1e4)
 
 
 def leg(name: str, q_out: float) -> Leg:

@@ -48,7 +48,8 @@ def elsewhere(tmp_path, monkeypatch):
 def with_stiff_bands(stiffness: float) -> Robot:
     """A robot with a band that no rod can hold against."""
     chain = sw.Chain([cell("inner", 0.010), cell("outer", 0.020, k=stiffness)])
-    return Robot([Leg("left", chain, (0.008, 0.0575)), Leg("right", chain, (0.008, -0.0575))])
+    legs = [Leg("left", chain, (0.008, 0.0575)), Leg("right", chain, (0.008, -0.0575))]
+    return Robot(legs, unusual=True)
 
 
 def test_a_time_step_far_too_long_breaks_a_rod_and_says_which_and_when():

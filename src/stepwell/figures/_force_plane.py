@@ -133,7 +133,10 @@ def force_plane(
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
         _frame_order(strip_ax, ax, half, orders[half], chain.names)
-    beside(ax, [Label(x, y, n) for (x, y), n in zip(forces.tolist(), chain.names, strict=True)])
+    beside(
+        ax,
+        [Label(x, y, literal(n)) for (x, y), n in zip(forces.tolist(), chain.names, strict=True)],
+    )
     figure.text(
         3.0 / width, (_BOTTOM + side + _BETWEEN + strip / 2) / height, "loads",
         rotation=90, ha="center", va="center",

@@ -11,7 +11,6 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from stepwell.figures._names import literal
 from stepwell.figures._style import INK, root
 
 Array = NDArray[np.float64]
@@ -53,7 +52,7 @@ def beside(
             continue
         done.append((label.text, *here))
         text = ax.annotate(
-            literal(label.text),
+            label.text,
             (label.x, label.y),
             (0, 0),
             textcoords="offset points",

@@ -136,7 +136,9 @@ def parameter_map(
     keep_inside(ax)
 
     taken = _draw_curves(ax, curves, (x.scale, y.scale))
-    marks = [Label(a * x.scale, b * y.scale, name) for name, (a, b) in (designs or {}).items()]
+    marks = [
+        Label(a * x.scale, b * y.scale, literal(name)) for name, (a, b) in (designs or {}).items()
+    ]
     for mark in marks:
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))

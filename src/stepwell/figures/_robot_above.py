@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stepwell.figures._dimension import MM, along_x, along_y, arrow, limits, mm, plain, scale_bar
 from stepwell.figures._labels import Label, beside
+from stepwell.figures._names import literal
 from stepwell.figures._robot_parts import (
     LegParts,
     anchor_moves,
@@ -74,7 +75,7 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
     _dimensions(ax, robot, box)
-    names = [Label(leg.at[0] * MM, leg.at[1] * MM, leg.name, FOOT) for leg in robot.legs]
+    names = [Label(leg.at[0] * MM, leg.at[1] * MM, literal(leg.name), FOOT) for leg in robot.legs]
     for antenna in robot.antennas:
         x, y = antenna_line(antenna)[1] * MM
         names.append(Label(float(x), float(y), _antenna_text(robot, antenna)))
@@ -212,11 +213,12 @@ def _antenna_above(ax: Axes, robot: Robot, antenna: Antenna) -> None:
 
 def _antenna_text(robot: Robot, antenna: Antenna) -> str:
     swing = math.degrees(antenna.swing)
-    first = f"{antenna.name}: {mm(antenna.length)} mm, swing {swing:.3g}°"
+    first = f"{literal(antenna.name)}: {mm(antenna.length)} mm, swing {swing:.3g}°"
     if not antenna.connected:
         return f"{first}\nlever taken off"
     cell = robot.leg(antenna.leg).chain.names[robot.leg(antenna.leg).cell_index(antenna.cell)]
-    return f"{first}\nmoves $p$ of {antenna.leg} {cell} by {mm(math.hypot(*antenna.moves))} mm"
+    moved = literal(f"{antenna.leg} {cell}")
+    return f"{first}\nmoves $p$ of {moved} by {mm(math.hypot(*antenna.moves))} mm"
 
 
 def faded(colour: str, faint: bool) -> tuple[float, float, float]:

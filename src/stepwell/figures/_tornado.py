@@ -59,7 +59,7 @@ class Sensitivity(ByValue):
     """A result, and what each parameter does to it.
 
     Args:
-        result: its name and unit, as "forward: d/u_max" or "turn [°] a cycle".
+        result: its name and unit, as "forward: d/u_max" or "turn [°] a cycle"; between dollar signs it is mathematics.
         nominal: with every parameter as it is.
         effects: in any order.
         target: lower and upper bound of what the result should be, None if there is none.
@@ -171,7 +171,7 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     ax.set_yticks(range(len(effects)), names)
     ax.tick_params(axis="y", length=0)
     ax.locator_params(axis="x", nbins=4)
-    ax.set_xlabel(literal(one.result), loc="right")
+    ax.set_xlabel(one.result, loc="right")
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.grid(axis="x", color=FAINT, linewidth=0.3, alpha=0.5, zorder=0)
     ax.set_axisbelow(True)

@@ -136,7 +136,7 @@ def transition_map(
             clip_on=False,
             gid="design",
         )
-        marks.append(Label(qx * MM, qy * MM, name))
+        marks.append(Label(qx * MM, qy * MM, literal(name)))
     for text in beside(ax, marks, keep_clear=taken):
         text.set_bbox(
             {"boxstyle": "round,pad=0.12", "facecolor": "white", "alpha": 0.8, "linewidth": 0}

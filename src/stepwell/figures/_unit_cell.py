@@ -102,7 +102,7 @@ def _curves(
     ax.add_artist(lower)
     above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
     handles = [
-        Line2D([], [], color=colour, label=literal(name))
+        Line2D([], [], color=colour, label=name)
         for colour, name in zip(cell_colours(len(cells)), named, strict=True)
     ]
     ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, above), ncols=2)
@@ -147,7 +147,8 @@ def _names(cells: Sequence[Cell]) -> list[str]:
         band = cell.bands[0]
         x, y = band.q if same_p else band.d
         anchor = f"${'q' if same_p else 'd'}$ = ({_mm(x)}, {_mm(y)}) mm"
-        found.append(cell.name or (anchor if len(cell.bands) == 1 else f"cell {i + 1}"))
+        told = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
+        found.append(literal(cell.name) if cell.name else told)
     return found
 
 

@@ -21,7 +21,7 @@ from stepwell.statics._certificate import EQUILIBRIUM, FORCE_SLACK
 from stepwell.statics._events import read_events
 from stepwell.statics._law import Floats, Ints, Laws
 from stepwell.statics._outcome import advice_on_tie, refuse_broken
-from stepwell.statics._pieces import cut, force_scale
+from stepwell.statics._pieces import Pieces, cut, force_scale
 from stepwell.statics._sample import count_samples, sample
 from stepwell.statics._start import drive_weights
 from stepwell.statics.events import Event, Tie
@@ -80,7 +80,7 @@ class Path(ByValue):
             "residual": np.empty(size),
             "stability": np.empty(size),
         }
-        pieces = cut(self._laws)
+        pieces = self._pieces
         effort = no_limit()
         whole: tuple[Any, ...] = (self._laws, pieces, self._log, np.array(self.start))
         whole += (self._start_force, alpha, beta, self.points, *out.values(), effort)
@@ -98,6 +98,16 @@ class Path(ByValue):
             out[name] = values[:used]
             out[name].setflags(write=False)
         return out
+
+    @cached_property
+    def _pieces(self) -> Pieces:
+        return cut(self._laws)
+
+    def with_pieces(self, pieces: Pieces | None) -> Path:
+        """The same path, which need not cut its laws into pieces once more."""
+        if pieces is not None:
+            self.__dict__["_pieces"] = pieces
+        return self
 
     @property
     def drive(self) -> Floats:
@@ -267,7 +277,7 @@ class Path(ByValue):
             self._start_force,
             self._laws,
             self._log,
-        )
+        ).with_pieces(self.__dict__.get("_pieces"))
 
     def to_xarray(self) -> xarray.Dataset:
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""

@@ -99,7 +99,9 @@ def full_cycle(
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
-            return _as_path(chain, laws, np.array([0.0, reach, 0.0]), laws.full * 0, force, log)
+            return _as_path(
+                chain, laws, None, np.array([0.0, reach, 0.0]), laws.full * 0, force, log
+            )
     pieces = _cut(chain, laws)
     low, high = _drive_range(chain, laws, pieces)
     turning = np.array([low, high, low])
@@ -179,7 +181,7 @@ def _follow_from(
     )
     if promise != KEPT:
         refuse_broken(promise, chain, float(log.segments[broken, f.DRIVE_1]), by, scale)
-    return _as_path(chain, laws, turning, travels, start_force, log)
+    return _as_path(chain, laws, pieces, turning, travels, start_force, log)
 
 
 def _watched(problem: tuple[Any, ...], progress: Progress | None) -> int:
@@ -206,7 +208,13 @@ def _watched(problem: tuple[Any, ...], progress: Progress | None) -> int:
 
 
 def _as_path(
-    chain: Chain, laws: Laws, turning: Floats, travels: Floats, force: float, log: f.Log
+    chain: Chain,
+    laws: Laws,
+    pieces: Pieces | None,
+    turning: Floats,
+    travels: Floats,
+    force: float,
+    log: f.Log,
 ) -> Path:
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
@@ -226,7 +234,7 @@ def _as_path(
         force,
         laws,
         log,
-    )
+    ).with_pieces(pieces)
 
 
 def _cut(chain: Chain, laws: Laws) -> Pieces:
