@@ -4,11 +4,10 @@ import statistics
 import time
 from collections.abc import Callable
 
-import numba
-
 import stepwell as sw
 from stepwell.design.tolerances import Tolerances
 from stepwell.design.yields import yields
+from stepwell.kernels import cores
 
 MANY = 1_000_000
 LONG = 100_000
@@ -33,7 +32,7 @@ def rows() -> list[tuple[str, str, str]]:
     done = [str(made.mechanism(i).cycle().sequence) for i in range(FOLLOWED)]
     ratio = rate * (time.perf_counter() - start) / FOLLOWED
     same = "the same" if done.count(made.wanted) == made.successes else "ANOTHER"
-    threads = numba.get_num_threads()
+    threads = cores()
     return [
         (
             f"yield of two cells, anchors and stiffness, drawn and judged, {threads} threads",

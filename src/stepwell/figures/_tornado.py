@@ -59,7 +59,7 @@ class Sensitivity(ByValue):
     """A result, and what each parameter does to it.
 
     Args:
-        result: its name and unit, as "forward: d/u_max" or "turn [°] a cycle"; between dollar signs it is mathematics.
+        result: its name and unit, as "forward: d/u_max"; mathematics between dollar signs.
         nominal: with every parameter as it is.
         effects: in any order.
         target: lower and upper bound of what the result should be, None if there is none.
