@@ -28,7 +28,7 @@ from stepwell.cli import (
     walk,
     yield_,
 )
-from stepwell.cli._outcomes import EXIT_CODES, INTERRUPTED, Commands
+from stepwell.cli._outcomes import EXIT_CODES, Commands
 from stepwell.cli._show import styled
 
 app = typer.Typer(
@@ -82,13 +82,10 @@ def main() -> None:
         # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
     finally:
         # What is left to do is to leave.
         signal.signal(signal.SIGINT, signal.SIG_IGN)

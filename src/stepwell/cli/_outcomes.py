@@ -1,5 +1,7 @@
 """What an error means to whoever called the command: a line of advice and an exit code."""
 
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, cast
@@ -24,6 +26,9 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         try:
+            # From here on there is something to tidy up, and to tell, after Ctrl-C.
+            if threading.current_thread() is threading.main_thread():
+                signal.signal(signal.SIGINT, signal.default_int_handler)
             return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise

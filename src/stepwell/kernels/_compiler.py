@@ -92,11 +92,12 @@ def _started(
             start_new_session=background,
             creationflags=apart,
         )
-        assert process.stdin is not None
-        with process.stdin:
-            process.stdin.write(order)
     except OSError:
         return None
+    assert process.stdin is not None
+    # One that has ended already says why by how it ended.
+    with suppress(OSError), process.stdin:
+        process.stdin.write(order)
     if background:
         # Nobody waits for it: it is not reported as left behind.
         process.returncode = 0

@@ -149,10 +149,12 @@ def _plain(result: Any) -> Any:
     """Numbers of Python in place of NumPy's, as machine code returns them."""
     if isinstance(result, np.generic):
         return result.item()
-    if isinstance(result, tuple):
-        values = [_plain(value) for value in result]
-        return type(result)(*values) if hasattr(result, "_fields") else tuple(values)
-    return result
+    if type(result) is tuple:
+        return tuple(_plain(value) for value in result)
+    if result is None or isinstance(result, (bool, int, float)):
+        return result
+    # Machine code makes anything else by running Python: Ctrl-C just then would be its end.
+    raise TypeError(f"an entry returns numbers and fills arrays, and not {type(result).__name__}.")
 
 
 def _example(value: Any) -> Any:

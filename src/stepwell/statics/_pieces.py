@@ -222,21 +222,45 @@ def _roots(
     return used
 
 
-@entry(6e-3, "laws.lever")
 def cut(laws: Laws) -> Pieces:
     """All pieces of all cells."""
     cells = len(laws.lever)
-    slots = 1
-    for i in range(cells):
-        slots = max(slots, laws.band_first[i + 1] - laws.band_first[i] + 1)
-    first = np.zeros(cells + 1, np.int64)
+    slots = int(np.max(np.diff(laws.band_first))) + 1
     room = 16 * cells + 64
-    left, right = np.empty(room), np.empty(room)
-    force_left, force_right = np.empty(room), np.empty(room)
-    sign = np.empty(room, np.int64)
-    picked = np.full((room, slots), -1, np.int64)
+    while True:
+        first = np.zeros(cells + 1, np.int64)
+        left, right, force_left, force_right = np.empty((4, room))
+        sign = np.empty(room, np.int64)
+        picked = np.full((room, slots), -1, np.int64)
+        total = _cut(laws, first, left, right, force_left, force_right, sign, picked)
+        if total >= 0:
+            return Pieces(
+                first,
+                left[:total].copy(),
+                right[:total].copy(),
+                force_left[:total].copy(),
+                force_right[:total].copy(),
+                sign[:total].copy(),
+                picked[:total].copy(),
+            )
+        room *= 2
+
+
+@entry(6e-3, "laws.lever")
+def _cut(
+    laws: Laws,
+    first: Ints,
+    left: Floats,
+    right: Floats,
+    force_left: Floats,
+    force_right: Floats,
+    sign: Ints,
+    picked: Ints,
+) -> int:
+    """Fill the fields of `Pieces`; how many there are, or -1 where they are more than fit in."""
+    cells = len(laws.lever)
     found = np.empty(4 * MOST_PIECES)
-    rows = np.full(slots, -1, np.int64)
+    rows = np.full(picked.shape[1], -1, np.int64)
     total = 0
     for i in range(cells):
         first[i] = total
@@ -272,15 +296,8 @@ def cut(laws: Laws) -> Pieces:
                 if hi - lo <= 1e-13 * laws.full[i] and c + 2 < len(cuts):
                     cuts[c + 1] = lo
                     continue
-                if total == room:
-                    room *= 2
-                    left, right = _longer(left, room), _longer(right, room)
-                    force_left = _longer(force_left, room)
-                    force_right = _longer(force_right, room)
-                    sign = _longer_ints(sign, room)
-                    wide = np.full((room, slots), -1, np.int64)
-                    wide[:total] = picked[:total]
-                    picked = wide
+                if total == len(left):
+                    return -1
                 begin = law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
                 end = begin if flat else law(laws, i, rows, hi)[0]
                 if flat and not np.isnan(before):
@@ -293,35 +310,13 @@ def cut(laws: Laws) -> Pieces:
                 before = end
                 total += 1
     first[cells] = total
-    return Pieces(
-        first,
-        left[:total].copy(),
-        right[:total].copy(),
-        force_left[:total].copy(),
-        force_right[:total].copy(),
-        sign[:total].copy(),
-        picked[:total].copy(),
-    )
+    return total
 
 
 def force_scale(laws: Laws, pieces: Pieces) -> float:
     """Largest force of any cell on its way [N], against which tolerances are measured."""
     largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
     return float(max(largest, np.max(laws.friction), NO_FORCE))
-
-
-@kernel
-def _longer(values: Floats, room: int) -> Floats:
-    out = np.empty(room)
-    out[: len(values)] = values
-    return out
-
-
-@kernel
-def _longer_ints(values: Ints, room: int) -> Ints:
-    out = np.empty(room, np.int64)
-    out[: len(values)] = values
-    return out
 
 
 @kernel

@@ -184,7 +184,7 @@ def travel_at(cell: Simple, force: float) -> float:
     return travel
 
 
-@entry()
+@kernel
 def pair(inner: Simple, outer: Simple) -> Pair:
     """The full cycle of two certified cells under a rigid actuator.
 

@@ -1,0 +1,126 @@
+"""Ctrl-C ends whatever goes on, with one line, and leaves nothing behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+COMMAND = Path(sys.executable).parent / "stepwell"
+SLACK = """
+[chain]
+lever_mm = 14.142135623730951
+limit_deg = 45
+band = { stiffness_N_per_m = 28.5, rest_length_mm = 24 }
+
+[[chain.cell]]
+name = "inner"
+p_mm = [-10, 0]
+q_mm = [10, 0]
+
+[[chain.cell]]
+name = "outer"
+p_mm = [-10, 0]
+q_mm = [20, 0]
+"""
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="a terminal's Ctrl-C goes to a group")
+
+
+def long_chain() -> str:
+    """Five hundred cells behind a spring, their bands slack at first: minutes of work."""
+    head = SLACK.partition("[[chain.cell]]")[0].replace(
+        "= 45\n", "= 45\nactuator_stiffness_N_per_m = 50\n"
+    )
+    cells = [
+        f"[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [{i * 7 % 20}, {i * 11 % 30 - 15}]\n"
+        for i in range(500)
+    ]
+    return head.replace("24", "18") + "\n".join(cells)
+
+
+def interrupted(after: float, *arguments: str, cwd: Path) -> tuple[int, str]:
+    """What a command ends with when its whole group hears Ctrl-C; "" if it was done before."""
+    process = subprocess.Popen(
+        [str(COMMAND), *arguments], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        process.communicate(timeout=after)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+        return process.returncode, told
+    pytest.fail(f"{arguments} was done within {after} s")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run", "long.toml", "--out", "out"),
+        ("yield", "slack.toml", "--samples", "10000000", "--out", "out"),
+        ("map", "slack.toml", "--across", "inner.friction=0:0.02:200", "--up",
+         "inner.stiffness=20:40:200", "--out", "out"),
+        ("map", "slack.toml", "--x", "0:20:400", "--out", "out"),
+        ("design", "0000>0001>0011>0111>1111>1110>1100>1000>0000", "--holes", "1.5"),
+        ("maze", "robot-antennas", "three-walls", "--out", "out"),
+        ("robot", "sweep", "robot-forward", "floor.foot_friction=0.3:0.8:400", "--out", "out"),
+    ],
+    ids=lambda arguments: " ".join(arguments[:2]),
+)  # fmt: skip
+def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
+    (tmp_path / "long.toml").write_text(long_chain())
+    (tmp_path / "slack.toml").write_text(SLACK)
+    code, told = interrupted(2.5, *arguments, cwd=tmp_path)
+    assert code == 130, told
+    assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
+    left = {path.name for path in tmp_path.rglob("*")} - {"long.toml", "slack.toml"}
+    if arguments[0] == "robot":
+        assert "goes on with the others" in told
+        assert not left or "unfinished" in left
+    else:
+        assert "nothing was written" in told and left == set()
+
+
+@pytest.mark.parametrize("after", [0.05, 0.1, 0.15, 0.25, 0.4, 0.7])
+def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
+    (tmp_path / "slack.toml").write_text(SLACK)
+    code, told = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
+    # Before Python has read the first line of ours, Ctrl-C is Python's own.
+    assert code == 130 or (after <= 0.1 and code in (1, -signal.SIGINT))
+    if code == 130:
+        assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
+    values = "floor.foot_friction=0.3:0.8:40"
+    sweep = [
+        str(COMMAND),
+        "robot",
+        "sweep",
+        "robot-forward",
+        values,
+        "--cycles",
+        "2",
+        "--out",
+        "out",
+    ]
+    process = subprocess.Popen(
+        sweep, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    parts = tmp_path / "out" / "unfinished"
+    while process.poll() is None and not list(parts.glob("part-*.json")):
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130 and "goes on with the others" in told
+    kept = {path.name: path.stat().st_mtime_ns for path in parts.glob("part-*.json")}
+    assert kept
+    done = subprocess.run(sweep, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert len((tmp_path / "out" / "sweep.csv").read_text().splitlines()) == 41
+    assert not parts.exists()
