@@ -30,6 +30,8 @@ demo: .venv/.ready
 	.venv/bin/stepwell maze robot-antennas three-walls --out out/maze
 
 test: .venv/.ready
+	@# What the tests run most is compiled on one core while the other one checks.
+	@STEPWELL_KERNELS=compiled .venv/bin/stepwell run preset:paper-forward >/dev/null 2>&1 &
 	.venv/bin/ruff check
 	.venv/bin/ruff format --check
 	.venv/bin/pyright

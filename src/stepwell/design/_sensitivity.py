@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc, sobol_indices
 
 from stepwell._value import ByValue
 from stepwell.design._draws import Draws
@@ -108,6 +107,8 @@ def sensitivities(
     if not groups or len(draws.chain) == 1:
         return Sensitivities((), np.empty(0), np.empty(0), 0.0, 0)
     active = np.concatenate(list(groups.values()))
+    from scipy.stats import qmc, sobol_indices
+
     # SciPy 1.15 renamed the argument.
     name = "rng" if "rng" in inspect.signature(qmc.Sobol).parameters else "seed"
     seed: dict[str, Any] = {name: np.random.default_rng(draws.seed)}

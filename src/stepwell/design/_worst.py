@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from stepwell.design._box import Box
 from stepwell.design._certified import certified_within
@@ -99,6 +98,8 @@ class Proof:
             middle = (low + high) / 2
             good = proved(middle)[:, None]
             low, high = np.where(good, middle, low), np.where(good, high, middle)
+        from scipy.spatial import KDTree
+
         self._edge = KDTree(low) if len(low) else None
 
     def radius(self, d: Floats) -> Floats:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
 
 from stepwell._value import ByValue
 from stepwell.design._end import end_forces_at
@@ -142,6 +141,8 @@ def _meeting(
         return Meeting(0.0, first, second, ("loading", "unloading")[end], ((0.0, 0.0), (0.0, 0.0)))
     if gap(most) > 0.0:
         return None
+    from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
+
     radius = float(brentq(gap, 0.0, most, xtol=_FINE))  # pyright: ignore[reportArgumentType]
     moves = tuple(
         (float(x), float(y))

@@ -24,8 +24,6 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         _compile(module, name, kinds)
         return
-    with suppress(OSError, AttributeError):
-        os.nice(10)
     with _signed(Path(place)) as alone:
         if alone:
             _compile(module, name, kinds)
