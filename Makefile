@@ -10,12 +10,13 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo test test-lowest bench docs lock clean
+.PHONY: help venv demo test test-lowest coverage bench docs lock clean
 
 help:
 	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
 	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
 	@echo "make test-lowest  run the quick tests on the oldest supported dependencies"
+	@echo "make coverage     run all tests and tell which lines they never reach"
 	@echo "make bench        print speed ratios against named peers"
 	@echo "make docs         build the documentation into site/"
 	@echo "make venv         only set up .venv/"
@@ -37,6 +38,10 @@ test: .venv/.ready
 	.venv/bin/pyright
 	.venv/bin/lint-imports
 	.venv/bin/mkdocs build --strict --quiet
+	.venv/bin/pytest --numprocesses=auto
+
+# By itself, for it makes all of Python half as fast again.
+coverage: .venv/.ready
 	.venv/bin/pytest --numprocesses=auto --cov --cov-report=term
 
 test-lowest: .venv-lowest/.ready

@@ -1,5 +1,7 @@
 """The process that compiles: beside the one that asks, so that this one never waits in vain."""
 
+import atexit
+import json
 import os
 import pickle
 import signal
@@ -14,6 +16,11 @@ from stepwell.kernels import _store
 
 # A background compiler that has not been heard of for so long is gone.
 _SILENT_AFTER = 60.0  # s
+_START = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from stepwell.kernels._child import main; main()"
+)
+_working: "list[subprocess.Popen[bytes]]" = []
 # The compiler itself, and a program without one, compile where they are.
 here = False
 
@@ -31,7 +38,21 @@ def begin(function: FunctionType, kinds: bytes) -> bool:
 
     Whoever asks may end meanwhile; what is compiled next time is what is still missing.
     """
-    return _possible() and not busy() and _started(function, kinds, background=True) is not None
+    for process in _working:
+        process.poll()
+    if not _possible() or busy():
+        return False
+    process = _started(function, kinds, background=True)
+    if process is not None:
+        _working.append(process)
+    return process is not None
+
+
+@atexit.register
+def _let_go() -> None:
+    """Leave compilers to themselves: they are not reported as forgotten."""
+    for process in _working:
+        process.returncode = process.poll() or 0
 
 
 def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
@@ -74,20 +95,18 @@ def _started(
     place = _store.folder()
     assert place is not None
     order = pickle.dumps((str(place), background, function.__module__, function.__name__, kinds))
-    package = Path(__file__).parents[2]
-    path = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH")]))
-    environment = {**os.environ, "PYTHONPATH": path}
+    # It finds what this process finds, however this one came to find it.
+    path = json.dumps([str(folder) or os.getcwd() for folder in sys.path])
     # In the background it does not hear the Ctrl-C that ends its parent.
     apart = 0
     if background and sys.platform == "win32":
         apart = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.DETACHED_PROCESS
     try:
         process = subprocess.Popen(
-            [sys.executable, "-m", "stepwell.kernels"],
+            [sys.executable, "-c", _START, path],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            env=environment,
             cwd=place,
             start_new_session=background,
             creationflags=apart,
@@ -98,9 +117,6 @@ def _started(
     # One that has ended already says why by how it ended.
     with suppress(OSError), process.stdin:
         process.stdin.write(order)
-    if background:
-        # Nobody waits for it: it is not reported as left behind.
-        process.returncode = 0
     return process
 
 

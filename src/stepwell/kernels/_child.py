@@ -67,7 +67,3 @@ def _signed(place: Path) -> Iterator[bool]:
         done.set()
         with suppress(OSError):
             sign.unlink()
-
-
-if __name__ == "__main__":
-    main()
