@@ -18,6 +18,8 @@ import stepwell as sw
 from sizes import examples
 from stepwell.kernels import Entry, _compiler, _store, beside, entry, in_blocks, kernel
 from stepwell.kernels._fingerprint import fingerprint
+from stepwell.statics._flow import _smooth_rates
+from stepwell.statics._pack import pack
 
 SOURCE = Path(sw.__file__).parents[1]
 MODULES = [
@@ -348,6 +350,15 @@ def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
     with pytest.raises(TimeoutError, match="its own"):
         in_blocks(fail, 100_000, 7)
     assert len(begun) < 1000
+
+
+def test_a_flow_in_which_no_cell_moves_divides_by_nothing():
+    # Machine code would go on with what is not a number; the interpreter would stop here.
+    laws = pack(sw.preset("paper-forward").cells)
+    out = np.ones(2)
+    still = np.zeros(2, np.int64)
+    _smooth_rates(laws, np.zeros(2), still, 0.0, 1.0, 0.0, np.full(2, -1), out)
+    assert out.tolist() == [0.0, 0.0]
 
 
 def test_every_kernel_can_be_compiled_from_what_it_names():

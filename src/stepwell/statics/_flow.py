@@ -93,7 +93,7 @@ def _smooth_rates(
             out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
             total += out[i]
             count += 1
-    shared = total / count if beta == 0.0 else (drive - alpha * summed(travel)) / beta
+    shared = total / max(count, 1) if beta == 0.0 else (drive - alpha * summed(travel)) / beta
     for i in range(len(travel)):
         out[i] = shared - out[i] if sense[i] != 0 else 0.0
 
