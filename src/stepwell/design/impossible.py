@@ -97,7 +97,8 @@ def nothing_works(
     if complete and nearest.holes is not None:
         nodes = sum(attempt.nodes for attempt in attempts)
         largest = nearest.largest_gap()
-        how = f"none of all choices among {nearest.candidates} holes and bands proved concave puts"
+        holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
+        how = f"none of all choices among {holes} and bands proved concave puts"
         found = f"complete search, {nodes} partial choices; the largest smallest gap is"
     else:
         largest = max(a.smallest_gap() for a in attempts)
