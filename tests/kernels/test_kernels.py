@@ -300,7 +300,7 @@ def test_a_full_disk_costs_one_line_and_no_answer(tmp_path, monkeypatch, capsys)
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "replace", full)
+    monkeypatch.setattr(os, "replace", full)
     _store.write("law-0-0", b"code")
     assert "No space left on device" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -33,8 +33,8 @@ def put(text: str) -> None:
     """
     # Closed by its caller with >&-; Python then has no stream at all.
     if sys.stdout is None:
-        why = "is closed, so nothing can be shown: send it to a file, or to os.devnull"
-        raise OSError(errno.EBADF, why.replace("os.devnull", os.devnull), "standard output")
+        why = f"is closed, so nothing can be shown: send it to a file, or to {os.devnull}"
+        raise OSError(errno.EBADF, why, "standard output")
     try:
         sys.stdout.write(text)
         sys.stdout.flush()

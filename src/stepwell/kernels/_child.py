@@ -47,7 +47,7 @@ def _type(numba: Any, kind: Any) -> Any:
 @contextmanager
 def _signed(place: Path) -> Iterator[bool]:
     """Show that a background compiler is at work; whether there was none before."""
-    sign = place / "compiling"
+    sign = _compiler.sign_in(place)
     if _compiler.busy():
         yield False
         return

@@ -29,7 +29,7 @@ def busy() -> bool:
     """Whether a background compiler is at work, of whatever process."""
     place = _store.folder()
     with suppress(OSError):
-        return place is not None and time.time() - _sign(place).stat().st_mtime < _SILENT_AFTER
+        return place is not None and time.time() - sign_in(place).stat().st_mtime < _SILENT_AFTER
     return False
 
 
@@ -120,5 +120,6 @@ def _started(
     return process
 
 
-def _sign(place: Path) -> Path:
+def sign_in(place: Path) -> Path:
+    """The file that a background compiler keeps fresh while it works."""
     return place / "compiling"

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import platformdirs
 
+from stepwell._write import write_atomic
+
 _MARK = b"a compiled kernel of Stepwell\n"
 _DIGEST = 32
 # Versions of one kernel that are kept: other signatures, other processors, the last few edits.
@@ -95,18 +97,12 @@ def write(name: str, payload: bytes) -> None:
     place = folder()
     if place is None:
         return
-    draft = None
     try:
-        with tempfile.NamedTemporaryFile(dir=place, prefix="draft-", delete=False) as file:
-            draft = Path(file.name)
-            file.write(_MARK + hashlib.sha256(payload).digest() + payload)
-        draft.replace(place / f"{name}.kernel")
+        data = _MARK + hashlib.sha256(payload).digest() + payload
+        write_atomic(place / f"{name}.kernel", data)
         _forget_old(place, name.split("-")[0])
     except OSError as error:
         say(f"compiled kernels cannot be kept in {place} ({error.strerror or error}).")
-        if draft is not None:
-            with suppress(OSError):
-                draft.unlink()
 
 
 def _forget_old(place: Path, kernel: str) -> None:
