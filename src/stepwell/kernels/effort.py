@@ -1,11 +1,16 @@
 """What a run may cost, counted in forces looked at."""
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.kernels._fingerprint import kernel
+from stepwell.kernels.threads import beside
 
 Ints = NDArray[np.int64]
+R = TypeVar("R")
 
 
 # What the present leg has cost; how much it may cost at most; how many legs are done. Whoever
@@ -16,6 +21,14 @@ SPENT, MOST, LEGS = 0, 1, 2
 def no_limit() -> Ints:
     """An effort that may be as large as it will, until it is ended early."""
     return np.array([0, np.iinfo(np.int64).max, 0])
+
+
+def watched(run: Callable[[Ints], R], *, long: bool) -> R:
+    """What run(effort) returns; beside this thread where it may be long, for Ctrl-C's sake."""
+    effort = no_limit()
+    if not long:
+        return run(effort)
+    return beside(lambda: run(effort), lambda: end_early(effort))
 
 
 def end_early(effort: Ints) -> None:

@@ -13,8 +13,7 @@ import numpy as np
 
 from stepwell._value import ByValue
 from stepwell._write import csv_text, write_atomic
-from stepwell.kernels import beside
-from stepwell.kernels.effort import end_early, no_limit
+from stepwell.kernels.effort import watched
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._certificate import EQUILIBRIUM, FORCE_SLACK
@@ -81,14 +80,14 @@ class Path(ByValue):
             "stability": np.empty(size),
         }
         pieces = self._pieces
-        effort = no_limit()
         whole: tuple[Any, ...] = (self._laws, pieces, self._log, np.array(self.start))
-        whole += (self._start_force, alpha, beta, self.points, *out.values(), effort)
+        whole += (self._start_force, alpha, beta, self.points, *out.values())
 
-        def fill() -> int:
-            return sample(*whole)
+        def fill(effort: Ints) -> int:
+            given: tuple[Any, ...] = (*whole, effort)
+            return sample(*given)
 
-        used = fill() if size < _MANY else beside(fill, lambda: end_early(effort))
+        used = watched(fill, long=size > _MANY)
         scale = force_scale(self._laws, pieces)
         worst = int(np.argmax(out["residual"][:used]))
         if not out["residual"][worst] <= FORCE_SLACK * scale:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.kernels import beside
-from stepwell.kernels.effort import LEGS, end_early, no_limit
+from stepwell.kernels.effort import LEGS, end_early, watched
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._branch import drive_of
@@ -145,7 +145,7 @@ def _follow_from(
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else np.iinfo(np.int64).max
-    watched = len(chain) * len(turning) > 3 * _SHORT or progress is not None
+    aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
         few = _UNWATCHED_INTERPRETED if f.follow.interpreted else _UNWATCHED
         trial = _copied(state)
@@ -155,15 +155,15 @@ def _follow_from(
             np.zeros((4 * room, f.MOVER_COLUMNS)),
             np.zeros(2, np.int64),
         )
-        effort = np.array([0, most if watched else min(most, few), 0])
+        effort = np.array([0, most if aside else min(most, few), 0])
         problem = (laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
         try:
-            status = _watched(problem, progress) if watched else f.follow(*problem)
+            status = _watched(problem, progress) if aside else f.follow(*problem)
         except _MachineCodeCame:
             f.follow.compiled()
             continue
-        if status == f.GAVE_UP and not watched and few < most:
-            watched = True
+        if status == f.GAVE_UP and not aside and few < most:
+            aside = True
             continue
         if status == f.LOG_FULL and room > _MOST_SEGMENTS:
             status = f.STALLED
@@ -172,12 +172,9 @@ def _follow_from(
         room *= 4
     if status != f.DONE:
         refuse_failure(status, chain, trial.travel, float(trial.force[0]))
-    effort = no_limit()
-    given = (laws, pieces, log, travels, alpha, beta, scale, effort)
-    broken, promise, by = (
-        audit(*given)
-        if log.used[0] < _MANY_SEGMENTS
-        else beside(lambda: audit(*given), lambda: end_early(effort))
+    broken, promise, by = watched(
+        lambda effort: audit(laws, pieces, log, travels, alpha, beta, scale, effort),
+        long=int(log.used[0]) > _MANY_SEGMENTS,
     )
     if promise != KEPT:
         refuse_broken(promise, chain, float(log.segments[broken, f.DRIVE_1]), by, scale)
