@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.design._orders import Orders
-from stepwell.kernels import beside, entry, in_blocks, kernel
-from stepwell.kernels.effort import end_early, overspent
+from stepwell.kernels import entry, in_blocks, kernel
+from stepwell.kernels.effort import overspent, watched
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -94,11 +94,11 @@ def best_choice(
     value, nodes, complete = _search(*table, *bounds, add, floor, np.array([0, few]), picks)
     if not complete and few < most_nodes:
         picks[:] = -1
-        effort = np.array([0, most_nodes])
         search = _search.compiled()
+        # What has to be compiled is compiled here, where Ctrl-C is heard.
         search(*table, *bounds, add, floor, np.array([0, 0]), picks)
-        value, nodes, complete = beside(
-            lambda: search(*table, *bounds, add, floor, effort, picks), lambda: end_early(effort)
+        value, nodes, complete = watched(
+            lambda effort: search(*table, *bounds, add, floor, effort, picks), most=most_nodes
         )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks

@@ -18,14 +18,12 @@ R = TypeVar("R")
 SPENT, MOST, LEGS = 0, 1, 2
 
 
-def no_limit() -> Ints:
-    """An effort that may be as large as it will, until it is ended early."""
-    return np.array([0, np.iinfo(np.int64).max, 0])
+UNLIMITED = int(np.iinfo(np.int64).max)
 
 
-def watched(run: Callable[[Ints], R], *, long: bool) -> R:
+def watched(run: Callable[[Ints], R], *, long: bool = True, most: int = UNLIMITED) -> R:
     """What run(effort) returns; beside this thread where it may be long, for Ctrl-C's sake."""
-    effort = no_limit()
+    effort = np.array([0, most, 0])
     if not long:
         return run(effort)
     return beside(lambda: run(effort), lambda: end_early(effort))

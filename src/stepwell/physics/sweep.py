@@ -17,6 +17,7 @@ from stepwell._limits import require
 from stepwell._value import ByValue
 from stepwell._version import __version__
 from stepwell._write import csv_text, write_atomic
+from stepwell.kernels import cores
 from stepwell.physics._engine import Run, Samples, affordable, stopped_at
 from stepwell.physics._mujoco import mujoco, quietly, rollout
 from stepwell.physics._sensors import sampled
@@ -166,7 +167,7 @@ def sweep(
                 f"robot."
             )
     require("robots", len(robots), "these are")
-    threads = threads or os.cpu_count() or 1
+    threads = threads or cores()
     kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
     found: dict[int, Trial] = kept.trials() if kept is not None else {}
     missing = [i for i in range(len(robots)) if i not in found]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.kernels import beside
-from stepwell.kernels.effort import LEGS, end_early, watched
+from stepwell.kernels.effort import LEGS, UNLIMITED, end_early, watched
 from stepwell.mechanism import Chain
 from stepwell.statics import _follow as f
 from stepwell.statics._branch import drive_of
@@ -144,7 +144,7 @@ def _follow_from(
     start_force = float(state.force[0])
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
-    most = _MOST_LOOKS if len(chain) <= _SHORT else np.iinfo(np.int64).max
+    most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
         few = _UNWATCHED_INTERPRETED if f.follow.interpreted else _UNWATCHED
