@@ -1,12 +1,12 @@
 """Where a cell stops having two stable states, in the plane of its anchor q."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.design._box import Box
+from stepwell.design._pairs import with_q
 from stepwell.design._polyline import kept, smoothed
 from stepwell.design._search import searched
 from stepwell.design.boundary import RESOLVED, Boundary, BoundaryKind
@@ -64,8 +64,7 @@ def _taut(cell: Cell, grid: Floats) -> bool:
 def _searched(cell: Cell, name: str, box: Box, nodes: int) -> list[Boundary]:
     def ask(q: Floats) -> int:
         try:
-            bands = tuple(replace(band, q=(float(q[0]), float(q[1]))) for band in cell.bands)
-            return int(replace(cell, band=bands).is_bistable)
+            return int(with_q(cell, float(q[0]), float(q[1])).is_bistable)
         except ValueError:
             return -1
 

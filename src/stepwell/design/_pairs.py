@@ -13,11 +13,15 @@ from stepwell.statics.concave import Simple, certify, simple
 Floats = NDArray[np.float64]
 
 
+def with_q(cell: Cell, x: float, y: float) -> Cell:
+    """The cell with its anchors q at (x, y) [m], a place that nobody has typed: it is not asked."""
+    return replace(cell, band=tuple(replace(band, q=(x, y)) for band in cell.bands))
+
+
 def moved(chain: Chain, cell: int, x: float, y: float) -> Chain:
     """The chain with the bands of one cell anchored at q = (x, y) [m] on its outer block."""
     cells = list(chain.cells)
-    bands = tuple(replace(band, q=(x, y)) for band in cells[cell].bands)
-    cells[cell] = replace(cells[cell], band=bands)
+    cells[cell] = with_q(cells[cell], x, y)
     return replace(chain, cells=tuple(cells))
 
 
