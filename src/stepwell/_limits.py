@@ -7,6 +7,8 @@ import os
 from functools import lru_cache
 from typing import NamedTuple
 
+from stepwell._setting import SettingError
+
 VARIABLE = "STEPWELL_LIMITS"
 
 
@@ -49,7 +51,7 @@ def most(name: str) -> int:
     """How many are allowed now.
 
     Raises:
-        ValueError: what STEPWELL_LIMITS says cannot be understood.
+        SettingError: what STEPWELL_LIMITS says cannot be understood.
     """
     told = os.environ.get(VARIABLE)
     return (_told(told).get(name) if told else None) or LIMITS[name].most
@@ -89,9 +91,9 @@ def _told(text: str) -> dict[str, int]:
         if name not in LIMITS:
             near = difflib.get_close_matches(name[:80], LIMITS, n=1)
             advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(LIMITS)}."
-            raise ValueError(f"{VARIABLE}: {name[:80]!r} is no limit. {advice}")
+            raise SettingError(f"{VARIABLE}: {name[:80]!r} is no limit. {advice}")
         if not (number.isdecimal() and number.isascii() and len(number) < 19 and int(number)):
-            raise ValueError(
+            raise SettingError(
                 f"{VARIABLE}: {part[:80]!r}: must be {name} and a whole number of 1 or more, as in "
                 f"{name}={10 * LIMITS[name].most}."
             )

@@ -103,6 +103,17 @@ def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
         assert not heavy & set(result.stderr.split())
 
 
+@pytest.mark.parametrize("setting", ["STEPWELL_KERNELS=fast", "STEPWELL_LIMITS=cels=3"])
+def test_a_setting_that_is_none_ends_in_one_line(tmp_path, setting):
+    name, _, value = setting.partition("=")
+    result = subprocess.run(
+        [COMMAND, "run", "preset:paper-forward"], cwd=tmp_path, capture_output=True, text=True,
+        env={**os.environ, name: value},
+    )  # fmt: skip
+    assert result.returncode == 2
+    assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith(name)
+
+
 def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
     patch = "import stepwell.design as d\ndef f(*a, **k): raise KeyError('bug')\nd.margin = f"
     result = patched(patch, "run", "preset:paper-forward", cwd=tmp_path)

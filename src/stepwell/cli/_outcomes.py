@@ -9,6 +9,7 @@ from typing import Any, cast
 import typer
 from typer.core import TyperGroup
 
+from stepwell._setting import SettingError
 from stepwell.cli._show import plain, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
@@ -52,6 +53,9 @@ class Commands(TyperGroup):
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
     """Exit code and message of an error that the user can do something about, else None."""
+    # Before the rooms are opened, which ask for the settings too.
+    if isinstance(error, SettingError):
+        return WRONG_INPUT, str(error)
     from stepwell.files import DesignError, OverwriteError, slips_text
     from stepwell.lab import LabError
     from stepwell.mechanism import SlipError

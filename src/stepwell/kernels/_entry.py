@@ -10,6 +10,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+from stepwell._setting import SettingError
 from stepwell.kernels._fingerprint import kernel, kernel_of, stem
 
 P = ParamSpec("P")
@@ -29,7 +30,7 @@ AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
 def _wanted() -> str:
     named = os.environ.get("STEPWELL_KERNELS", AUTO)
     if named not in (AUTO, INTERPRETED, COMPILED):
-        raise ValueError(
+        raise SettingError(
             f"STEPWELL_KERNELS = {named!r}: must be auto (the default), interpreted or compiled."
         )
     return INTERPRETED if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0") else named
