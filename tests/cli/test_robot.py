@@ -92,7 +92,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
 
     # One robot at a time, and no second one.
     module = import_module("stepwell.physics.sweep")
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module, "PER_CORE", 1)
     add, added = module._Kept.add, []
 
