@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from stepwell.design.inverse import design
+from stepwell.design.synthesis.inverse import design
 
 SAMPLE = 5
 

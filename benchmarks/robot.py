@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 import stepwell as sw
-from stepwell.physics import Linkage, Settings, mjcf, sweep, walk
-from stepwell.physics._mujoco import mujoco, rollout
 from stepwell.robot import Robot
+from stepwell.simulation import Linkage, Settings, mjcf, sweep, walk
+from stepwell.simulation.model.simulator import mujoco, rollout
 
 CYCLES = 20
 TIMES = 5

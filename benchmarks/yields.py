@@ -5,8 +5,8 @@ import time
 from collections.abc import Callable
 
 import stepwell as sw
-from stepwell.design.tolerances import Tolerances
-from stepwell.design.yields import yields
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.yields import yields
 from stepwell.kernels import cores
 
 MANY = 1_000_000

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell import _limits, figures, files, lab, physics
-from stepwell._limits import LIMITS, VARIABLE
+from stepwell import figures, files, lab, simulation
+from stepwell.base import limits as _limits
+from stepwell.base.limits import LIMITS, VARIABLE
 from stepwell.design import (
     Tolerances,
     boundaries,
@@ -19,10 +20,11 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.files import DesignError, _wording
+from stepwell.files import DesignError
+from stepwell.files.schema import wording
 from stepwell.files.source import preset_text
-from stepwell.physics.video import VideoError
 from stepwell.robot import Arena, Body, Cylinder, Wall
+from stepwell.simulation.video import VideoError
 
 CHAIN = preset_text("paper-forward")
 ROBOT = preset_text("robot-forward")
@@ -44,8 +46,8 @@ def robot() -> sw.Robot:
     return files.loads_robot(ROBOT)
 
 
-def simulated(**changes) -> physics.Settings:
-    return physics.Settings(settle=0.0, **changes)
+def simulated(**changes) -> simulation.Settings:
+    return simulation.Settings(settle=0.0, **changes)
 
 
 # Of each limit: its name, work that comes to this number, and the number.
@@ -115,10 +117,10 @@ CASES = {
         6,
     ),
     "yields": ("samples", lambda: yields(leg(), Tolerances(anchor=1e-4), n=70), 70),
-    "robots": ("robots", lambda: physics.sweep([robot()] * 2, cycles=1, settings=FAST), 2),
+    "robots": ("robots", lambda: simulation.sweep([robot()] * 2, cycles=1, settings=FAST), 2),
     "a walk": ("steps", lambda: robot().walk(0.01, settings=simulated()), 20),
     "a maze": ("steps", lambda: robot().maze(Arena(), limit=0.02, settings=simulated()), 20),
-    "a sweep's walk": ("steps", lambda: physics.sweep([robot()], cycles=1, settings=FAST), 400),
+    "a sweep's walk": ("steps", lambda: simulation.sweep([robot()], cycles=1, settings=FAST), 400),
     "an animation": (
         "frames",
         lambda: figures.animation(leg().cycle(), NOWHERE, seconds=0.2, fps=20),
@@ -190,7 +192,7 @@ def test_a_video_of_too_many_frames_is_refused_before_any_is_drawn(tmp_path, mon
     walk = robot().walk(0.2, settings=simulated())
     monkeypatch.setenv(VARIABLE, "frames=3")
     with pytest.raises(VideoError, match=r"\d+ frames of a video: at most 3 .* higher speed"):
-        physics.video(walk, tmp_path / "walk.gif")
+        simulation.video(walk, tmp_path / "walk.gif")
     assert not list(tmp_path.iterdir())
 
 
@@ -267,8 +269,8 @@ def test_dots_that_are_no_keys_are_left_alone():
 
 def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypatch):
     asked: list[str] = []
-    kept = _wording.nearest
-    monkeypatch.setattr(_wording, "nearest", lambda *args: asked.append("") or kept(*args))
+    kept = wording.nearest
+    monkeypatch.setattr(wording, "nearest", lambda *args: asked.append("") or kept(*args))
     text = CHAIN + "".join(f"key_{i} = 1\n" for i in range(20_000))
     with pytest.raises(DesignError) as error:
         files.loads_chain(text)

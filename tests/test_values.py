@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell._value import ByValue, ReadOnly, same
+from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads
 from stepwell.kernels import Entry

@@ -7,7 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli._wishes import Span, span, stock, wish
+from stepwell.cli.options.wishes import Span, span, stock, wish
 from stepwell.design import Stock, Tolerances, yields
 
 BACK = "00>01>11>10>00"

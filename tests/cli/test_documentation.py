@@ -24,11 +24,11 @@ from stepwell.design import (
     survival,
     yields,
 )
-from stepwell.files._arena_schema import TABLES as ARENA_TABLES
-from stepwell.files._keys import field_of, written
-from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
-from stepwell.files._schema import TABLES
-from stepwell.lab.series import paper_cell
+from stepwell.files.schema.arena import TABLES as ARENA_TABLES
+from stepwell.files.schema.chain import TABLES
+from stepwell.files.schema.keys import field_of, written
+from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
+from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Chain
 from stepwell.paper import record as paper_record
 from stepwell.sequences import Unreachable

@@ -12,7 +12,7 @@ import xarray as xr
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli._grid import Grid, cell_of, grid, marks
+from stepwell.cli.options.grid import Grid, cell_of, grid, marks
 from stepwell.design import parameter_boundaries, parameter_map
 
 SMALL = ("--x", "0:20:41", "--y", "-15:15:41")

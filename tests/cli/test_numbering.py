@@ -7,7 +7,7 @@ import pytest
 import stepwell as sw
 from stepwell.design import knob, knobs
 from stepwell.files import DesignError, dumps, loads, preset_text
-from stepwell.sequences.scrambling import Scrambling
+from stepwell.sequences.memory.scrambling import Scrambling
 
 
 @pytest.mark.parametrize(("number", "name"), [("1", "inner"), ("2", "outer")])

@@ -8,7 +8,7 @@ import pytest
 from cli.folders import written
 from stepwell import paper
 from stepwell.paper import figures
-from stepwell.paper.claim import Claim, Judgement, Verdict
+from stepwell.paper.claims.claim import Claim, Judgement, Verdict
 
 CLAIMS = Path(__file__).resolve().parents[2] / "docs" / "claims.json"
 

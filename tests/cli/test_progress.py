@@ -8,9 +8,9 @@ from time import sleep
 
 import pytest
 
-from stepwell import physics
-from stepwell.cli import _progress
-from stepwell.cli._progress import progress
+from stepwell import simulation
+from stepwell.cli.screen import progress as _progress
+from stepwell.cli.screen.progress import progress
 
 
 class Terminal(io.StringIO):
@@ -93,9 +93,9 @@ def test_commands_that_may_take_long_tell_their_progress(stepwell, arguments, mo
     told: list[tuple[float, float]] = []
     monkeypatch.setattr(_progress, "progress", telling(told))
     if arguments[1] == "converge":
-        few = physics.convergence
+        few = simulation.convergence
         monkeypatch.setattr(
-            physics, "convergence", lambda robot, **rest: few(robot, (1e-3, 5e-4), **rest)
+            simulation, "convergence", lambda robot, **rest: few(robot, (1e-3, 5e-4), **rest)
         )
     assert stepwell(*arguments).exit_code in (0, 3)
     assert len(told) > 3

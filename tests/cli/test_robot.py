@@ -9,9 +9,9 @@ import xarray
 
 from cli.folders import written
 from stepwell import files
-from stepwell.cli import _viewer
-from stepwell.physics import Settings, walk
-from stepwell.physics._mujoco import mujoco
+from stepwell.cli.robots import viewer
+from stepwell.simulation import Settings, walk
+from stepwell.simulation.model.simulator import mujoco
 
 
 def test_show_lists_every_number_with_unit_and_source(stepwell):
@@ -91,7 +91,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
     whole = json.loads(stepwell(*arguments, "--out", "whole").stdout)
 
     # One robot at a time, and no second one.
-    module = import_module("stepwell.physics.sweep")
+    module = import_module("stepwell.simulation.sweep")
     monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module, "PER_CORE", 1)
     add, added = module._Kept.add, []
@@ -151,8 +151,8 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
 def test_the_viewers_command_is_the_one_that_walks(stepwell):
     robot = files.load_robot("preset:robot-forward")
     settings = Settings()
-    model, data = _viewer.model(robot, None)
-    control = _viewer.command(robot, settings.settle)
+    model, data = viewer.model(robot, None)
+    control = viewer.command(robot, settings.settle)
     for _ in range(round((settings.settle + robot.drive.period) / settings.time_step)):
         control(model, data)
         mujoco.mj_step(model, data)
@@ -160,7 +160,7 @@ def test_the_viewers_command_is_the_one_that_walks(stepwell):
 
 
 def test_view_without_a_display_says_so_in_a_line(stepwell, monkeypatch):
-    monkeypatch.setattr(_viewer, "has_display", lambda: False)
+    monkeypatch.setattr(viewer, "has_display", lambda: False)
     result = stepwell("view", "robot-forward")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("There is no display here")

@@ -6,9 +6,9 @@ import pytest
 import typer
 
 from cli.test_documentation import keys_of
-from stepwell import files, physics
+from stepwell import files, simulation
 from stepwell.cli import app
-from stepwell.cli._outcomes import EXIT_CODES
+from stepwell.cli.screen.outcomes import EXIT_CODES
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text("utf-8")
 ROBOT = typer.main.get_command(app).commands["robot"].commands  # type: ignore[attr-defined]
@@ -37,8 +37,8 @@ def records():
         files.robot_record(robot, robot.predict()),
         files.walk_record(robot.walk(1)),
         files.maze_record(robot.maze(cylinder, limit=36.0)),
-        files.convergence_record(physics.convergence(robot, (1e-3, 5e-4))),
-        files.sweep_record(physics.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
+        files.convergence_record(simulation.convergence(robot, (1e-3, 5e-4))),
+        files.sweep_record(simulation.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
     ]
 
 

@@ -9,20 +9,14 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.design import _covered
-from stepwell.design._candidates import Kind, Rule
-from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import PAPER_LEVER, design
-from stepwell.design.region import (
-    PAPER_BOX,
-    AnchorBox,
-    AnchorPolygon,
-    lattice,
-    usual_box,
-)
-from stepwell.design.stock import PAPER_BAND, Stock
-from stepwell.design.tolerances import Tolerances
+from stepwell.design.placement import covered
+from stepwell.design.placement.candidates import Kind, Rule
+from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice, usual_box
+from stepwell.design.placement.stock import PAPER_BAND, Stock
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.inverse import PAPER_LEVER, design
+from stepwell.design.tolerances.tolerances import Tolerances
 from stepwell.statics import StaticsError
 
 ISSUE = "000>001>011>111>011>010>000"
@@ -141,10 +135,10 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
 
 
 def test_what_is_left_out_is_not_called_proved(monkeypatch):
-    from stepwell.design import _rest
+    from stepwell.design.synthesis import remaining
 
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
-    monkeypatch.setattr(_rest, "_THROUGH_A_CYCLE", 6)
+    monkeypatch.setattr(remaining, "_THROUGH_A_CYCLE", 6)
     with pytest.raises(Impossible, match=r"2 of 371 choices .* were run") as refusal:
         design(ISSUE, within=box, holes=0.005, bands=(LONG,), n=1)
     assert not refusal.value.proved
@@ -189,8 +183,8 @@ def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
         kind = Kind(band, PAPER_LEVER, math.pi / 4)
         return Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, False, region.bounds)
 
-    assert _covered.all_proved(rule(PAPER_BAND), region)
-    assert not _covered.all_proved(rule(Stock(28.5, 0.030)), region)
+    assert covered.all_proved(rule(PAPER_BAND), region)
+    assert not covered.all_proved(rule(Stock(28.5, 0.030)), region)
 
 
 def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():

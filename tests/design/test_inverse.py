@@ -12,15 +12,17 @@ from hypothesis.extra.numpy import arrays
 import stepwell as sw
 from sizes import examples
 from stepwell import sequences
-from stepwell.design import _attempt, _candidates, _holes, _orders, _place
-from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import PAPER_LEVER, USUAL, design
-from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
-from stepwell.design.robustness import robustness
-from stepwell.design.stock import PAPER_BAND, Stock
-from stepwell.design.tolerances import Tolerances
-from stepwell.design.yields import yields
+from stepwell.design.margins.robustness import robustness
+from stepwell.design.orders import orders as _orders
+from stepwell.design.placement import candidates, holes as _holes, placement as _place
+from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
+from stepwell.design.placement.stock import PAPER_BAND, Stock
+from stepwell.design.synthesis import attempt
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.inverse import PAPER_LEVER, USUAL, design
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.yields import yields
 
 PAIRS = [(a, b) for a in permutations(range(3)) for b in permutations(range(3))]
 NESTED = "000>100>110>111>011>001>000"
@@ -152,11 +154,11 @@ def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
 
 def test_a_search_from_anywhere_finds_nothing_more_robust():
     rng = np.random.default_rng(7)
-    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
-    rule = _candidates.Rule((-0.010, 0.0), (kind,), USUAL, math.inf, True, PAPER_BOX)
+    kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    rule = candidates.Rule((-0.010, 0.0), (kind,), USUAL, math.inf, True, PAPER_BOX)
     for loading, unloading in (((0, 1, 2), (1, 0, 2)), ((0, 1, 2), (2, 1, 0))):
         orders = _orders.Orders(loading, unloading)
-        made = _attempt.look(rule, orders, (PAPER_BOX,) * 3, None).refined()
+        made = attempt.look(rule, orders, (PAPER_BOX,) * 3, None).refined()
         assert made.best is not None
         table = made.tables[0]
         search = _place.Search(rule, orders, (PAPER_BOX,) * 3)
@@ -168,8 +170,8 @@ def test_a_search_from_anywhere_finds_nothing_more_robust():
 
 
 def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair():
-    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
-    rule = _candidates.Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, True, PAPER_BOX)
+    kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    rule = candidates.Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, True, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.005))
     gaps = rule.gaps(table)
     ended = 0
@@ -197,9 +199,9 @@ def test_small_tolerances_do_not_stop_the_search():
 
 def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
     tolerances = Tolerances(0.0004, 0.04, 0.03, 0.0002, 0.01)
-    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
     q = np.array([(0.010, 0.0), (0.003, 0.008), (0.018, -0.012)])
-    rule = _candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
+    rule = candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
     found = rule.everything(PAPER_BOX, q)
     chain = sw.Chain([paper_cell(*place) for place in q.tolist()])
     made = yields(chain, tolerances, n=4000).end_forces(4000)
@@ -287,15 +289,15 @@ def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they
 
 @pytest.mark.parametrize("objective", ["yield", "worst"])
 def test_among_holes_no_choice_is_better_by_the_objective(objective):
-    kind = _candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
+    kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
     worst = objective == "worst"
     # The holes at the edge of the proof stay, for the worst case to weigh.
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
-    rule = _candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
+    rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
     for loading, unloading in PAIRS[:6]:
         orders = _orders.Orders(loading, unloading)
-        made = _attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
+        made = attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete
         every = [
             _place.measured(rule, orders, table.take(np.array(picks)))
@@ -560,7 +562,7 @@ def test_bands_that_fold_back_are_left_out():
 
 
 def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
-    from stepwell.statics.concave import certify, simple
+    from stepwell.concave.certificate import certify, simple
 
     wide = AnchorBox(-0.010, 0.020, -0.015, 0.015)
     made = design(NESTED, within=wide, tolerances=ROUGH, n=FEW)
@@ -611,11 +613,11 @@ def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
 
 
 def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
-    from stepwell.design import _goal
+    from stepwell.design.orders import goal
 
-    real: Callable[..., sequences.Cycle] = _goal.cycle
+    real: Callable[..., sequences.Cycle] = goal.cycle
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
-    monkeypatch.setattr(_goal, "cycle", lambda chain: other)
+    monkeypatch.setattr(goal, "cycle", lambda chain: other)
     with pytest.raises(Impossible, match="finds that it does 00>10>11>01>00") as refusal:
         design("00>01>11>10>00", n=1)
     assert not refusal.value.proved

@@ -9,7 +9,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
-from stepwell.design.knobs import Knob, knob, knobs
+from stepwell.design.parameters.parameter import Knob, knob, knobs
 
 
 def cell(x: float, y: float, **parts) -> sw.Cell:

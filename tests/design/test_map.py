@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import stepwell as sw
-from stepwell.statics.concave import certify, simple
+from stepwell.concave.certificate import certify, simple
 
 MEANINGS = {p.name.lower(): p for p in sw.Pathway}
 

@@ -10,8 +10,9 @@ from scipy.optimize import minimize
 import stepwell as sw
 from chains import concave_chain
 from sizes import examples
-from stepwell.design import Change, _asked
-from stepwell.design.change import shifted, stiffened
+from stepwell.design import Change
+from stepwell.design.margins import by_engine
+from stepwell.design.margins.change import shifted, stiffened
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:
@@ -190,11 +191,11 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
     assert exact.method == "exact"
     now = chain.cycle().sequence
     for number in range(2):
-        found = _asked.anchor(chain, now, number, 0.020)
+        found = by_engine.anchor(chain, now, number, 0.020)
         assert found.method == "search"
         assert exact.anchors[number] - 1e-9 <= found.distance
         assert found.distance <= exact.anchors[number] * 1.0005 + 2e-6
-        stiff = _asked.stiffness(chain, now, number)
+        stiff = by_engine.stiffness(chain, now, number)
         assert stiff.distance == pytest.approx(exact.stiffness[number], abs=2e-6)
 
 

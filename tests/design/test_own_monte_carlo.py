@@ -13,12 +13,12 @@ import pytest
 
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import design
-from stepwell.design.region import AnchorBox
-from stepwell.design.stock import Stock
-from stepwell.design.tolerances import Tolerances
+from stepwell.design.placement.region import AnchorBox
+from stepwell.design.placement.stock import Stock
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.inverse import design
+from stepwell.design.tolerances.tolerances import Tolerances
 
 LIMIT = math.pi / 4
 LEVER = 0.010 * math.sqrt(2.0)

@@ -12,13 +12,13 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
 from stepwell.design import BoundaryKind
-from stepwell.design._outcomes import snapping_steps
-from stepwell.design.knobs import knob, knobs
-from stepwell.design.parameter_maps import (
+from stepwell.design.maps.outcomes import snapping_steps
+from stepwell.design.maps.parameter_map import (
     ParameterBoundary,
     parameter_boundaries,
     parameter_map,
 )
+from stepwell.design.parameters.parameter import knob, knobs
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:

@@ -11,10 +11,10 @@ from hypothesis import assume, given, strategies as st
 import stepwell as sw
 from chains import any_cell, concave_chain
 from sizes import examples
-from stepwell.design import _asked
-from stepwell.design.knobs import knob
-from stepwell.design.push import Push
-from stepwell.design.reprogramming import Reprogramming, reprogram
+from stepwell.design.margins import by_engine
+from stepwell.design.margins.reprogramming import Reprogramming, reprogram
+from stepwell.design.margins.resistance import Push
+from stepwell.design.parameters.parameter import knob
 
 CLOCKWISE = "00>10>11>01>00"
 COUNTERCLOCKWISE = "00>01>11>10>00"
@@ -38,7 +38,7 @@ def displaced(chain: sw.Chain, by: str, move: tuple[float, float]) -> sw.Chain:
 
 def does(chain: sw.Chain, by: str, move: tuple[float, float]) -> str:
     """By the closed form where it is proved, else by the engine."""
-    return str(_asked.sequence(displaced(chain, by, move)))
+    return str(by_engine.sequence(displaced(chain, by, move)))
 
 
 def somewhere(rng: np.random.Generator, most: float) -> tuple[float, float]:

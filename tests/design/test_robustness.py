@@ -9,14 +9,14 @@ import pytest
 import stepwell as sw
 from chains import concave_chain
 from sizes import examples
-from stepwell.design._box import Box
-from stepwell.design._candidates import Kind
-from stepwell.design._nearest import concave_disc
-from stepwell.design._worst import Proof, farthest
-from stepwell.design.change import shifted
-from stepwell.design.robustness import Robustness, robustness
-from stepwell.design.stock import Stock
-from stepwell.statics.concave import Simple
+from stepwell.concave.certificate import Simple
+from stepwell.concave.nearest import concave_disc
+from stepwell.design.margins.change import shifted
+from stepwell.design.margins.robustness import Robustness, robustness
+from stepwell.design.margins.worst import Proof, farthest
+from stepwell.design.placement.candidates import Kind
+from stepwell.design.placement.stock import Stock
+from stepwell.design.plane.box import Box
 
 R, LIMIT = 0.010 * math.sqrt(2.0), math.pi / 4
 

@@ -10,14 +10,14 @@ import stepwell as sw
 from chains import concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.design._reached import reached
-from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import design
-from stepwell.design.region import AnchorBox
-from stepwell.design.stock import Stock
-from stepwell.design.tolerances import Tolerances
-from stepwell.design.yields import yields
+from stepwell.design.orders.reached import reached
+from stepwell.design.placement.region import AnchorBox
+from stepwell.design.placement.stock import Stock
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.inverse import design
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.yields import yields
 
 # Cell 1 precedes cell 2, cell 3 is free.
 WANTED = ["000", "001", "100", "101", "110", "111"]

@@ -16,8 +16,8 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.design.inverse import PAPER_LEVER
-from stepwell.design.parameter_maps import parameter_map
+from stepwell.design.maps.parameter_map import parameter_map
+from stepwell.design.synthesis.inverse import PAPER_LEVER
 from stepwell.files import dumps, loads
 from stepwell.mechanism import SlipError
 

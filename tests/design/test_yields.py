@@ -12,13 +12,13 @@ from scipy.stats import norm
 import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
 from sizes import examples
-from stepwell.design import _draws, _tally
-from stepwell.design._draws import Draws
-from stepwell.design._full_cycle import numbered_cycle, orders
-from stepwell.design._many import ASK, Judge
-from stepwell.design._tally import NO_ANSWER, NOT_BUILT, TIED, followed
-from stepwell.design.tolerances import Tolerances
-from stepwell.design.yields import Yield, yields
+from stepwell.concave.samples import ASK, Judge
+from stepwell.design.orders.full_cycle import numbered_cycle, orders
+from stepwell.design.tolerances import draws as _draws, tally
+from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.yields import Yield, yields
 
 CLOCKWISE = "00>10>11>01>00"
 ALL = Tolerances(anchor=0.002, stiffness=0.08, rest_length=0.08, lever=0.0008, friction=0.05)
@@ -332,10 +332,10 @@ def test_chains_too_long_to_tell_orders_apart_still_count_successes():
 
 
 def test_rare_outcomes_are_counted_as_one(monkeypatch):
-    monkeypatch.setattr(_tally, "_KEPT", 3)
+    monkeypatch.setattr(tally, "_KEPT", 3)
     chain = sw.Chain([cell(x) for x in (10, 10.2, 10.4, 10.6)])
     found = yields(chain, Tolerances(stiffness=0.1), n=500)
-    assert len(found.outcomes) == 4 and list(found.outcomes)[-1] == _tally.ANOTHER
+    assert len(found.outcomes) == 4 and list(found.outcomes)[-1] == tally.ANOTHER
     assert found.successes + sum(found.outcomes.values()) == 500
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from stepwell.mechanism import Band, Cell, Chain
-from stepwell.physics import Walk
 from stepwell.robot import Antenna, Body, Drive, Foot, Leg, Robot
+from stepwell.simulation import Walk
 
 SIDES = (("left", 1), ("right", -1))
 

@@ -6,7 +6,7 @@ from PIL.GifImagePlugin import GifImageFile
 
 from figures.drawn import lines, points
 from stepwell import figures, files
-from stepwell.figures._animation import _Scene, _timeline
+from stepwell.figures.motion.animation import _Scene, _timeline
 
 
 def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):

@@ -9,8 +9,8 @@ from matplotlib.patches import FancyBboxPatch
 
 from figures.drawn import collisions, cut_off, legend_of, lines, marks, points, says, words
 from stepwell import figures, files
-from stepwell.figures._columns import heights
-from stepwell.figures._style import LOADING, UNLOADING
+from stepwell.figures.common.style import LOADING, UNLOADING
+from stepwell.figures.graphs.columns import heights
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.sequences import Node, Transition, TransitionGraph, TransitionKind
 

@@ -10,8 +10,8 @@ from figures.drawn import collisions, cut_off, lines, points, says, words
 from figures.robots import cut, explorer, walker
 from figures.shapes import boxes, strips
 from stepwell import figures
-from stepwell.physics import Maze, Outcome, maze
 from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.simulation import Maze, Outcome, maze
 
 
 @pytest.fixture(scope="module")

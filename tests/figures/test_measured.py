@@ -8,7 +8,7 @@ import pytest
 from figures.drawn import collisions, cut_off, legend_of, lines, marks, says, words
 from lab.machine import pair, tension, unit
 from stepwell import figures, lab
-from stepwell.lab.series import paper_cell
+from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Chain
 
 CELL = paper_cell()

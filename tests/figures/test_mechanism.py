@@ -10,9 +10,9 @@ from matplotlib.collections import PolyCollection
 
 from figures.drawn import legend_of, lines, points, says
 from stepwell import figures, files
-from stepwell.figures._drawing import Drawing
-from stepwell.figures._linkage import Linkage
-from stepwell.figures._style import blank, place
+from stepwell.figures.cells.drawing import Drawing
+from stepwell.figures.cells.linkage import Linkage
+from stepwell.figures.common.style import blank, place
 from stepwell.mechanism import Band, Cell, Chain
 
 mm = st.integers(-20, 20).map(lambda n: n * 1e-3)

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 import stepwell as sw
 from lab.machine import pair, unit
-from stepwell import figures, files, lab, physics
+from stepwell import figures, files, lab, simulation
 from stepwell.design import (
     Tolerances,
     boundaries,
@@ -22,9 +22,9 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.figures import _names
-from stepwell.figures._names import literal
-from stepwell.lab.series import paper_cell
+from stepwell.figures.common import names as _names
+from stepwell.figures.common.names import literal
+from stepwell.lab.mechanisms.series import paper_cell
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
 ALL = "$\\frac$_^%"
@@ -83,10 +83,10 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     for draw in (figures.gait, figures.trajectory, figures.contacts):
         yield partial(draw, maze.walk)
     yield partial(figures.trajectories, {name: maze.walk})
-    trial = physics.Trial(0.1, 0.0, 0.1, (name, name), 0.0, "")
+    trial = simulation.Trial(0.1, 0.0, 0.1, (name, name), 0.0, "")
     for n in (1, 2, 3):
         values = {f"leg.{name}.{i}": [0.3, 0.5] for i in range(n)}
-        yield partial(figures.sweep, physics.Sweep(values, (trial, trial)))
+        yield partial(figures.sweep, simulation.Sweep(values, (trial, trial)))
 
 
 def check(draw: Callable[[], object], name: str) -> int:

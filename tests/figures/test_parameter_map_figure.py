@@ -6,8 +6,8 @@ import xarray as xr
 
 from figures.drawn import collisions, cut_off, lines, points, says, words
 from stepwell import figures, files
-from stepwell.design.parameter_maps import parameter_boundaries, parameter_map
-from stepwell.figures._style import LOADING, UNLOADING
+from stepwell.design.maps.parameter_map import parameter_boundaries, parameter_map
+from stepwell.figures.common.style import LOADING, UNLOADING
 
 X = ("outer.q.x", np.linspace(0.0, 0.020, 41))
 Y = ("outer.q.y", np.linspace(-0.015, 0.015, 61))

@@ -6,7 +6,7 @@ from matplotlib.text import Annotation
 
 from figures.drawn import legend_of, line_of, lines, marks, points, says
 from stepwell import figures, files
-from stepwell.figures._style import LOADING, UNLOADING
+from stepwell.figures.common.style import LOADING, UNLOADING
 from stepwell.mechanism import Band, Cell, Chain
 
 PRESETS = sorted(name for name in files.presets() if not name.startswith("robot-"))

@@ -7,9 +7,9 @@ from hypothesis import given, strategies as st
 from figures.drawn import collisions, cut_off, lines, points, says, words
 from figures.robots import explorer, four_legs, three_cells, walker
 from stepwell import figures
-from stepwell.figures._robot_parts import antenna_line, in_world, leg_parts
-from stepwell.physics import spec
-from stepwell.physics._mujoco import mujoco
+from stepwell.figures.robots.robot_parts import antenna_line, in_world, leg_parts
+from stepwell.simulation import spec
+from stepwell.simulation.model.simulator import mujoco
 
 ROBOTS = {
     "two cells": walker(),

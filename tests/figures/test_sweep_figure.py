@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stepwell import figures
-from stepwell.physics import Sweep, Trial
+from stepwell.simulation import Sweep, Trial
 
 GAITS = ("00>10>11>01>00", "00>01>11>10>00", "00>01>11>01>00")
 

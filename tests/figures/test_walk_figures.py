@@ -10,8 +10,8 @@ from figures.drawn import collisions, cut_off, legend_of, lines, points, says, w
 from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from stepwell import figures
-from stepwell.figures._walk_reading import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
-from stepwell.physics import walk
+from stepwell.figures.runs.walk_reading import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
+from stepwell.simulation import walk
 
 DRAWINGS = (figures.gait, figures.trajectory, figures.contacts)
 

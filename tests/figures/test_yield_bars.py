@@ -7,7 +7,7 @@ from figures.drawn import collisions, cut_off, lines, points, says, words
 from figures.shapes import boxes
 from stepwell import figures, files
 from stepwell.design import Tolerances, yields
-from stepwell.figures._words import sequence_words, shortened, wrapped
+from stepwell.figures.common.words import sequence_words, shortened, wrapped
 
 LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
 

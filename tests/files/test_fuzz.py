@@ -16,9 +16,9 @@ from stepwell.files import (
     preset_text,
     presets,
 )
-from stepwell.files._arena_schema import TABLES as ARENA_TABLES
-from stepwell.files._robot_schema import TABLES as ROBOT_TABLES
-from stepwell.files._schema import TABLES
+from stepwell.files.schema.arena import TABLES as ARENA_TABLES
+from stepwell.files.schema.chain import TABLES
+from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
 

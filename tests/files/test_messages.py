@@ -5,7 +5,7 @@ import os
 import pytest
 
 from stepwell.files import DesignError, load, loads, preset
-from stepwell.files._schema import TABLES
+from stepwell.files.schema.chain import TABLES
 
 CELL = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
 

@@ -10,9 +10,9 @@ import pytest
 import stepwell as sw
 from stepwell import lab
 from stepwell.design import Tolerances, parameter_boundaries, yields
-from stepwell.files.map_record import parameter_boundary_rows
-from stepwell.lab.recording import Recording
-from stepwell.physics.sweep import Sweep, Trial
+from stepwell.lab.recordings.recording import Recording
+from stepwell.results.map import parameter_boundary_rows
+from stepwell.simulation.sweep import Sweep, Trial
 
 HOSTILE = ["a,b", 'say "x"', "two\nlines", "=1+1", "a_b", "a b", "'", "\r", "; |", "$\\frac$", ""]
 

@@ -10,9 +10,9 @@ import pytest
 
 from stepwell import figures, files
 from stepwell.design import Change, margin
-from stepwell.files._ties import tie_notes
-from stepwell.files.report import report
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load
+from stepwell.reports.page import report
+from stepwell.results.ties import tie_notes
 
 VOID = {"meta", "img", "br", "hr", "link"}
 

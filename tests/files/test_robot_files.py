@@ -20,8 +20,8 @@ from stepwell.files import (
     presets,
     save,
 )
-from stepwell.files._keys import field_of
-from stepwell.files._robot_schema import SOURCES, TABLES
+from stepwell.files.schema.keys import field_of
+from stepwell.files.schema.robot import SOURCES, TABLES
 from stepwell.mechanism import Band, Cell, Chain, Load
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Profile, Robot
 

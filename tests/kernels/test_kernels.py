@@ -16,10 +16,10 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.kernels import Entry, _compiler, _store, beside, entry, in_blocks, kernel
-from stepwell.kernels._fingerprint import fingerprint
-from stepwell.statics._flow import _smooth_rates
-from stepwell.statics._pack import pack
+from stepwell.kernels import Entry, beside, compiler, entry, in_blocks, kernel, store
+from stepwell.kernels.fingerprint import fingerprint
+from stepwell.mechanism.pack import pack
+from stepwell.statics.following.flow import _smooth_rates
 
 SOURCE = Path(sw.__file__).parents[1]
 MODULES = [
@@ -27,7 +27,7 @@ MODULES = [
         f"stepwell.statics.{n}"
         for n in ("_follow", "_pieces", "_certificate", "_sample", "_sorted")
     ),
-    "stepwell.statics.concave",
+    "stepwell.concave.certificate",
     *(f"stepwell.design.{n}" for n in ("_certified", "_end", "_end_grid", "_holes", "_many")),
     *(f"stepwell.design.{n}" for n in ("_nearest", "_sift", "_sweep")),
 ]
@@ -285,33 +285,33 @@ def test_a_fingerprint_tells_what_is_computed_and_not_where_or_when(tmp_path, mo
 
 
 def test_old_versions_of_a_kernel_do_not_pile_up(tmp_path, monkeypatch):
-    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "folder", lambda: tmp_path)
     for i in range(30):
-        _store.write(f"law-{i:02}-0", b"code")
+        store.write(f"law-{i:02}-0", b"code")
         os.utime(tmp_path / f"law-{i:02}-0.kernel", (i, i))
-    _store.write("follow-0-0", b"code")
+    store.write("follow-0-0", b"code")
     assert len(list(tmp_path.glob("law-*"))) <= 13
-    assert _store.read("law-29-0") == b"code" and _store.read("follow-0-0") == b"code"
+    assert store.read("law-29-0") == b"code" and store.read("follow-0-0") == b"code"
 
 
 def test_a_full_disk_costs_one_line_and_no_answer(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "folder", lambda: tmp_path)
 
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    _store.write("law-0-0", b"code")
+    store.write("law-0-0", b"code")
     assert "No space left on device" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_compiler_that_fails_is_replaced_by_this_process(monkeypatch, tmp_path):
-    monkeypatch.setattr(_store, "folder", lambda: tmp_path)
-    monkeypatch.setattr(_compiler, "here", False)
+    monkeypatch.setattr(store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(compiler, "here", False)
     monkeypatch.setattr(sys, "executable", "/bin/false")
-    assert not _compiler.compile_elsewhere(fingerprint, b"")
-    assert _compiler.here
+    assert not compiler.compile_elsewhere(fingerprint, b"")
+    assert compiler.here
 
 
 def test_an_interrupted_wait_ends_the_work_before_it_goes_on():

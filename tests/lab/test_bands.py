@@ -6,7 +6,7 @@ import pytest
 from lab.machine import recording, tension, there
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.laws import BY_NAME
+from stepwell.lab.bands.laws import BY_NAME
 
 DRAWS = examples(80)
 OFTEN = 0.90
@@ -100,7 +100,7 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
 
 
 def lab_estimate(values):
-    from stepwell.lab._spread import of_samples
+    from stepwell.lab.bands.spread import of_samples
 
     return of_samples(values)
 

@@ -8,8 +8,8 @@ import pytest
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.calibrate import _force
-from stepwell.lab.series import paper_cell
+from stepwell.lab.mechanisms.calibrate import _force
+from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
 DRAWS = examples(80)

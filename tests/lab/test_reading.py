@@ -6,8 +6,8 @@ from hypothesis import given, strategies as st
 
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
-from stepwell.lab import _text
-from stepwell.lab._text import Export, parse
+from stepwell.lab.recordings import text as _text
+from stepwell.lab.recordings.text import Export, parse
 
 GOOD = HEADER + "0.0 0.0 0.1\r\n0.02 0.1 0.2\r\n0.04 0.2 0.3\r\n"
 

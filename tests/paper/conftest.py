@@ -3,7 +3,7 @@
 import pytest
 
 from stepwell import paper
-from stepwell.paper.claim import Claim, Verdict
+from stepwell.paper.claims.claim import Claim, Verdict
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from stepwell import paper
-from stepwell.paper import _measured, _steering, table
+from stepwell.paper.claims import table
+from stepwell.paper.mechanisms import measured as _measured
+from stepwell.paper.robots import steering
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = ROOT / "docs" / "claims.json"
@@ -63,7 +65,7 @@ def test_the_claims_page_shows_them():
 
 def test_the_page_of_many_runs_shows_its_file_and_names_every_claim():
     committed = json.loads((ROOT / "docs" / "many-runs.json").read_text("utf-8"))["claims"]
-    assert [claim["id"] for claim in committed] == [claim.id for claim in _steering.MANY_RUNS]
+    assert [claim["id"] for claim in committed] == [claim.id for claim in steering.MANY_RUNS]
     page = (ROOT / "docs" / "many-runs.md").read_text("utf-8")
     for claim in committed:
         row = " | ".join(claim[key] for key in ("claim", "where", "paper", "ours", "tolerance"))

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from stepwell.paper import Judgement, _antennas
+from stepwell.paper import Judgement
+from stepwell.paper.robots import antennas as _antennas
 from stepwell.sequences import Pathway
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from stepwell import files, paper
-from stepwell.paper import Judgement, _loss, _robot, _sensitivity, _steering
-from stepwell.physics import Outcome, maze, mazes
+from stepwell.paper import Judgement
+from stepwell.paper.robots import loss as _loss, robot as _robot, sensitivity, steering
 from stepwell.robot import Floor, other_layout, other_start
-from stepwell.robot.states import TOLERANCE
+from stepwell.robot.gait.states import TOLERANCE
+from stepwell.simulation import Outcome, maze, mazes
 
 THREE = ("wall 1", "wall 2", "wall 3")
 
@@ -33,7 +34,7 @@ def found(claims, name):
 def test_claims_that_take_many_runs_are_only_listed_when_asked_for():
     usual = {claim.id for claim in paper.claims()}
     everything = {claim.id for claim in paper.claims(everything=True)}
-    assert everything - usual == {claim.id for claim in _steering.MANY_RUNS}
+    assert everything - usual == {claim.id for claim in steering.MANY_RUNS}
 
 
 @pytest.mark.parametrize("claim", _robot.CLAIMS, ids=lambda claim: claim.id)
@@ -81,7 +82,7 @@ def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
 
 
 def test_the_number_of_bands_decides_whether_the_papers_antenna_turns_a_step_round():
-    verdict = found(_steering.CLAIMS, "antennas-paper-numbers").judge()
+    verdict = found(steering.CLAIMS, "antennas-paper-numbers").judge()
     assert verdict.verdict is Judgement.UNDETERMINED
     assert "00>10>11>01>00 with one band" in verdict.ours
     assert verdict.ours.endswith("00>01>11>10>00 with two bands")
@@ -94,7 +95,7 @@ def test_the_number_of_bands_decides_whether_the_papers_antenna_turns_a_step_rou
 
 
 def test_our_antennas_turn_the_opposite_step_round():
-    verdict = found(_steering.CLAIMS, "antennas-turn-away").judge()
+    verdict = found(steering.CLAIMS, "antennas-turn-away").judge()
     assert verdict.verdict is Judgement.AGREES
     # What an antenna really moves is said, and it is less than half of what it could.
     assert "4.1 mm" in verdict.reason
@@ -104,9 +105,9 @@ def test_our_antennas_turn_the_opposite_step_round():
 @pytest.mark.parametrize(
     "arena",
     [
-        _steering.wall_ahead(math.radians(_steering.WALLS_DEG[4])),
-        _steering.wall_ahead(-math.radians(_steering.BETWEEN_DEG[3])),
-        _steering.cylinder_ahead(_steering.OFFSETS_MM[6] / 1e3),
+        steering.wall_ahead(math.radians(steering.WALLS_DEG[4])),
+        steering.wall_ahead(-math.radians(steering.BETWEEN_DEG[3])),
+        steering.cylinder_ahead(steering.OFFSETS_MM[6] / 1e3),
     ],
     ids=lambda arena: arena.title,
 )
@@ -120,7 +121,7 @@ def test_an_obstacle_is_left_behind(arena):
 @pytest.mark.parametrize("name", ["three-walls", "corridor"])
 def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     arena = files.load_arena(name)
-    start, design = other_start(arena, _steering.STARTS[0]), _robot.robot("antennas")
+    start, design = other_start(arena, steering.STARTS[0]), _robot.robot("antennas")
     with_antennas, bare, disconnected = mazes(
         [(design, start), (replace(design, antennas=()), start), (levers_off(design), start)],
         limit=500.0,
@@ -130,38 +131,38 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     assert {with_antennas.changes[0].leg, with_antennas.contacts[0].antenna} == {"left", "right"}
     for control in (bare, disconnected):
         assert control.outcome is not Outcome.REACHED
-    assert all(_steering.BACKWARD not in gaits for gaits in disconnected.walk.gaits.values())
+    assert all(steering.BACKWARD not in gaits for gaits in disconnected.walk.gaits.values())
 
 
 @pytest.mark.slow
 def test_three_walls_that_stand_differently_are_passed():
-    arena = other_layout(files.load_arena("three-walls"), _steering.LAYOUTS[0])
+    arena = other_layout(files.load_arena("three-walls"), steering.LAYOUTS[0])
     assert maze(_robot.robot("antennas"), arena, limit=600.0).outcome is Outcome.REACHED
 
 
 def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
-    one = _steering.field(7)
-    assert one == _steering.field(7) != _steering.field(8)
-    assert one.clearance(0.0, 0.0) >= _steering.GAP
+    one = steering.field(7)
+    assert one == steering.field(7) != steering.field(8)
+    assert one.clearance(0.0, 0.0) >= steering.GAP
     lines = [np.linspace(wall.start, wall.end, 40) for wall in one.walls]
     for i, line in enumerate(lines):
         for other in lines[:i]:
-            assert np.linalg.norm(line[:, None] - other, axis=2).min() > _steering.GAP
+            assert np.linalg.norm(line[:, None] - other, axis=2).min() > steering.GAP
 
 
 @pytest.mark.slow
 def test_every_assumed_number_has_its_bar_and_the_nominal_results_are_on_target():
-    sensitivities = _sensitivity.sensitivities()
-    assert len(sensitivities) == len(_sensitivity.RESULTS)
+    sensitivities = sensitivity.sensitivities()
+    assert len(sensitivities) == len(sensitivity.RESULTS)
     for one in sensitivities:
-        assert len(one.effects) == len(_sensitivity.CHANGES) + 3
+        assert len(one.effects) == len(sensitivity.CHANGES) + 3
         assert one.target is not None
         low, high = one.target
         assert low < one.nominal < high
 
 
 def test_every_assumed_number_that_can_matter_on_a_bare_floor_is_varied():
-    varied = {key.lstrip("-") for change in _sensitivity.CHANGES for key in change.keys}
+    varied = {key.lstrip("-") for change in sensitivity.CHANGES for key in change.keys}
     # Walls are not met; gravity is the earth's; the rest is symmetry, or the same on both sides.
     spared = {"wall_friction", "gravity_m_per_s2", "length_mm", "width_mm"}
     symmetric = {

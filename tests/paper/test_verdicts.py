@@ -9,17 +9,17 @@ import pytest
 
 from stepwell import paper
 from stepwell.mechanism import Band
-from stepwell.paper import (
-    Judgement,
-    _cells,
-    _designs,
-    _map,
-    _measured,
-    _misprints,
-    _pathways,
-    _wells,
+from stepwell.paper import Judgement
+from stepwell.paper.claims.claim import judged
+from stepwell.paper.mechanisms import (
+    cells as _cells,
+    designs,
+    map,
+    measured,
+    misprints,
+    pathways,
+    wells as _wells,
 )
-from stepwell.paper.claim import judged
 from stepwell.sequences import Pathway
 
 
@@ -43,7 +43,7 @@ def test_every_claim_has_a_name_of_its_own_and_says_where_and_what():
 
 
 def test_listing_the_claims_computes_nothing(monkeypatch):
-    monkeypatch.setattr(_map, "transition_map", None)
+    monkeypatch.setattr(map, "transition_map", None)
     assert paper.claims()
 
 
@@ -58,7 +58,7 @@ def test_what_differs_and_what_needs_data_is_known_and_has_its_reason(verdicts):
     open_ = {name for name, v in verdicts.items() if v.verdict is Judgement.UNDETERMINED}
     assert open_ == {"antennas-bench-14", "antennas-bench-20", "antennas-paper-numbers"}
     lacking = {name for name, v in verdicts.items() if v.verdict is Judgement.NEEDS_DATA}
-    assert lacking == set(_measured.IDS)
+    assert lacking == set(measured.IDS)
     assert all(verdicts[name].reason for name in differing | open_ | lacking)
 
 
@@ -91,7 +91,7 @@ def other_cell(monkeypatch):
     """Puts another cell in the place of the one with q = (10, 0) mm."""
 
     def put(**changes):
-        cells = dict(_designs.six_cells())
+        cells = dict(designs.six_cells())
         band = dataclasses.replace(cells["(10, 0)"].bands[0], **changes)
         cells["(10, 0)"] = dataclasses.replace(cells["(10, 0)"], band=band)
         monkeypatch.setattr(_cells, "six_cells", lambda: cells)
@@ -118,9 +118,9 @@ def test_forces_that_are_no_slope_of_the_energy_are_noticed(monkeypatch):
 
 
 def test_a_pair_that_takes_another_pathway_is_noticed(monkeypatch):
-    swapped = {**_designs.PAIRS, Pathway.CLOCKWISE: "paper-via-10"}
+    swapped = {**designs.PAIRS, Pathway.CLOCKWISE: "paper-via-10"}
     monkeypatch.setattr(
-        _pathways, "pair_cycle", lambda pathway: _designs.preset(swapped[pathway]).cycle()
+        pathways, "pair_cycle", lambda pathway: designs.preset(swapped[pathway]).cycle()
     )
     assert judge("pathway-clockwise").verdict is Judgement.DIFFERS
     # It does not snap, either.
@@ -128,25 +128,25 @@ def test_a_pair_that_takes_another_pathway_is_noticed(monkeypatch):
 
 
 def test_a_directed_pair_among_the_undirected_is_noticed(monkeypatch):
-    swapped = {**_designs.PAIRS, Pathway.VIA_01: "paper-forward"}
+    swapped = {**designs.PAIRS, Pathway.VIA_01: "paper-forward"}
     monkeypatch.setattr(
-        _pathways, "pair_cycle", lambda pathway: _designs.preset(swapped[pathway]).cycle()
+        pathways, "pair_cycle", lambda pathway: designs.preset(swapped[pathway]).cycle()
     )
     assert judge("undirected-boundary").verdict is Judgement.DIFFERS
 
 
 def test_two_cells_in_transit_at_once_are_noticed(monkeypatch):
     together = SimpleNamespace(
-        chain=_designs.preset("paper-forward"),
+        chain=designs.preset("paper-forward"),
         path=SimpleNamespace(travel=np.array([[0.0, 0.0], [0.005, 0.005], [0.02, 0.02]])),
         snaps=(),
     )
-    monkeypatch.setattr(_pathways, "pair_cycle", lambda pathway: together)
+    monkeypatch.setattr(pathways, "pair_cycle", lambda pathway: together)
     assert judge("sequential").verdict is Judgement.DIFFERS
 
 
 def test_a_wrong_share_of_the_map_differs(monkeypatch):
-    monkeypatch.setitem(_map._SHARES, Pathway.CLOCKWISE, 0.217)
+    monkeypatch.setitem(map._SHARES, Pathway.CLOCKWISE, 0.217)
     assert judge("share-clockwise").verdict is Judgement.DIFFERS
 
 
@@ -158,25 +158,25 @@ def test_the_shares_of_the_map_fill_it(verdicts):
 
 
 def test_the_claim_on_qx_would_agree_on_a_map_where_it_holds(monkeypatch):
-    real = _map.paper_map()
+    real = map.paper_map()
     row = np.where(np.arange(400) % 20 < np.arange(400) // 20, 0, 2)
     made = dataclasses.replace(real, pathway=np.tile(row.astype(np.int8), (400, 1)))
-    monkeypatch.setattr(_map, "paper_map", lambda: made)
+    monkeypatch.setattr(map, "paper_map", lambda: made)
     assert judge("large-qx-directed").verdict is Judgement.AGREES
     assert judge("large-qy-undirected").verdict is Judgement.DIFFERS
 
 
 def test_a_bistable_outer_cell_does_not_prove_the_claim_on_wells(monkeypatch):
-    monkeypatch.setattr(_wells, "monostable_pair", lambda: _designs.pair_cycle(Pathway.CLOCKWISE))
+    monkeypatch.setattr(_wells, "monostable_pair", lambda: designs.pair_cycle(Pathway.CLOCKWISE))
     assert judge("wells").verdict is Judgement.DIFFERS
 
 
 def test_centimetres_would_agree_if_the_forces_were_theirs(monkeypatch):
-    cell = _designs.six_cells()["(10, 0)"]
+    cell = designs.six_cells()["(10, 0)"]
     band = cell.bands[0]
     in_cm = cell.with_anchors((10 * band.p[0], 0.0), (10 * band.q[0], 0.0))
     theirs = in_cm.force_0 / (band.stiffness * cell.lever)
-    monkeypatch.setattr(_misprints, "_FORCE_OF_FIG_1D", theirs)
+    monkeypatch.setattr(misprints, "_FORCE_OF_FIG_1D", theirs)
     assert judge("anchor-unit").verdict is Judgement.AGREES
 
 
@@ -197,12 +197,12 @@ def test_wells_are_counted_with_edges_and_flat_ones_once(energy, wells):
     assert _wells.count_minima(energy) == wells
 
 
-@pytest.mark.parametrize("pathway", _designs.PAIRS)
+@pytest.mark.parametrize("pathway", designs.PAIRS)
 def test_two_ways_of_counting_wells_agree_for_every_pair(pathway):
-    chain = _designs.pair_cycle(pathway).chain
+    chain = designs.pair_cycle(pathway).chain
     assert len(_wells.stable_states(chain)) == _wells.count_minima(_wells.landscape(chain, 101))
 
 
 def test_wells_of_a_cell_without_the_proof_are_not_read_off_its_ends():
     with pytest.raises(ValueError, match="proved to fall"):
-        _wells.stable_states(_designs.preset("rubber"))
+        _wells.stable_states(designs.preset("rubber"))

@@ -12,8 +12,8 @@ from hypothesis import given, settings, strategies as st
 import stepwell as sw
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, leg, robot
 from stepwell.robot import Body, Drive, Floor, Foot, Leg, Limit, Motion, Robot
-from stepwell.robot._search import changes
-from stepwell.robot.predict import depths
+from stepwell.robot.gait.predict import depths
+from stepwell.robot.gait.search import changes
 from stepwell.statics import StaticsError
 
 designs = st.floats(0.002, 0.025)

@@ -11,12 +11,12 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.sequences._branches import Branches
-from stepwell.sequences._preisach import preisach
-from stepwell.sequences._relays import order_kept, relays
-from stepwell.sequences.fields import from_switching_fields
-from stepwell.sequences.node import Node, TransitionKind
-from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
+from stepwell.sequences.branches.branches import Branches
+from stepwell.sequences.branches.relays import order_kept, relays
+from stepwell.sequences.graphs.fields import from_switching_fields
+from stepwell.sequences.graphs.node import Node, TransitionKind
+from stepwell.sequences.graphs.preisach import preisach
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, _assembled, graph
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

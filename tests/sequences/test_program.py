@@ -13,10 +13,10 @@ from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.sequences import Unreachable, graph
-from stepwell.sequences._branches import Branches, reach
-from stepwell.sequences._plan import _by_fields
-from stepwell.sequences._relays import Relays, order_kept, relays, shortest
-from stepwell.sequences._vertices import sequence_of
+from stepwell.sequences.branches.branches import Branches, reach
+from stepwell.sequences.branches.relays import Relays, order_kept, relays, shortest
+from stepwell.sequences.cycles.vertices import sequence_of
+from stepwell.sequences.programs.plan import _by_fields
 from stepwell.statics import StaticsError
 
 

@@ -11,13 +11,13 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.sequences import counting as counting_module, reading as reading_module
-from stepwell.sequences._mesostates import Routes, atlas
-from stepwell.sequences._relays import relays
-from stepwell.sequences._vertices import sequence_of
-from stepwell.sequences.fields import from_switching_fields
-from stepwell.sequences.reading import read
-from stepwell.sequences.transition_graph import TransitionGraph, graph
+from stepwell.sequences.branches.relays import relays
+from stepwell.sequences.cycles.vertices import sequence_of
+from stepwell.sequences.graphs.fields import from_switching_fields
+from stepwell.sequences.graphs.mesostates import Routes, atlas
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
+from stepwell.sequences.memory import counting as counting_module, reading as reading_module
+from stepwell.sequences.memory.reading import read
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)

@@ -10,7 +10,7 @@ import stepwell as sw
 from chains import LEVER, LIMIT, concave_cell
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.statics.concave import Simple, certify, end_forces, pair, push, simple, travel_at
+from stepwell.concave.certificate import Simple, certify, end_forces, pair, push, simple, travel_at
 
 PAPER = [(10, 0), (0, 0), (20, 0), (10, -15), (20, 15), (0, -15)]
 BY_ORDER = {

@@ -8,9 +8,9 @@ import pytest
 
 import stepwell as sw
 from chains import concave_chain
+from stepwell.mechanism.pack import pack
 from stepwell.statics import Cause, EventKind, run
-from stepwell.statics._pack import pack
-from stepwell.statics._sorted import sorted_cycle
+from stepwell.statics.sorted_cycle import sorted_cycle
 
 INNER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 OUTER = INNER.with_anchors(q=(0.020, 0.0))

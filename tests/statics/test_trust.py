@@ -14,9 +14,9 @@ from chains import any_cell, any_chain
 from sizes import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
-from stepwell.statics import _certificate, _follow as f
-from stepwell.statics._law import law
-from stepwell.statics._pieces import find_piece
+from stepwell.mechanism.law import law
+from stepwell.statics.following import certificate as _certificate, follow as f
+from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))

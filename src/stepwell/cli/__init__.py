@@ -1,5 +1,5 @@
 """The stepwell command: one thin module per subcommand."""
 
-from stepwell.cli._app import app, main
+from stepwell.cli.app import app, main
 
 __all__ = ["app", "main"]

@@ -7,29 +7,29 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from stepwell.design._reached import Reached
-from stepwell.design.boundary import Boundary, BoundaryKind
-from stepwell.design.change import Change
-from stepwell.design.designed import Design
-from stepwell.design.impossible import Impossible
-from stepwell.design.inverse import design
-from stepwell.design.knobs import Knob, knob, knobs
-from stepwell.design.limits import boundaries
-from stepwell.design.maps import transition_map
-from stepwell.design.margins import Margin, margin
-from stepwell.design.parameter_maps import (
+from stepwell.design.maps.boundaries import boundaries
+from stepwell.design.maps.parameter_map import (
     ParameterBoundary,
     parameter_boundaries,
     parameter_map,
 )
-from stepwell.design.push import Push
-from stepwell.design.region import PAPER_BOX, AnchorBox, AnchorPolygon
-from stepwell.design.reprogramming import Reprogramming, reprogram
-from stepwell.design.robustness import Robustness, robustness
-from stepwell.design.stock import PAPER_BAND, Stock
-from stepwell.design.survival import Survival, survival
-from stepwell.design.tolerances import USUAL, Tolerances
-from stepwell.design.yields import Critical, Sensitivities, Yield, yields
+from stepwell.design.maps.transition_map import transition_map
+from stepwell.design.margins.change import Change
+from stepwell.design.margins.margin import Margin, margin
+from stepwell.design.margins.reprogramming import Reprogramming, reprogram
+from stepwell.design.margins.resistance import Push
+from stepwell.design.margins.robustness import Robustness, robustness
+from stepwell.design.orders.reached import Reached
+from stepwell.design.parameters.parameter import Knob, knob, knobs
+from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon
+from stepwell.design.placement.stock import PAPER_BAND, Stock
+from stepwell.design.plane.boundary import Boundary, BoundaryKind
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.inverse import design
+from stepwell.design.tolerances.survival import Survival, survival
+from stepwell.design.tolerances.tolerances import USUAL, Tolerances
+from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
 
 __all__ = [
     "PAPER_BAND",

@@ -1,34 +1,34 @@
 """Every plot, one function each: results in, a matplotlib Figure out."""
 
-from stepwell.figures._animation import animation
-from stepwell.figures._band_test import band_laws
-from stepwell.figures._calibration import calibration
-from stepwell.figures._contacts import contacts
-from stepwell.figures._force_plane import force_plane
-from stepwell.figures._force_stroke import force_stroke
-from stepwell.figures._gait import gait
-from stepwell.figures._landscape import landscape
-from stepwell.figures._maze import maze
-from stepwell.figures._maze_timeline import maze_timeline
-from stepwell.figures._measured_cells import measured_energies, measured_forces
-from stepwell.figures._measured_pairs import measured_pairs
-from stepwell.figures._mechanism import mechanism
-from stepwell.figures._overview import overview
-from stepwell.figures._parameter_map import parameter_map
-from stepwell.figures._prediction import prediction
-from stepwell.figures._robot import robot_above, robot_drawing, robot_side
-from stepwell.figures._side_by_side import landscapes, strokes
-from stepwell.figures._standard import standard
-from stepwell.figures._stroke_program import stroke_program
-from stepwell.figures._sweep import sweep
-from stepwell.figures._tornado import Effect, Sensitivity, tornado
-from stepwell.figures._trajectory import trajectories, trajectory
-from stepwell.figures._transition_graph import transition_graph
-from stepwell.figures._transition_map import transition_map
-from stepwell.figures._travel_stroke import travel_stroke
-from stepwell.figures._unit_cell import unit_cell_energy, unit_cell_force
-from stepwell.figures._write import save, svg
-from stepwell.figures._yield_bars import yield_bars
+from stepwell.figures.cells.force_plane import force_plane
+from stepwell.figures.cells.mechanism import mechanism
+from stepwell.figures.cells.unit_cell import unit_cell_energy, unit_cell_force
+from stepwell.figures.common.write import save, svg
+from stepwell.figures.graphs.transition_graph import transition_graph
+from stepwell.figures.maps.parameter_map import parameter_map
+from stepwell.figures.maps.tornado import Effect, Sensitivity, tornado
+from stepwell.figures.maps.transition_map import transition_map
+from stepwell.figures.maps.yield_bars import yield_bars
+from stepwell.figures.measured.band_test import band_laws
+from stepwell.figures.measured.calibration import calibration
+from stepwell.figures.measured.measured_cells import measured_energies, measured_forces
+from stepwell.figures.measured.measured_pairs import measured_pairs
+from stepwell.figures.motion.animation import animation
+from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.motion.landscape import landscape
+from stepwell.figures.motion.overview import overview
+from stepwell.figures.motion.side_by_side import landscapes, strokes
+from stepwell.figures.motion.standard import standard
+from stepwell.figures.motion.stroke_program import stroke_program
+from stepwell.figures.motion.travel_stroke import travel_stroke
+from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
+from stepwell.figures.runs.contacts import contacts
+from stepwell.figures.runs.gait import gait
+from stepwell.figures.runs.maze import maze
+from stepwell.figures.runs.maze_timeline import maze_timeline
+from stepwell.figures.runs.prediction import prediction
+from stepwell.figures.runs.sweep import sweep
+from stepwell.figures.runs.trajectory import trajectories, trajectory
 
 __all__ = [
     "Effect",

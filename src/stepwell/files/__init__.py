@@ -1,25 +1,8 @@
 """Design files in and out, and results as files: read, check, write."""
 
-from stepwell._write import write_atomic
-from stepwell.files._errors import DesignError
-from stepwell.files._head import head
-from stepwell.files._keys import slips_text
+from stepwell.base.write import write_atomic
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
-from stepwell.files.bundle import write_map, write_parameter_map, write_run
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
-from stepwell.files.design_bundle import (
-    write_design,
-    write_reprogramming,
-    write_survival,
-    write_yield,
-)
-from stepwell.files.design_record import (
-    design_record,
-    impossible_record,
-    reprogram_record,
-    survival_record,
-    yield_record,
-)
 from stepwell.files.folder import (
     IncompleteError,
     OverwriteError,
@@ -28,34 +11,46 @@ from stepwell.files.folder import (
     manifest,
     staged_folder,
 )
-from stepwell.files.graph import checked_suffix, write_graph
-from stepwell.files.graph_record import graph_record
-from stepwell.files.map_record import parameter_map_record
-from stepwell.files.measured import (
+from stepwell.files.outputs import OUTPUTS, pictures
+from stepwell.files.parameters import Parameter, parameters, vary
+from stepwell.files.provenance import Given, provenance
+from stepwell.files.schema.keys import slips_text
+from stepwell.files.shipped import preset, preset_text, presets
+from stepwell.files.source import load, load_chain, load_program, load_robot, read
+from stepwell.files.tables.program import WrittenProgram
+from stepwell.files.text.errors import DesignError
+from stepwell.files.write import dumps, save, with_program
+from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
+from stepwell.reports.graph import checked_suffix, write_graph
+from stepwell.reports.measured import (
     write_band,
     write_calibration,
     write_comparison,
     write_readings,
 )
-from stepwell.files.outputs import OUTPUTS, pictures
-from stepwell.files.parameters import Parameter, parameters, vary
-from stepwell.files.program import WrittenProgram
-from stepwell.files.program_bundle import write_program
-from stepwell.files.program_record import program_record, unreachable_record
-from stepwell.files.provenance import Given, provenance
-from stepwell.files.record import force_scale, map_record, run_record
-from stepwell.files.report import report
-from stepwell.files.robot_bundle import write_maze, write_robot, write_sweep, write_walk
-from stepwell.files.robot_record import (
+from stepwell.reports.page import report
+from stepwell.reports.program import write_program
+from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
+from stepwell.reports.run import write_map, write_parameter_map, write_run
+from stepwell.results.design import (
+    design_record,
+    impossible_record,
+    reprogram_record,
+    survival_record,
+    yield_record,
+)
+from stepwell.results.graph import graph_record
+from stepwell.results.head import head
+from stepwell.results.map import parameter_map_record
+from stepwell.results.program import program_record, unreachable_record
+from stepwell.results.robot import (
     convergence_record,
     maze_record,
     robot_record,
     sweep_record,
     walk_record,
 )
-from stepwell.files.shipped import preset, preset_text, presets
-from stepwell.files.source import load, load_chain, load_program, load_robot, read
-from stepwell.files.write import dumps, save, with_program
+from stepwell.results.run import force_scale, map_record, run_record
 
 __all__ = [
     "DesignError",

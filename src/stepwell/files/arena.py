@@ -9,13 +9,13 @@ from importlib.resources import files
 
 from pydantic import ValidationError
 
-from stepwell.files import _arena_schema as schema
-from stepwell.files._arena_map import drawn
-from stepwell.files._errors import DesignError, did_you_mean
-from stepwell.files._keys import fields, slip_lines
-from stepwell.files._toml import parsed
-from stepwell.files._wording import worded
+from stepwell.files.schema import arena as schema
+from stepwell.files.schema.keys import fields, slip_lines
+from stepwell.files.schema.wording import worded
 from stepwell.files.source import read
+from stepwell.files.tables.arena_map import drawn
+from stepwell.files.text.errors import DesignError, did_you_mean
+from stepwell.files.text.toml import parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 

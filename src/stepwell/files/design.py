@@ -6,13 +6,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.files import _robot_schema as robot_schema, _schema as schema
-from stepwell.files._cells import Shared, cell
-from stepwell.files._errors import DesignError
-from stepwell.files._robot import robot
-from stepwell.files._toml import parsed
-from stepwell.files._wording import worded
-from stepwell.files.program import WrittenProgram, written
+from stepwell.files.schema import chain as schema, robot as robot_schema
+from stepwell.files.schema.wording import worded
+from stepwell.files.tables.cells import Shared, cell
+from stepwell.files.tables.program import WrittenProgram, written
+from stepwell.files.tables.robot import robot
+from stepwell.files.text.errors import DesignError
+from stepwell.files.text.toml import parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 

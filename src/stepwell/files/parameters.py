@@ -9,16 +9,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell._value import ByValue
-from stepwell.files import _robot_schema as schema
-from stepwell.files._errors import DesignError, value_text
-from stepwell.files._keys import unit_of
-from stepwell.files._paths import Item, Steps, find, spelled
-from stepwell.files._robot import robot as robot_of
-from stepwell.files._sources import sources
-from stepwell.files._tree import is_number, leaves, put, tree_of
-from stepwell.files._wording import worded
+from stepwell.base.value import ByValue
 from stepwell.files.design import loads_robot
+from stepwell.files.schema import robot as schema
+from stepwell.files.schema.keys import unit_of
+from stepwell.files.schema.wording import worded
+from stepwell.files.tables.robot import robot as robot_of
+from stepwell.files.tables.sources import sources
+from stepwell.files.tables.tree import is_number, leaves, put, tree_of
+from stepwell.files.text.errors import DesignError, value_text
+from stepwell.files.text.paths import Item, Steps, find, spelled
 from stepwell.robot import Robot
 
 

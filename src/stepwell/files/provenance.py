@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stepwell._value import ByValue
+from stepwell.base.value import ByValue
 from stepwell.files.parameters import parameters
 from stepwell.robot import Robot
 

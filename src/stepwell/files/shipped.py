@@ -7,8 +7,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from stepwell.files._errors import DesignError, did_you_mean
 from stepwell.files.design import loads
+from stepwell.files.text.errors import DesignError, did_you_mean
 
 
 def presets() -> dict[str, str]:

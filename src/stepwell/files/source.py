@@ -8,12 +8,12 @@ import stat
 from pathlib import Path
 from typing import Any
 
-from stepwell import _limits
-from stepwell.files._errors import DesignError
+from stepwell.base import limits
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.folder import doubt
-from stepwell.files.program import WrittenProgram
 from stepwell.files.shipped import preset_text, presets
+from stepwell.files.tables.program import WrittenProgram
+from stepwell.files.text.errors import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
@@ -124,8 +124,8 @@ def _content(path: Path) -> bytes:
         raise OSError("it is a folder")
     if not stat.S_ISREG(kind.st_mode):
         raise OSError("it is no ordinary file")
-    if kind.st_size > _limits.most("design_bytes"):
-        raise OSError(_limits.problem("design_bytes", kind.st_size, "it has").rstrip("."))
+    if kind.st_size > limits.most("design_bytes"):
+        raise OSError(limits.problem("design_bytes", kind.st_size, "it has").rstrip("."))
     return path.read_bytes()
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import re
 
-from stepwell._write import write_atomic
-from stepwell.files._arena_text import arena_text_of
-from stepwell.files._chain_text import chain_text
-from stepwell.files._errors import DesignError
-from stepwell.files._robot_text import robot_text
+from stepwell.base.write import write_atomic
 from stepwell.files.arena import loads_arena
 from stepwell.files.design import loads, loads_chain, loads_program
-from stepwell.files.program import WrittenProgram
+from stepwell.files.tables.arena_text import arena_text_of
+from stepwell.files.tables.chain_text import chain_text
+from stepwell.files.tables.program import WrittenProgram
+from stepwell.files.tables.robot_text import robot_text
+from stepwell.files.text.errors import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
 

@@ -5,8 +5,8 @@ program calls: it is interpreted while the work is small, compiled by a process 
 it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
 """
 
-from stepwell.kernels._entry import Entry, entry
-from stepwell.kernels._fingerprint import kernel
+from stepwell.kernels.entry import Entry, entry
+from stepwell.kernels.fingerprint import kernel
 from stepwell.kernels.threads import beside, cores, in_blocks
 
 __all__ = ["Entry", "beside", "cores", "entry", "in_blocks", "kernel"]

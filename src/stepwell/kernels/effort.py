@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.kernels._fingerprint import kernel
+from stepwell.kernels.fingerprint import kernel
 from stepwell.kernels.threads import beside
 
 Ints = NDArray[np.int64]

@@ -1,8 +1,6 @@
 """Measured data in, calibrated bands and measured-versus-model verdicts out."""
 
-from stepwell.lab._errors import LabError
-from stepwell.lab._spread import Estimate
-from stepwell.lab.band import (
+from stepwell.lab.bands.band import (
     BandTest,
     Loop,
     band_test,
@@ -10,23 +8,32 @@ from stepwell.lab.band import (
     stiffness,
     stiffness_by_window,
 )
-from stepwell.lab.band_record import band_record
-from stepwell.lab.band_table import band_table
-from stepwell.lab.calibrate import Calibration, Parameter, Sample, calibrate, fit_record, prepare
-from stepwell.lab.calibrated_table import calibrated_table
-from stepwell.lab.cell_test import CellTest, Reading
-from stepwell.lab.choose import Candidate, Choice, choose_law
-from stepwell.lab.compare import Comparison, compare, comparison_record
-from stepwell.lab.curve import Curve, mean_curve
-from stepwell.lab.laws import LAWS, Fitted, ForceLaw, fit
-from stepwell.lab.odd import batch_oddities, oddities
-from stepwell.lab.pair_test import PairTest
-from stepwell.lab.read import Batch, read, read_all
-from stepwell.lab.recording import Recording
-from stepwell.lab.rig import PAPER_RIG, Rig
-from stepwell.lab.series import Series, Sorted, sort_series
-from stepwell.lab.snaps import Snap, find_snaps
-from stepwell.lab.table import hashes, summary, table, table_csv
+from stepwell.lab.bands.choice import Candidate, Choice, choose_law
+from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
+from stepwell.lab.bands.record import band_record
+from stepwell.lab.bands.spread import Estimate
+from stepwell.lab.bands.table import band_table
+from stepwell.lab.mechanisms.calibrate import (
+    Calibration,
+    Parameter,
+    Sample,
+    calibrate,
+    fit_record,
+    prepare,
+)
+from stepwell.lab.mechanisms.cell_test import CellTest, Reading
+from stepwell.lab.mechanisms.compare import Comparison, compare, comparison_record
+from stepwell.lab.mechanisms.pair_test import PairTest
+from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.series import Series, Sorted, sort_series
+from stepwell.lab.mechanisms.snaps import Snap, find_snaps
+from stepwell.lab.mechanisms.table import calibrated_table
+from stepwell.lab.recordings.curve import Curve, mean_curve
+from stepwell.lab.recordings.errors import LabError
+from stepwell.lab.recordings.oddities import batch_oddities, oddities
+from stepwell.lab.recordings.read import Batch, read, read_all
+from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings.table import hashes, summary, table, table_csv
 
 __all__ = [
     "LAWS",

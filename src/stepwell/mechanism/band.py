@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell._value import ByValue
-from stepwell.mechanism import _check, curves
-from stepwell.mechanism._check import Vec2
-from stepwell.mechanism._geometry import band_length, length_slopes
+from stepwell.base import check
+from stepwell.base.check import Vec2
+from stepwell.base.value import ByValue
+from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
+from stepwell.mechanism.geometry import band_length, length_slopes
 
 Array = NDArray[np.float64]
 
@@ -44,11 +45,11 @@ class Band(ByValue):
     two_sided: bool = False
 
     def __post_init__(self):
-        object.__setattr__(self, "p", _check.vector("p", self.p))
-        object.__setattr__(self, "q", _check.vector("q", self.q))
-        object.__setattr__(self, "stiffness", _check.positive("stiffness", self.stiffness, "N/m"))
+        object.__setattr__(self, "p", check.vector("p", self.p))
+        object.__setattr__(self, "q", check.vector("q", self.q))
+        object.__setattr__(self, "stiffness", check.positive("stiffness", self.stiffness, "N/m"))
         object.__setattr__(
-            self, "rest_length", _check.not_negative("rest_length", self.rest_length, "m")
+            self, "rest_length", check.not_negative("rest_length", self.rest_length, "m")
         )
         if self.two_sided and isinstance(self.law, Table):
             raise ValueError(
@@ -76,13 +77,13 @@ class Band(ByValue):
         Raises:
             ValueError: a table that does not rise, holds a push, or does not end in tension.
         """
-        extension = _check.rising("extension", extension, "m", 2)
+        extension = check.rising("extension", extension, "m", 2)
         for i, pull in enumerate(tension):
             if pull < 0:
                 raise ValueError(
                     f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
                 )
-        stiffness = _check.positive("tension[-1]", tension[-1], "N") / extension[-1]
+        stiffness = check.positive("tension[-1]", tension[-1], "N") / extension[-1]
         shape = tuple(t / stiffness for t in tension)
         return cls(p, q, stiffness, rest_length, Table(extension, shape))
 

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell._limits import require
-from stepwell._value import ByValue
-from stepwell.mechanism import _check, curves, sizes
-from stepwell.mechanism._check import Vec2
+from stepwell.base import check
+from stepwell.base.check import Vec2
+from stepwell.base.limits import require
+from stepwell.base.value import ByValue
+from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
 from stepwell.mechanism.sizes import SlipError
@@ -70,9 +71,9 @@ class Cell(ByValue):
                 raise ValueError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
             require("bands", len(bands), "the cell has")
             object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
-        object.__setattr__(self, "lever", _check.positive("lever", self.lever, "m"))
-        object.__setattr__(self, "limit", _check.positive("limit", self.limit, "rad"))
-        object.__setattr__(self, "friction", _check.not_negative("friction", self.friction, "N"))
+        object.__setattr__(self, "lever", check.positive("lever", self.lever, "m"))
+        object.__setattr__(self, "limit", check.positive("limit", self.limit, "rad"))
+        object.__setattr__(self, "friction", check.not_negative("friction", self.friction, "N"))
         _refuse_limit(self.limit)
         if not (self.unusual or self._asked):
             found = sizes.slips(self)
@@ -107,7 +108,7 @@ class Cell(ByValue):
                 slip
                 for name, anchor in (("p", p), ("q", q))
                 if anchor is not None
-                for slip in sizes.far(name, _check.vector(name, anchor), own)
+                for slip in sizes.far(name, check.vector(name, anchor), own)
             ]
             if far:
                 raise SlipError(tuple(far), _WAY)

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell._limits import require
-from stepwell._usual import REACH
-from stepwell._value import ByValue
+from stepwell.base.check import finite, short
+from stepwell.base.limits import require
+from stepwell.base.usual import REACH
+from stepwell.base.value import ByValue
 from stepwell.mechanism import sizes
-from stepwell.mechanism._check import finite, short
 from stepwell.mechanism.cell import Cell, as_cells
 from stepwell.mechanism.sizes import SlipError
 

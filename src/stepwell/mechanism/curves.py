@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell._value import ByValue
-from stepwell.mechanism import _check
+from stepwell.base import check
+from stepwell.base.value import ByValue
 
 Array = NDArray[np.float64]
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
@@ -45,8 +45,8 @@ class Cubic(ByValue):
     a3: float
 
     def __post_init__(self):
-        object.__setattr__(self, "a2", _check.finite("a2", self.a2, "1/m"))
-        object.__setattr__(self, "a3", _check.finite("a3", self.a3, "1/m²"))
+        object.__setattr__(self, "a2", check.finite("a2", self.a2, "1/m"))
+        object.__setattr__(self, "a3", check.finite("a3", self.a3, "1/m²"))
 
     def pieces(self) -> Array:
         """The shape φ(e) = e + a2 e² + a3 e³ as one cubic piece, (1, 6) float."""
@@ -73,8 +73,8 @@ class Table(ByValue):
     shape: tuple[float, ...]
 
     def __post_init__(self):
-        extension = _check.rising("extension", self.extension, "m", 2)
-        shape = tuple(_check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
+        extension = check.rising("extension", self.extension, "m", 2)
+        shape = tuple(check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
         if len(shape) != len(extension):
             raise ValueError(
                 f"shape has {len(shape)} values, extension {len(extension)}: must be as many."
@@ -118,8 +118,8 @@ class Load(ByValue):
     force: tuple[float, ...]
 
     def __post_init__(self):
-        travel = _check.rising("travel", self.travel, "m", 1)
-        force = tuple(_check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
+        travel = check.rising("travel", self.travel, "m", 1)
+        force = tuple(check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
         if len(force) != len(travel):
             raise ValueError(
                 f"force has {len(force)} values, travel {len(travel)}: must be as many."

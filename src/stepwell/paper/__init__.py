@@ -1,9 +1,9 @@
 """The claims of the paper as data, each with a function that computes ours."""
 
-from stepwell.paper.claim import Claim, Finding, Judgement, Verdict
+from stepwell.paper.claims.claim import Claim, Finding, Judgement, Verdict
+from stepwell.paper.claims.table import markdown
 from stepwell.paper.registry import claims
 from stepwell.paper.run import outputs, record, run
-from stepwell.paper.table import markdown
 
 __all__ = [
     "Claim",

@@ -5,10 +5,10 @@ import sys
 from pathlib import Path
 
 from stepwell.files import write_atomic
-from stepwell.paper._measured import IDS
-from stepwell.paper._steering import MANY_RUNS
+from stepwell.paper.claims.table import markdown, replaced
+from stepwell.paper.mechanisms.measured import IDS
+from stepwell.paper.robots.steering import MANY_RUNS
 from stepwell.paper.run import record, run
-from stepwell.paper.table import markdown, replaced
 
 USAGE = """usage: python -m stepwell.paper [--data PATH | --all] claims.json [PAGE.md ...]
 

@@ -11,7 +11,13 @@ from matplotlib.figure import Figure
 
 from stepwell import figures
 from stepwell.design import boundaries, transition_map
-from stepwell.paper._designs import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
+from stepwell.paper.mechanisms.designs import (
+    PAIRS,
+    monostable_pair,
+    outer_anchor,
+    pair_cycle,
+    six_cells,
+)
 from stepwell.sequences import Cycle, Pathway
 
 
@@ -62,7 +68,7 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 
 def gaits() -> Figure:
     """Where the paper's four robots go (Figs. 3C to 3E)."""
-    from stepwell.paper._robot import walk_of
+    from stepwell.paper.robots.robot import walk_of
 
     names = {
         "forward: q_out = 20 mm": "forward",
@@ -76,15 +82,15 @@ def gaits() -> Figure:
 def three_walls() -> Figure:
     """A robot with antennas past three walls (Fig. 4D)."""
     from stepwell import files
-    from stepwell.paper._robot import robot
-    from stepwell.physics import maze
+    from stepwell.paper.robots.robot import robot
+    from stepwell.simulation import maze
 
     return figures.maze(maze(robot("explorer"), files.load_arena("three-walls")))
 
 
 def tornado() -> Figure:
     """The results about the robot against every number that is assumed."""
-    from stepwell.paper._sensitivity import sensitivities
+    from stepwell.paper.robots.sensitivity import sensitivities
 
     return figures.tornado(sensitivities())
 

@@ -2,21 +2,18 @@
 
 import os
 
-from stepwell.paper import (
-    _antennas,
-    _cells,
-    _loss,
-    _map,
-    _measured,
-    _misprints,
-    _more_cells,
-    _order,
-    _pathways,
-    _robot,
-    _steering,
-    _wells,
+from stepwell.paper.claims.claim import Claim
+from stepwell.paper.mechanisms import (
+    cells as _cells,
+    map,
+    measured,
+    misprints,
+    more_cells,
+    order as _order,
+    pathways,
+    wells,
 )
-from stepwell.paper.claim import Claim
+from stepwell.paper.robots import antennas, loss, robot as _robot, steering
 
 
 def claims(
@@ -32,16 +29,16 @@ def claims(
     """
     return (
         *_cells.CLAIMS,
-        *_pathways.CLAIMS,
+        *pathways.CLAIMS,
         *_order.CLAIMS,
-        *_wells.CLAIMS,
-        *_map.CLAIMS,
-        *_misprints.CLAIMS,
-        *_measured.claims(data),
+        *wells.CLAIMS,
+        *map.CLAIMS,
+        *misprints.CLAIMS,
+        *measured.claims(data),
         *_robot.CLAIMS,
-        *_loss.CLAIMS,
-        *_steering.CLAIMS,
-        *_antennas.CLAIMS,
-        *_more_cells.CLAIMS,
-        *(_steering.MANY_RUNS if everything else ()),
+        *loss.CLAIMS,
+        *steering.CLAIMS,
+        *antennas.CLAIMS,
+        *more_cells.CLAIMS,
+        *(steering.MANY_RUNS if everything else ()),
     )

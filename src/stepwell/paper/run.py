@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from stepwell.files import head, pictures
-from stepwell.paper.claim import Verdict
+from stepwell.paper.claims.claim import Verdict
 from stepwell.paper.registry import claims
 
 SCHEMA = "stepwell.paper/1"

@@ -1,16 +1,16 @@
 """Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
 
-from stepwell.robot.antenna import Antenna
-from stepwell.robot.arena import Arena, Cylinder, Goal, Wall
-from stepwell.robot.blocks import Blocks
-from stepwell.robot.body import Body
-from stepwell.robot.drive import Drive, Profile
-from stepwell.robot.floor import Floor
-from stepwell.robot.foot import Foot
-from stepwell.robot.jitter import other_layout, other_start
-from stepwell.robot.leg import Leg
-from stepwell.robot.predict import Flip, LegPrediction, Limit, Motion, Prediction, Push
-from stepwell.robot.robot import Robot
+from stepwell.robot.gait.predict import Flip, LegPrediction, Limit, Motion, Prediction, Push
+from stepwell.robot.parts.antenna import Antenna
+from stepwell.robot.parts.arena import Arena, Cylinder, Goal, Wall
+from stepwell.robot.parts.blocks import Blocks
+from stepwell.robot.parts.body import Body
+from stepwell.robot.parts.drive import Drive, Profile
+from stepwell.robot.parts.floor import Floor
+from stepwell.robot.parts.foot import Foot
+from stepwell.robot.parts.jitter import other_layout, other_start
+from stepwell.robot.parts.leg import Leg
+from stepwell.robot.parts.robot import Robot
 
 __all__ = [
     "Antenna",

@@ -3,47 +3,47 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.sequences.cycle import Cycle, cycle
-from stepwell.sequences.node import Node, Transition, TransitionKind
-from stepwell.sequences.pathway import Pathway
-from stepwell.sequences.program import Program, Turn, Unreachable
+from stepwell.sequences.cycles.cycle import Cycle, cycle
+from stepwell.sequences.cycles.pathway import Pathway
+from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
+from stepwell.sequences.programs.program import Program, Turn, Unreachable
 
-from stepwell.sequences._plan import program  # isort: skip - after the module of that name
-from stepwell.sequences.sequence import Sequence
+from stepwell.sequences.programs.plan import program  # isort: skip - after the module of that name
+from stepwell.sequences.cycles.sequence import Sequence
 
 if TYPE_CHECKING:
-    from stepwell.sequences.counting import Accumulator, Counting
-    from stepwell.sequences.dot import from_dot, to_dot
-    from stepwell.sequences.exchange import from_graphml, from_json, to_graphml, to_json
-    from stepwell.sequences.fields import from_switching_fields, switching_fields
-    from stepwell.sequences.latches import Latch
-    from stepwell.sequences.loops import Loop
-    from stepwell.sequences.memory import Forgetting, ReturnPointMemory
-    from stepwell.sequences.reading import Reading, read
-    from stepwell.sequences.scrambling import Scrambling
-    from stepwell.sequences.transition_graph import TransitionGraph, graph
+    from stepwell.sequences.graphs.dot import from_dot, to_dot
+    from stepwell.sequences.graphs.exchange import from_graphml, from_json, to_graphml, to_json
+    from stepwell.sequences.graphs.fields import from_switching_fields, switching_fields
+    from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
+    from stepwell.sequences.memory.counting import Accumulator, Counting
+    from stepwell.sequences.memory.latches import Latch
+    from stepwell.sequences.memory.loops import Loop
+    from stepwell.sequences.memory.reading import Reading, read
+    from stepwell.sequences.memory.return_point import Forgetting, ReturnPointMemory
+    from stepwell.sequences.memory.scrambling import Scrambling
 
 # networkx opens with the first graph, not with the first cycle.
 _DOORS = {
-    "Accumulator": "counting",
-    "Counting": "counting",
-    "Forgetting": "memory",
-    "Latch": "latches",
-    "Loop": "loops",
-    "Reading": "reading",
-    "ReturnPointMemory": "memory",
-    "Scrambling": "scrambling",
-    "TransitionGraph": "transition_graph",
-    "from_dot": "dot",
-    "from_graphml": "exchange",
-    "from_json": "exchange",
-    "from_switching_fields": "fields",
-    "graph": "transition_graph",
-    "read": "reading",
-    "switching_fields": "fields",
-    "to_dot": "dot",
-    "to_graphml": "exchange",
-    "to_json": "exchange",
+    "Accumulator": "memory.counting",
+    "Counting": "memory.counting",
+    "Forgetting": "memory.return_point",
+    "Latch": "memory.latches",
+    "Loop": "memory.loops",
+    "Reading": "memory.reading",
+    "ReturnPointMemory": "memory.return_point",
+    "Scrambling": "memory.scrambling",
+    "TransitionGraph": "graphs.transition_graph",
+    "from_dot": "graphs.dot",
+    "from_graphml": "graphs.exchange",
+    "from_json": "graphs.exchange",
+    "from_switching_fields": "graphs.fields",
+    "graph": "graphs.transition_graph",
+    "read": "memory.reading",
+    "switching_fields": "graphs.fields",
+    "to_dot": "graphs.dot",
+    "to_graphml": "graphs.exchange",
+    "to_json": "graphs.exchange",
 }
 
 __all__ = [

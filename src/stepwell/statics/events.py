@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell._value import ByValue
+from stepwell.base.value import ByValue
 
 
 class EventKind(Enum):

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell._value import ByValue
-from stepwell._write import csv_text, write_atomic
+from stepwell.base.value import ByValue
+from stepwell.base.write import csv_text, write_atomic
 from stepwell.kernels.effort import watched
 from stepwell.mechanism import Chain
-from stepwell.statics import _follow as f
-from stepwell.statics._certificate import EQUILIBRIUM, FORCE_SLACK
-from stepwell.statics._events import read_events
-from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import advice_on_tie, refuse_broken
-from stepwell.statics._pieces import Pieces, cut, force_scale
-from stepwell.statics._sample import count_samples, sample
-from stepwell.statics._start import drive_weights
+from stepwell.mechanism.law import Floats, Ints, Laws
 from stepwell.statics.events import Event, Tie
-from stepwell.statics.stretch import Stretch, StretchKind
+from stepwell.statics.following import follow as f
+from stepwell.statics.following.certificate import EQUILIBRIUM, FORCE_SLACK
+from stepwell.statics.following.pieces import Pieces, cut, force_scale
+from stepwell.statics.following.sample import count_samples, sample
+from stepwell.statics.outcome import advice_on_tie, refuse_broken
+from stepwell.statics.reading import read_events
+from stepwell.statics.segment import Stretch, StretchKind
+from stepwell.statics.start import drive_weights
 
 if TYPE_CHECKING:
     import xarray

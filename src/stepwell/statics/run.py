@@ -10,16 +10,16 @@ import numpy as np
 from stepwell.kernels import beside
 from stepwell.kernels.effort import LEGS, UNLIMITED, end_early, watched
 from stepwell.mechanism import Chain
-from stepwell.statics import _follow as f
-from stepwell.statics._branch import drive_of
-from stepwell.statics._certificate import KEPT, audit
-from stepwell.statics._law import Floats, Ints, Laws
-from stepwell.statics._outcome import StaticsError, refuse_broken, refuse_failure
-from stepwell.statics._pack import pack
-from stepwell.statics._pieces import MOST_PIECES, Pieces, cut, force_scale
-from stepwell.statics._sorted import WORTH_SORTING, sorted_cycle
-from stepwell.statics._start import drive_weights, start_travels, starting_state
+from stepwell.mechanism.law import Floats, Ints, Laws
+from stepwell.mechanism.pack import pack
+from stepwell.statics.following import follow as f
+from stepwell.statics.following.branch import drive_of
+from stepwell.statics.following.certificate import KEPT, audit
+from stepwell.statics.following.pieces import MOST_PIECES, Pieces, cut, force_scale
+from stepwell.statics.outcome import StaticsError, refuse_broken, refuse_failure
 from stepwell.statics.path import Path
+from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
+from stepwell.statics.start import drive_weights, start_travels, starting_state
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000

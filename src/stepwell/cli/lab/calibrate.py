@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Force, Json, Out
-from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
+from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
+from stepwell.cli.options.common import Force, Json, Out
 
 _Law = Annotated[
     str | None,
@@ -29,11 +29,11 @@ def calibrate(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
-    from stepwell._version import __version__, versions
-    from stepwell.cli._folders import free
-    from stepwell.cli._progress import progress
-    from stepwell.cli._show import show_json, show_written
-    from stepwell.cli.lab import _text
+    from stepwell.base.version import __version__, versions
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import lab as _text
     from stepwell.files import write_calibration
 
     free(out, "lab calibrate", force)

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli._options import Force, Json, Out
-from stepwell.cli.lab._given import Baseline, Data, NoBaseline, recordings, subtracted
+from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
+from stepwell.cli.options.common import Force, Json, Out
 
 _Designs = Annotated[
     list[str] | None,
@@ -44,10 +44,10 @@ def compare(
     With --out, verdicts, curves and figures are written into a folder.
     """
     from stepwell import files, lab
-    from stepwell.cli._folders import free
-    from stepwell.cli._progress import progress
-    from stepwell.cli._show import show_json, show_written
-    from stepwell.cli.lab import _text
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import lab as _text
 
     free(out, "lab compare", force)
     given = recordings([data])

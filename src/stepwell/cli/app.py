@@ -1,0 +1,87 @@
+"""The subcommands put together."""
+
+import os
+import signal
+import sys
+from io import TextIOWrapper
+from typing import Annotated
+
+import typer
+
+from stepwell.base.version import __version__
+from stepwell.cli import lab, new, paper, presets
+from stepwell.cli.chains import animate, design, graph, map, program, reprogram, run, yield_
+from stepwell.cli.robots import export, maze, robot, view, walk
+from stepwell.cli.screen.outcomes import EXIT_CODES, Commands
+from stepwell.cli.screen.show import styled
+
+app = typer.Typer(
+    cls=Commands,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich" if styled() else None,
+    epilog=EXIT_CODES,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (
+    run.run,
+    map.map_,
+    graph.graph,
+    program.program,
+    design.design,
+    yield_.yield_,
+    reprogram.reprogram,
+    new.new,
+    presets.presets,
+    animate.animate,
+    paper.paper,
+):
+    app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
+app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
+for command in (walk.walk, maze.maze, export.export, view.view):
+    app.command(name=command.__name__, epilog=EXIT_CODES)(command)
+app.add_typer(lab.app, name="lab", epilog=EXIT_CODES)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stepwell {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def stepwell(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Design, check and understand machines whose motion is programmed into their springs."""
+
+
+def main() -> None:
+    """Run the command line; what `stepwell` starts."""
+    for stream in (sys.stdout, sys.stderr):
+        # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        app(prog_name="stepwell")
+    finally:
+        # What is left to do is to leave.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        _flush()
+
+
+def _flush() -> None:
+    """Say nothing where the reader has left, as `head` does after its lines."""
+    stream = sys.stdout
+    if stream is None:
+        return
+    try:
+        stream.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

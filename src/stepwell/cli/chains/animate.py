@@ -1,0 +1,66 @@
+"""`stepwell animate`: the mechanism in motion."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stepwell.cli.options.common import Design, ForceFile
+from stepwell.cli.options.programs import From, To
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle, Program
+
+_Gif = Annotated[Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")]
+_Seconds = Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)]
+_Fps = Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)]
+_Program = Annotated[
+    bool,
+    typer.Option(
+        "--program",
+        help="Play the design's own program, or one planned to --to, instead of a full cycle.",
+    ),
+]
+
+
+def animate(
+    design: Design,
+    out: _Gif = Path("cycle.gif"),
+    seconds: _Seconds = 8.0,
+    fps: _Fps = 20.0,
+    program: _Program = False,
+    start: From = None,
+    to: To = None,
+    force: ForceFile = False,
+) -> None:
+    """Write a design in motion as a GIF.
+
+    Snaps included, with the energy landscape of two cells, or the force of more, beside it.
+    """
+    from stepwell import figures
+    from stepwell.cli.options.folders import free_file
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_lines
+
+    free_file(out, force)
+    result = _motion(design, program, start, to)
+    try:
+        with progress("frames") as tell:
+            figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    show_lines(f"Wrote {out}")
+
+
+def _motion(design: str, program: bool, start: str | None, to: str | None) -> "Cycle | Program":
+    """What is to be seen."""
+    from stepwell import files
+    from stepwell.cli.options.programs import own, planned
+
+    if not program:
+        if start or to:
+            raise typer.BadParameter("needs --program.", param_hint="--to" if to else "--from")
+        return files.load_chain(design).cycle()
+    if start or to:
+        return planned(files.load_chain(design), start, to)
+    return own(files.read(design), design)

@@ -1,0 +1,68 @@
+"""`stepwell graph`: everything that one actuator can do to a chain."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.cli.options.common import Design, ForceFile, Json
+from stepwell.cli.options.drive import Drive
+
+_Start = Annotated[
+    str | None,
+    typer.Option(
+        metavar="STATE",
+        help="Only what can be reached from this state, such as 000; all states by default.",
+        show_default=False,
+    ),
+]
+_File = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="FILE",
+        help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
+        show_default=False,
+        dir_okay=False,
+    ),
+]
+
+
+def graph(
+    design: Design,
+    drive: Drive = None,
+    start: _Start = None,
+    out: _File = None,
+    force: ForceFile = False,
+    as_json: Json = False,
+) -> None:
+    """Say everything that one actuator can do to a chain.
+
+    Its transition graph in the terms of the field: main loop and sub-loops, Garden-of-Eden
+    states, return-point memory, scrambling, accumulators, latches, and states out of reach.
+    With --out, the graph is drawn, or written for other programs.
+    """
+    from stepwell import files
+    from stepwell.cli.options.folders import free_file
+    from stepwell.cli.screen.outcomes import usable
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_lines
+
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free_file(out, force)
+    with usable("--out"):
+        _ = None if out is None else files.checked_suffix(out)
+    with usable(design), progress("graph") as tell:
+        found = chain.graph(drive, start=start, progress=tell)
+        record = files.graph_record(found, design=text)
+    if out is not None:
+        with usable("--out"):
+            files.write_graph(found, out)
+    if as_json:
+        show_json(record, out.parent if out else None, [out.name] if out else ())
+    else:
+        title = [chain.title, ""] if chain.title else []
+        show_lines(*title, str(found.reading))
+        show_lines(*([f"\nWrote {out}"] if out else []))

@@ -1,0 +1,49 @@
+"""`stepwell program`: what the actuator has to do to bring a chain to a state."""
+
+from stepwell.cli.options.common import Design, Force, Json, Out
+from stepwell.cli.options.programs import From, To
+
+
+def program(
+    design: Design,
+    start: From = None,
+    to: To = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the fewest turning points of the actuator from one state to another.
+
+    Each comes with the window in which turning does the same; or you get the proof that no
+    program does it. Without --to, the program in the design file is played, and you are told
+    whether it ends as it should. With --out, a figure, the turning points as CSV, the result
+    as JSON and the design with the program in it are written into a folder.
+    """
+    from stepwell import files
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.options.programs import own, planned
+    from stepwell.cli.screen.outcomes import answered
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import program as _program_text
+    from stepwell.sequences import Unreachable
+
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free(out, "program", force)
+    names: tuple[str, ...] = ()
+    try:
+        found = planned(chain, start, to) if start or to else own(text, design)
+    except Unreachable as why:
+        record, out = files.unreachable_record(chain, start, to, why, design=text), None
+    else:
+        record = files.program_record(found, design=text)
+        if out is not None:
+            with progress("writing") as tell:
+                names = files.write_program(found, out, design=text, progress=tell, force=force)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _program_text.show(record)
+        show_written(out, names)
+    answered(record["does_it"])

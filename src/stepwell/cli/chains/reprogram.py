@@ -1,0 +1,111 @@
+"""`stepwell reprogram`: how far an anchor has to be moved to change what a chain does."""
+
+import math
+from typing import Annotated, NamedTuple
+
+import typer
+
+from stepwell.base.usual import REACH
+from stepwell.cli.options.common import Design, Force, Json, Out
+
+_By = Annotated[
+    str,
+    typer.Option(
+        "--by",
+        metavar="ANCHOR",
+        help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
+        ".q on its outer one, as in inner.p.",
+        show_default=False,
+    ),
+]
+_Target = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SEQUENCE",
+        help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
+        show_default=False,
+    ),
+]
+
+
+class Direction(NamedTuple):
+    """A direction in the plane of an anchor, of any length."""
+
+    x: float
+    y: float
+
+
+def along(text: str) -> Direction:
+    """X:Y, or an angle in degrees from the x axis, as a direction."""
+    try:
+        parts = [float(part) for part in text.split(":")]
+        angle = math.radians(parts[0])
+        x, y = parts if len(parts) > 1 else (math.cos(angle), math.sin(angle))
+    except (OverflowError, ValueError):
+        x, y = math.nan, math.nan
+    if not 0 < math.hypot(x, y) < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be X:Y, as in -1:0, or degrees, as in 180.")
+    return Direction(x, y)
+
+
+_Along = Annotated[
+    Direction | None,
+    typer.Option(
+        "--along",
+        parser=along,
+        metavar="X:Y|DEGREES",
+        help="The line that the anchor keeps to; anywhere in the plane by default.",
+        show_default=False,
+    ),
+]
+_OneWay = Annotated[
+    bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+]
+_Reach = Annotated[
+    float, typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6)
+]
+
+
+def reprogram(
+    design: Design,
+    by: _By,
+    target: _Target = None,
+    line: _Along = None,
+    one_way: _OneWay = False,
+    reach: _Reach = REACH * 1e3,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the smallest displacement of an anchor that changes what a chain does.
+
+    You get the displacement, the sequence just past it, and the force that has to push the
+    anchor on the way: what an antenna must deliver. With --out, the design past the change,
+    the way as CSV and the result as JSON are written into a folder.
+    """
+    from stepwell import files
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.screen.outcomes import answered, usable
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import reprogram as _reprogram_text
+    from stepwell.design import reprogram
+
+    if one_way and line is None:
+        raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
+    text = files.read(design)
+    chain = files.loads_chain(text, design)
+    free(out, "reprogram", force)
+    ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
+    with usable(design), progress("search") as tell:
+        found = reprogram(chain, target, by, **ways, progress=tell)
+    record = files.reprogram_record(found, design=text)
+    names: tuple[str, ...] = ()
+    if out is not None:
+        names = files.write_reprogramming(found, out, design=text, force=force)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _reprogram_text.show(record)
+        show_written(out, names)
+    answered(record["possible"])

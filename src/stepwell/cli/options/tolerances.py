@@ -1,0 +1,63 @@
+"""How far a built mechanism may be from its drawing, as commands are told."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stepwell.base import usual
+
+if TYPE_CHECKING:
+    from stepwell.design import Tolerances
+
+ANCHOR_MM, STIFFNESS_PERCENT = usual.ANCHOR * 1e3, usual.STIFFNESS * 1e2
+
+Anchor = Annotated[
+    float,
+    typer.Option(
+        "--anchor", metavar="MM", help="Every anchor lies within this radius [mm].", min=0
+    ),
+]
+StiffnessSpread = Annotated[
+    float,
+    typer.Option(
+        metavar="PERCENT", help="Standard deviation of a band's stiffness [%].", min=0, max=24.9
+    ),
+]
+RestLengthSpread = Annotated[
+    float,
+    typer.Option(
+        metavar="PERCENT", help="Standard deviation of a band's rest length [%].", min=0, max=24.9
+    ),
+]
+LeverTolerance = Annotated[
+    float,
+    typer.Option(metavar="MM", help="Every cell's lever is off by up to this [mm].", min=0),
+]
+Friction = Annotated[
+    float,
+    typer.Option(metavar="N", help="Every cell has up to this more friction [N].", min=0),
+]
+Samples = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help=f"How many mechanisms are made at random; {usual.QUICKLY}, or {usual.ONE_BY_ONE} "
+        "where each is followed by the engine.",
+        show_default=False,
+        min=1,
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Which ones: the same seed, the same mechanisms.", min=0)]
+
+
+def tolerances(
+    anchor: float, stiffness: float, rest_length: float, lever: float, friction: float
+) -> Tolerances:
+    """The tolerances of these options: mm, %, %, mm, N."""
+    from stepwell.cli.screen.outcomes import usable
+    from stepwell.design import Tolerances
+
+    with usable("tolerances"):
+        return Tolerances(anchor / 1e3, stiffness / 1e2, rest_length / 1e2, lever / 1e3, friction)

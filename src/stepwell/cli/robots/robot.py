@@ -1,0 +1,157 @@
+"""`stepwell robot`: what a robot is made of, and what it does when that is changed."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options.robots import Robot, named, usable
+from stepwell.cli.screen.outcomes import EXIT_CODES
+from stepwell.cli.screen.show import styled
+
+commands = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich" if styled() else None,
+    help="Say what a robot is made of, or vary it.",
+    epilog=EXIT_CODES,
+)
+
+
+@commands.command(epilog=EXIT_CODES)
+def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+    """Say what a robot is made of, and what statics says it will do.
+
+    Every number with its unit and where it comes from, and the gait predicted without
+    simulation. With --out, drawings from above and the side, the prediction and all numbers
+    as JSON are written into a folder, together with the design.
+    """
+    from stepwell import files
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import robot as _robot_text
+
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    free(out, "robot show", force, robot=text)
+    said = design.predict()
+    names: tuple[str, ...] = ()
+    if out is not None:
+        with progress("writing") as tell:
+            names = files.write_robot(design, said, out, design=text, progress=tell, force=force)
+    record = files.robot_record(design, said, design=text)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _robot_text.show(record)
+        show_written(out, names)
+
+
+_Ranges = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="KEY=FROM:TO:COUNT...",
+        help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        show_default=False,
+    ),
+]
+_Random = Annotated[
+    int | None,
+    typer.Option(
+        "--random",
+        metavar="N",
+        help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
+        min=1,
+    ),
+]
+_Seed = Annotated[int, typer.Option(help="Of the draws.", min=0)]
+_Cycles = Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)]
+_Out = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="DIR",
+        help="Write the results into this folder.",
+        show_default=False,
+        file_okay=False,
+    ),
+]
+
+
+@commands.command(epilog=EXIT_CODES)
+def sweep(
+    robot: Robot,
+    ranges: _Ranges,
+    out: _Out,
+    random: _Random = None,
+    seed: _Seed = 0,
+    cycles: _Cycles = 4,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Vary a robot's numbers and walk every one that comes out, on all cores.
+
+    A grid over all ranges, or seeded random draws. A sweep that was interrupted goes on where
+    it stopped when it is called again. Table (CSV), data (NetCDF), JSON and a figure are
+    written into the folder.
+    """
+    from stepwell import files
+    from stepwell.cli.options import ranges as _ranges
+    from stepwell.cli.options.folders import free
+    from stepwell.cli.robots import sweep as _sweep
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.text import robot as _robot_text
+
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    free(out, "robot sweep", force)
+    found = _ranges.ranges(ranges, random)
+    values = _ranges.points(found, random, seed)
+    drawn = seed if random else None
+    keep = out / "unfinished"
+    kept = "the robots that are done are kept, and the same command goes on with the others"
+    with usable("--out"), progress("robots", kept=kept) as tell:
+        result = _sweep.run(design, robot, values, cycles, keep, tell)
+    with progress("writing") as tell:
+        names = files.write_sweep(result, out, design=text, seed=drawn, progress=tell, force=force)
+    _sweep.forget(keep)
+    record = files.sweep_record(result, design=text, seed=drawn)
+    if as_json:
+        show_json(record, out, names)
+    else:
+        _robot_text.show_sweep(record)
+        show_written(out, names)
+
+
+_TwoCycles = Annotated[
+    int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
+]
+
+
+@commands.command(epilog=EXIT_CODES)
+def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> None:
+    """Walk a robot at several time steps and say what depends on them.
+
+    What it does in a cycle, and what the floor carries under feet and supports, against the
+    finest of them.
+    """
+    from stepwell import files, simulation as physics
+    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen.show import show_json
+    from stepwell.cli.text import robot as _robot_text
+
+    source = named(robot)
+    text = files.read(source)
+    design = files.loads_robot(text, source)
+    with usable(robot), progress("walking") as tell:
+        found = physics.convergence(design, cycles=cycles, progress=tell)
+    record = files.convergence_record(found, design=text)
+    if as_json:
+        show_json(record)
+    else:
+        _robot_text.show_convergence(record)

@@ -1,0 +1,1 @@
+"""What all commands do on the screen: tables, progress, errors."""

@@ -1,0 +1,104 @@
+"""What an error means to whoever called the command: a line of advice and an exit code."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, cast
+
+import typer
+from typer.core import TyperGroup
+
+from stepwell.base.setting import SettingError
+from stepwell.cli.screen.show import plain, warn
+
+OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
+# Wrong usage of any kind, which Typer does not export.
+_USAGE = cast("type[Exception]", typer.BadParameter.__base__)
+EXIT_CODES = (
+    "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
+    "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
+    "interrupted."
+)
+
+
+class Commands(TyperGroup):
+    """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run what was asked for."""
+        try:
+            # From here on there is something to tidy up, and to tell, after Ctrl-C.
+            if threading.current_thread() is threading.main_thread():
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+            return super().invoke(ctx)
+        except (typer.Exit, typer.Abort):
+            raise
+        except KeyboardInterrupt as error:
+            warn(str(error) or "Interrupted; nothing was written.")
+            raise typer.Exit(INTERRUPTED) from None
+        except _USAGE as error:
+            for part in ("message", "param_hint"):
+                text = getattr(error, part, None)
+                if isinstance(text, str):
+                    setattr(error, part, plain(text))
+            raise
+        except (ImportError, OSError, RuntimeError, ValueError) as error:
+            known = outcome(error)
+            if known is None:
+                raise
+            code, message = known
+            warn(message)
+            raise typer.Exit(code) from None
+
+
+def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
+    """Exit code and message of an error that the user can do something about, else None."""
+    # Before the rooms are opened, which ask for the settings too.
+    if isinstance(error, SettingError):
+        return WRONG_INPUT, str(error)
+    from stepwell.files import DesignError, OverwriteError, slips_text
+    from stepwell.lab import LabError
+    from stepwell.mechanism import SlipError
+    from stepwell.sequences import Unreachable
+    from stepwell.statics import StaticsError
+
+    if isinstance(error, DesignError | LabError | OverwriteError):
+        return WRONG_INPUT, str(error)
+    if isinstance(error, SlipError):
+        return WRONG_INPUT, slips_text(error)
+    if isinstance(error, Unreachable):
+        return NO, str(error)
+    if isinstance(error, StaticsError):
+        return FAILED, str(error)
+    # A package that an extra brings; any other missing module is a bug of ours.
+    if isinstance(error, ModuleNotFoundError) and "pip install" in str(error):
+        return FAILED, str(error)
+    if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
+        place = f"{error.filename}: " if error.filename else ""
+        return FAILED, f"{place}{error.strerror or error}"
+    return None
+
+
+def stopped(why: str) -> None:
+    """End with a message where a simulation ended early; what it has is written and shown."""
+    if why:
+        warn(why)
+        raise typer.Exit(FAILED)
+
+
+@contextmanager
+def usable(what: str, *answers: type[ValueError]) -> Iterator[None]:
+    """Turn what the work cannot do with an argument into wrong usage, but not its answers."""
+    try:
+        yield
+    except ValueError as error:
+        if isinstance(error, answers) or outcome(error) is not None:
+            raise
+        raise typer.BadParameter(str(error), param_hint=what) from None
+
+
+def answered(yes: bool) -> None:
+    """End with an exit code of its own where what was asked for cannot be had."""
+    if not yes:
+        raise typer.Exit(NO)

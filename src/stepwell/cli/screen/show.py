@@ -1,0 +1,158 @@
+"""How results look on the screen: plain where the reader is a program."""
+
+import errno
+import json
+import os
+import sys
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from stepwell.base.text import printable
+
+_WIDTH = 100
+
+
+def styled() -> bool:
+    """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
+    at_terminal = sys.stdout is not None and sys.stdout.isatty()
+    return at_terminal and not os.environ.get("NO_COLOR")
+
+
+def plain(text: str) -> str:
+    """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def put(text: str) -> None:
+    """Write to standard output, and name it where that fails.
+
+    Raises:
+        OSError: it is closed, or the disk that it goes to is full.
+    """
+    # Closed by its caller with >&-; Python then has no stream at all.
+    if sys.stdout is None:
+        why = f"is closed, so nothing can be shown: send it to a file, or to {os.devnull}"
+        raise OSError(errno.EBADF, why, "standard output")
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:  # a reader that has enough, as `head` does
+        raise
+    except OSError as error:
+        # Python would try to write the rest again at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise type(error)(error.errno, error.strerror, "standard output") from None
+
+
+def warn(text: str) -> None:
+    """Say something on standard error."""
+    from typer import echo
+
+    echo(plain(text), err=True)
+
+
+def show_json(
+    record: dict[str, Any], folder: Path | None = None, names: Sequence[str] = ()
+) -> None:
+    """Print a record as JSON, with the files that were written."""
+    files = {"files": [str(folder / name) for name in names] if folder else []}
+    put(json.dumps(record | files, indent=2, allow_nan=False) + "\n")
+
+
+def show_written(folder: Path | None, names: Sequence[str]) -> None:
+    """Say what was written and where."""
+    if folder is not None:
+        show_lines("", f"Written into {folder}: {', '.join(names)}")
+
+
+def show_lines(*lines: str) -> None:
+    """Print lines."""
+    put("".join(f"{plain(line)}\n" for line in lines))
+
+
+def show_text(*paragraphs: str) -> None:
+    """Print long sentences as paragraphs, each after an empty line."""
+    for text in paragraphs:
+        show_lines("", *wrapped(text))
+
+
+def wrapped(text: str) -> list[str]:
+    """A long sentence in lines, as a sentence begins."""
+    begun = text[:1].upper() + text[1:]
+    return textwrap.wrap(begun, _WIDTH, break_on_hyphens=False, break_long_words=False)
+
+
+def show_table(
+    title: str,
+    head: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    left: Sequence[int] = (0,),
+    hidden: int = 0,
+) -> None:
+    """Print a table.
+
+    Args:
+        title: a line above it.
+        head: column names, with units.
+        rows: text.
+        left: columns that start at the left; the others hold numbers.
+        hidden: how many rows are left out, for a line below it.
+    """
+    draw = _styled if styled() else _plain
+    # Escaped here: a column is as wide as what is shown.
+    draw(plain(title), [*map(plain, head)], [[*map(plain, row)] for row in rows], left)
+    if hidden > 0:
+        show_lines(f"and {hidden} more; --json shows all")
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number for a table; an empty place where there is none."""
+    return "" if value is None else f"{_rounded(value):.{digits}g}"
+
+
+def signed(value: float) -> str:
+    """A change for a table, with its sign."""
+    return f"{_rounded(value):+.4g}"
+
+
+def _rounded(value: float) -> float:
+    # A rounding error has no sign.
+    return 0.0 if abs(value) < 1e-12 else value
+
+
+def _plain(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
+) -> None:
+    """Aligned columns, two spaces apart: what other programs and diffs like."""
+    table = [head, *rows]
+    widths = [max(len(row[k]) for row in table) for k in range(len(head))]
+    show_lines("", title)
+    for row in table:
+        cells = (
+            text.ljust(width) if k in left else text.rjust(width)
+            for k, (text, width) in enumerate(zip(row, widths, strict=True))
+        )
+        show_lines("  ".join(cells).rstrip())
+
+
+def _styled(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
+) -> None:
+    """Columns that fit the terminal."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, header_style="bold")
+    for k, name in enumerate(head):
+        table.add_column(Text(name), justify="left" if k in left else "right")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    console = Console(highlight=False)
+    console.print()
+    console.print(Text(title, style="bold"))
+    console.print(table)

@@ -1,0 +1,1 @@
+"""The closed form of concave cells, where it is proved: certificates, end forces, sorting."""

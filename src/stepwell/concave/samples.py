@@ -1,0 +1,212 @@
+"""What many mechanisms do that differ a little from their drawing, in closed form."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave.certificate import Simple, certify, end_forces, push, simple
+from stepwell.kernels import entry, in_blocks, kernel
+from stepwell.mechanism import Chain
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Verdicts.
+ASK, DOES, OTHER, TIE = 0, 1, 2, 3
+
+# How the actuator drives the chain.
+RIGID, COMPLIANT, FORCE = 0, 1, 2
+
+_BLOCK = 20_000  # cells that one core judges at a time
+_TIE = 1e-9  # of the largest force: closer than this, the engine calls it a tie
+_SAME = 1e-12  # relative difference of travels that are meant to be equal
+
+
+@entry()
+def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
+    """A place evenly distributed over a disc [m], from two numbers even over 0..1."""
+    away, angle = radius * np.sqrt(u), 2.0 * np.pi * v
+    return away * math.cos(angle), away * math.sin(angle)
+
+
+@kernel
+def _made(draw, cells, spread, i: int) -> tuple[Simple, float]:
+    """Cell i as one draw makes it, and its friction [N]; the columns are those of `_draws`."""
+    n = len(cells)
+    dx, dy = cells[i, 0], cells[i, 1]
+    if spread[0] > 0.0:
+        px, py = in_disc(spread[0], draw[4 * i], draw[4 * i + 1])
+        qx, qy = in_disc(spread[0], draw[4 * i + 2], draw[4 * i + 3])
+        dx, dy = dx + qx - px, dy + qy - py
+    made = Simple(
+        dx,
+        dy,
+        cells[i, 2] * (1.0 + spread[1] * draw[4 * n + i]),
+        cells[i, 3] * (1.0 + spread[2] * draw[5 * n + i]),
+        cells[i, 4] + spread[3] * (2.0 * draw[6 * n + i] - 1.0),
+        cells[i, 5],
+    )
+    return made, cells[i, 6] + spread[4] * draw[7 * n + i]
+
+
+@kernel
+def _sort(key, wanted, order):
+    """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
+    for place in range(len(wanted)):
+        cell = wanted[place]
+        j = place
+        while j > 0 and key[order[j - 1]] > key[cell]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = cell
+
+
+@kernel
+def _keeps(made, friction, full, key, order) -> bool:
+    """Whether no cell that gives travel back in a snap reaches its other stop, proved.
+
+    While cell j loads, the cells that are full already give back no more than j still lacks
+    when they let go. That is less than the shortest of their travels, S_min, if at the travel
+    S_j - S_min the force that moves j is still above all those that hold them. Unloading is
+    the same in a mirror.
+    """
+    shortest, release = full[order[0, 0]], key[1, order[0, 0]]
+    for place in range(1, len(full)):
+        j = order[0, place]
+        spare = full[j] - shortest
+        if spare > 0.0 and not push(made[j], spare)[0] + friction[j] > -release:
+            return False
+        shortest, release = min(shortest, full[j]), min(release, key[1, j])
+    shortest, release = full[order[1, 0]], key[0, order[1, 0]]
+    for place in range(1, len(full)):
+        j = order[1, place]
+        if shortest < full[j] and not push(made[j], shortest)[0] - friction[j] < release:
+            return False
+        shortest, release = min(shortest, full[j]), min(release, key[0, j])
+    return True
+
+
+@entry(6e-6, "draws")
+def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowest):
+    """Judge every draw by the order of the forces at which its cells let go.
+
+    Cells of falling force load in rising F0 + f and unload in falling F1 - f, f their friction:
+    while one of them moves, the actuator's force stays below what would wake the next, and the
+    cells awake cannot lack a whole travel between them, so none goes back to its other stop.
+    That needs equal travels, or `_keeps` under a rigid actuator; a prescribed force needs
+    neither, because no cell feels another.
+
+    Args:
+        draws: (m, 8 N) one sample a row, as `_draws` lays them out.
+        cells: (N, 7) d_x, d_y, k, ℓ0, r, sin θc, friction of the drawing, SI.
+        spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
+        wanted: (2, N) cells in order of loading and of unloading.
+        drive: RIGID, COMPLIANT or FORCE.
+        verdict: (m,) out, ASK where the closed form is not proved.
+        does: (m,) out, both orders as digits of base N; wraps where they are too many.
+        gap: (m,) out, smallest gap [N] between neighbours of the wanted orders, negative where
+            two of them are in the other order; infinite for a single cell.
+        wrong: (2, N - 1) out, how often a pair of neighbours is in the other order, added up.
+        narrowest: the same, how often their gap is the smallest.
+    """
+    n = len(cells)
+    made = [Simple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(n)]
+    friction, full = np.empty(n), np.empty(n)
+    key, order = np.empty((2, n)), np.empty((2, n), np.int64)
+    for sample in range(len(draws)):
+        proved = True
+        scale, longest, least = 0.0, 0.0, np.inf
+        for i in range(n):
+            made[i], friction[i] = _made(draws[sample], cells, spread, i)
+            proved = proved and certify(made[i], 0.0)
+            force_0, force_1 = end_forces(made[i])
+            key[0, i], key[1, i] = force_0 + friction[i], friction[i] - force_1
+            full[i] = 2.0 * made[i].lever * made[i].sin_limit
+            scale = max(scale, abs(force_0), abs(force_1), friction[i])
+            longest, least = max(longest, full[i]), min(least, full[i])
+        smallest, where = np.inf, 0
+        tie = False
+        number, right = 0, True
+        for side in range(2):
+            _sort(key[side], wanted[side], order[side])
+            for place in range(n):
+                number = number * n + order[side, place]
+                right = right and order[side, place] == wanted[side, place]
+            for place in range(n - 1):
+                before, after = order[side, place], order[side, place + 1]
+                tie = tie or key[side, after] - key[side, before] <= _TIE * scale
+                apart = key[side, wanted[side, place + 1]] - key[side, wanted[side, place]]
+                if apart < smallest:
+                    smallest, where = apart, side * (n - 1) + place
+        gap[sample] = smallest
+        does[sample] = number
+        if proved and longest - least > _SAME * longest and drive != FORCE:
+            proved = drive == RIGID and _keeps(made, friction, full, key, order)
+        if not proved:
+            verdict[sample] = ASK
+            continue
+        verdict[sample] = TIE if tie else DOES if right else OTHER
+        if n == 1:
+            continue
+        narrowest[where // (n - 1), where % (n - 1)] += 1
+        if verdict[sample] == OTHER:
+            for side in range(2):
+                for place in range(n - 1):
+                    first, second = wanted[side, place], wanted[side, place + 1]
+                    wrong[side, place] += key[side, second] < key[side, first]
+
+
+class Judged(NamedTuple):
+    """What `many` found out about m draws of N cells; see there."""
+
+    verdict: NDArray[np.int8]
+    does: Ints
+    gap: Floats
+    wrong: Ints  # (2, N - 1), summed over the draws
+    narrowest: Ints  # the same
+
+
+@dataclass(frozen=True, slots=True)
+class Judge:
+    """Judges many draws of one chain by one wanted cycle."""
+
+    cells: Floats  # (N, 7) as `many` takes them
+    spread: Floats  # (5,)
+    wanted: Ints  # (2, N)
+    drive: int
+
+    @classmethod
+    def of(cls, chain: Chain, spread: Floats, wanted: Ints) -> "Judge | None":
+        """None where a cell has several bands, a bent law or a load: no closed form at all."""
+        cells: list[list[float]] = []
+        for cell in chain.cells:
+            numbers = simple(replace(cell, friction=0.0))
+            if numbers is None:
+                return None
+            cells.append([*numbers, cell.friction])
+        drive = COMPLIANT
+        if math.isinf(chain.actuator_stiffness) or chain.actuator_stiffness == 0.0:
+            drive = FORCE if chain.actuator_stiffness == 0.0 else RIGID
+        return cls(np.array(cells), spread, wanted, drive)
+
+    def __call__(self, draws: Floats) -> Judged:
+        """The verdicts on draws (m, 8 N)."""
+        m, n = len(draws), len(self.cells)
+        verdict, does, gap = np.empty(m, np.int8), np.empty(m, np.int64), np.empty(m)
+        counts: list[Ints] = []
+
+        def judge(begin: int, end: int) -> None:
+            counted = np.zeros((2, 2, n - 1), np.int64)
+            here = slice(begin, end)
+            many(
+                draws[here], self.cells, self.spread, self.wanted, self.drive,
+                verdict[here], does[here], gap[here], counted[0], counted[1],
+            )  # fmt: skip
+            counts.append(counted)
+
+        in_blocks(judge, m, many.block(max(1, _BLOCK // n), draws))
+        wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
+        return Judged(verdict, does, gap, wrong, narrowest)

@@ -1,0 +1,92 @@
+"""The smallest change of one anchor or one stiffness that alters the sequence."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.mechanism import Band, Cell, Chain
+from stepwell.sequences import cycle
+from stepwell.statics import StaticsError
+
+Floats = NDArray[np.float64]
+
+
+def shifted(chain: Chain, cell: int, move: tuple[float, float]) -> Chain:
+    """The chain with the outer anchors of one cell's bands moved by (dx, dy) [m]."""
+
+    def shift(band: Band) -> Band:
+        return replace(band, q=(band.q[0] + move[0], band.q[1] + move[1]))
+
+    return _with_bands(chain, cell, tuple(shift(band) for band in chain.cells[cell].bands))
+
+
+def stiffened(chain: Chain, cell: int, ratio: float) -> Chain:
+    """The chain with the stiffness of one cell's bands multiplied by `ratio`."""
+    bands = chain.cells[cell].bands
+    return _with_bands(
+        chain, cell, tuple(replace(band, stiffness=band.stiffness * ratio) for band in bands)
+    )
+
+
+def _with_bands(chain: Chain, cell: int, bands: tuple[Band, ...]) -> Chain:
+    cells: list[Cell] = list(chain.cells)
+    cells[cell] = replace(cells[cell], band=bands)
+    return replace(chain, cells=tuple(cells))
+
+
+@dataclass(frozen=True, eq=False)
+class Change(ByValue):
+    """The smallest change of one thing about one cell after which the chain does otherwise.
+
+    Attributes:
+        chain: the design as it is.
+        cell: whose anchor or stiffness it is, 0 the innermost.
+        parameter: "anchor" (q on the outer block; moving p the opposite way is the same) or
+            "stiffness" (of all bands of the cell).
+        distance: how far that is: [m], or the fraction of the stiffness; infinite where
+            nothing within reach changes the sequence.
+        move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.
+        method: "exact" or "search".
+        past: the same a hair further, where the sequence is another one already.
+    """
+
+    chain: Chain = field(repr=False)
+    cell: int
+    parameter: str
+    distance: float
+    move: tuple[float, float] | float
+    method: str
+    past: tuple[float, float] | float = field(repr=False)
+
+    @property
+    def design(self) -> Chain | None:
+        """The chain just past the change; None where there is no change."""
+        if np.isinf(self.distance):
+            return None
+        if isinstance(self.past, tuple):
+            return shifted(self.chain, self.cell, self.past)
+        return stiffened(self.chain, self.cell, 1.0 + self.past)
+
+    @cached_property
+    def becomes(self) -> str:
+        """The sequence just past the change, by the engine; empty where there is no change."""
+        if self.design is None:
+            return ""
+        try:
+            return str(cycle(self.design).sequence)
+        except StaticsError as failure:
+            return f"no answer: {failure}"
+
+    def __str__(self):
+        if np.isinf(self.distance):
+            return f"{self.parameter}: none within reach"
+        if isinstance(self.move, tuple):
+            x, y = self.move
+            return (
+                f"anchor: {self.distance * 1e3:.4g} mm "
+                f"(move q by ({x * 1e3:+.4g}, {y * 1e3:+.4g}) mm)"
+            )
+        return f"stiffness: {self.move * 100:+.4g} %"

@@ -1,0 +1,101 @@
+"""Where an anchor may go: anywhere in the plane, or along a line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave.certificate import Simple, certify
+from stepwell.concave.nearest import concave_disc
+
+Floats = NDArray[np.float64]
+
+# A stretch of a line is halved this often before its proof is given up.
+_DEPTH = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Displacements an anchor may make: frame @ u for all u no longer than the reach.
+
+    Attributes:
+        frame: (2, n) orthonormal; n = 2 for the plane, 1 for a line.
+        one_way: on a line, whether only u >= 0 counts.
+        reach: largest displacement [m].
+    """
+
+    frame: Floats
+    one_way: bool
+    reach: float
+
+    @classmethod
+    def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> Ways:
+        """The plane where `along` is None, else the line in that direction.
+
+        Raises:
+            ValueError: no direction, one way without a direction, or no reach.
+        """
+        if not 0 < reach < math.inf:
+            raise ValueError(f"reach = {reach} m: must be > 0 and finite.")
+        if along is None:
+            if one_way:
+                raise ValueError(
+                    "one_way = True in the plane: give the direction as well, along = (dx, dy)."
+                )
+            return cls(np.eye(2), False, reach)
+        direction = np.array(along, float)
+        length = float(np.linalg.norm(direction))
+        if direction.shape != (2,) or not 0 < length < math.inf:
+            raise ValueError(
+                f"along = {along!r}: must be a direction (dx, dy) other than (0, 0), of any "
+                f"length; (-1, 0) pushes the anchor inwards."
+            )
+        return cls(direction[:, None] / length, one_way, reach)
+
+    @property
+    def dimensions(self) -> int:
+        """1 on a line, 2 in the plane."""
+        return self.frame.shape[1]
+
+    @property
+    def box(self) -> tuple[Floats, float]:
+        """Middle (n,) and half side of a box that holds all u."""
+        if self.one_way:
+            return np.array([self.reach / 2]), self.reach / 2
+        return np.zeros(self.dimensions), self.reach
+
+    def move(self, u: Floats) -> tuple[float, float]:
+        """The displacement (x, y) [m] that belongs to u (n,)."""
+        x, y = self.frame @ u
+        return float(x), float(y)
+
+    def proved(self, cell: Simple, sign: int, distance: float) -> bool:
+        """Whether the cell is proved concave and taut at every displacement up to `distance`.
+
+        Args:
+            cell: as it is.
+            sign: +1 where the anchor is q, -1 where it is p: d = q - p.
+            distance: [m], at most the reach.
+        """
+        if self.dimensions == 2:
+            return concave_disc(cell, distance)
+        start = 0.0 if self.one_way else -distance
+        return _proved_line(cell, sign * self.frame[:, 0], start, distance)
+
+
+def _proved_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
+    waiting = [(start, end, 0)]
+    while waiting:
+        a, b, depth = waiting.pop()
+        middle, half = (a + b) / 2, (b - a) / 2
+        here = cell._replace(dx=cell.dx + middle * along[0], dy=cell.dy + middle * along[1])
+        if certify(here, half):
+            continue
+        if depth == _DEPTH:
+            return False
+        waiting += [(a, middle, depth + 1), (middle, b, depth + 1)]
+    return True

@@ -1,0 +1,133 @@
+"""How far a design is from doing something else."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.usual import REACH
+from stepwell.base.value import ByValue
+from stepwell.concave.sorted_chain import SortedChain
+from stepwell.design.margins import by_engine, closed_form
+from stepwell.design.margins.change import Change
+from stepwell.design.tolerances.tolerances import refuse_reach
+from stepwell.mechanism import Chain
+
+Floats = NDArray[np.float64]
+
+# Printed lines, and the longest chain whose sequences are printed with them.
+_SHOWN = 6
+_SHORT = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Margin(ByValue):
+    """How far a design is from another sequence, for every anchor and every stiffness.
+
+    Attributes:
+        changes: for every cell the smallest change of its anchor, then of its stiffness.
+        gap: smallest difference of two F0 or of two F1 over k r of the innermost cell; NaN
+            where the sequence is not a matter of F0 and F1 alone.
+        method: "exact" where every change is in closed form, else "search".
+        reach: farthest an anchor was moved [m].
+        resolution: what a search can miss; empty where nothing was searched.
+    """
+
+    chain: Chain = field(repr=False)
+    changes: tuple[Change, ...]
+    gap: float
+    method: str
+    reach: float
+    resolution: str
+
+    @property
+    def anchors(self) -> Floats:
+        """(N,) smallest displacement of each cell's anchor [m]."""
+        return self._distances("anchor")
+
+    @property
+    def stiffness(self) -> Floats:
+        """(N,) smallest relative change of each cell's stiffness [1]."""
+        return self._distances("stiffness")
+
+    def _distances(self, parameter: str) -> Floats:
+        return np.array([c.distance for c in self.changes if c.parameter == parameter])
+
+    def __str__(self):
+        near = sorted(self.changes, key=lambda change: change.distance)
+        lines: list[str] = []
+        for change in near[:_SHOWN]:
+            becomes = change.becomes if len(self.chain) <= _SHORT else ""
+            lines.append(
+                f"{self.chain.names[change.cell]}: {change}" + (f" -> {becomes}" if becomes else "")
+            )
+        if len(near) > _SHOWN:
+            lines.append(f"and {len(near) - _SHOWN} more, less sensitive")
+        if self.resolution:
+            lines.append(f"searched, not exact: {self.resolution}")
+        return "\n".join(lines)
+
+    def __repr__(self):
+        anchor, stiffness = float(np.min(self.anchors)), float(np.min(self.stiffness))
+        far = f"more than {self.reach * 1e3:.4g} mm"
+        anchors = far if math.isinf(anchor) else f"{anchor * 1e3:.4g} mm"
+        stiff = "no change of stiffness" if math.isinf(stiffness) else f"{stiffness * 100:.4g} %"
+        return f"Margin({self.method}: anchors {anchors}, stiffness {stiff}, gap {self.gap:.3g})"
+
+
+def margin(
+    chain: Chain,
+    *,
+    reach: float = REACH,
+    progress: Callable[[int, int], None] | None = None,
+) -> Margin:
+    """How far each anchor and each stiffness may change before the sequence does.
+
+    One thing at a time. Where all cells are proved concave under a rigid actuator and share
+    one full travel, the sequence changes exactly when two neighbours in the order of F0 or of
+    F1 change places: the nearest anchor that does it is found to rounding, and the ratio of
+    stiffness is a quotient of forces. Where that proof fails, on the way to the change or
+    from the start, the general engine is asked along rays and the answer says "search".
+
+    Args:
+        chain: any number of cells.
+        reach: farthest displacement of an anchor that is looked at [m].
+        progress: called with (done, total) changes.
+
+    Returns:
+        The margin; a distance is infinite where no change within reach does it.
+
+    Raises:
+        ValueError: `reach` is not above 0, or far beyond the chain.
+
+    Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
+    """
+    if not 0 < reach < math.inf:
+        raise ValueError(f"reach = {reach} m: must be > 0 and finite.")
+    refuse_reach(chain, reach)
+    forces = SortedChain.of(chain)
+    now = by_engine.sequence(chain)
+    changes: list[Change] = []
+    for cell in range(len(chain)):
+        if progress is not None:
+            progress(2 * cell, 2 * len(chain))
+        anchor = None if forces is None else closed_form.anchor(chain, forces, cell, reach)
+        changes.append(anchor or by_engine.anchor(chain, now, cell, reach))
+        if forces is None:
+            changes.append(by_engine.stiffness(chain, now, cell))
+        else:
+            changes.append(closed_form.stiffness(chain, forces, cell))
+    if progress is not None:
+        progress(2 * len(chain), 2 * len(chain))
+    exactly = all(change.method == "exact" for change in changes)
+    scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
+    return Margin(
+        chain,
+        tuple(changes),
+        math.nan if forces is None else forces.smallest_gap() / scale,
+        "exact" if exactly else "search",
+        reach,
+        "" if exactly else by_engine.RESOLUTION,
+    )

@@ -1,0 +1,170 @@
+"""How far all anchors of a chain may be off at once."""
+
+import math
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.concave.certificate import Simple
+from stepwell.concave.end_forces import end_forces_at
+from stepwell.concave.nearest import concave_disc
+from stepwell.concave.sorted_chain import SortedChain
+from stepwell.design.margins.worst import SIDES, farthest
+from stepwell.mechanism import Chain
+
+Floats = NDArray[np.float64]
+
+_DIRECTIONS = 256
+_HALVINGS = 24
+_FINE = 1e-12  # m
+
+METHOD = (
+    "the two neighbours in F0 or F1 that meet first, each displaced the worst way; an end force "
+    f"of a taut band is extreme on the rim of a disc, where {_DIRECTIONS} directions are looked "
+    "at, and one is followed to where the slope points outwards: that none better is missed in "
+    "between is not proved; that all cells stay taut and concave is"
+)
+
+
+class Meeting(NamedTuple):
+    """Two neighbours whose end forces can be made equal."""
+
+    radius: float  # [m]
+    first: int  # the cell that moves first in the design
+    second: int
+    way: str  # "loading", decided by F0, or "unloading", by F1
+    moves: tuple[tuple[float, float], tuple[float, float]]  # of their anchors q [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Robustness(ByValue):
+    """Within which distance of its place every anchor may be, all at once, for the same sequence.
+
+    Attributes:
+        chain: the design.
+        radius: of each outer anchor q, the inner ones being in place; where both ends of a band
+            may be off, half of it for each [m].
+        limit: "order", where further displacements do change the sequence; "proof", where a
+            cell may no longer be taut and concave, and more may or may not do; "none" for a
+            single cell within twice its lever.
+        meeting: the neighbours that meet first; None where nothing meets within the radius.
+        cell: the cell whose proof ends first; None unless that is the limit.
+        method: what is proved of this, and what is not.
+    """
+
+    chain: Chain = field(repr=False)
+    radius: float
+    limit: str
+    meeting: Meeting | None
+    cell: int | None
+    method: str = field(repr=False, default=METHOD)
+
+    def __str__(self):
+        names = self.chain.names
+        text = f"all anchors may be off by {self.radius * 1e3:.4g} mm at once"
+        if self.meeting is not None:
+            first, second = names[self.meeting.first], names[self.meeting.second]
+            text += f"; then {first} and {second} change places in {self.meeting.way}"
+        if self.cell is not None:
+            text += f"; beyond, {names[self.cell]} is not proved taut and concave"
+        return text
+
+    def __repr__(self):
+        return f"Robustness({self})"
+
+
+def robustness(chain: Chain) -> Robustness:
+    """The largest displacement that all anchors may have at once, whatever their directions.
+
+    `margin` moves one anchor at a time; here every other one moves to meet it.
+
+    Raises:
+        ValueError: a chain whose sequence is not the order of its F0 and F1, proved.
+
+    Source: sorting theorem, theory page.
+    """
+    forces = SortedChain.of(chain)
+    if forces is None:
+        raise ValueError(
+            "robustness is for chains of cells proved taut and concave, with one full travel and "
+            "a rigid actuator, whose sequence is the order of F0 and F1. For others: "
+            "chain.margin(), one anchor at a time, or chain.yields(tolerances)."
+        )
+    proofs = [_proved_radius(cell) for cell in forces.cells]
+    first = int(np.argmin(proofs))
+    most = proofs[first]
+    found = [
+        meeting
+        for end, order in enumerate((forces.loading, forces.unloading))
+        for a, b in pairwise(order)
+        if (meeting := _meeting(forces.cells, end, a, b, most)) is not None
+    ]
+    if found:
+        meeting = min(found, key=lambda m: m.radius)
+        return Robustness(chain, meeting.radius, "order", meeting, None)
+    if most < 2.0 * forces.cells[first].lever:
+        return Robustness(chain, most, "proof", None, first)
+    return Robustness(chain, most, "none", None, None)
+
+
+def _proved_radius(cell: Simple) -> float:
+    """How far the anchor may move with the cell proved taut and concave, at most two levers."""
+    low, high = 0.0, 2.0 * cell.lever
+    if concave_disc(cell, high):
+        return high
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        if concave_disc(cell, middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _meeting(
+    cells: tuple[Simple, ...], end: int, first: int, second: int, most: float
+) -> Meeting | None:
+    """Where the end forces of two cells meet, the first one being the one to move first."""
+    # Loading goes up in F0, unloading down in F1.
+    up = 1 if end == 0 else -1
+
+    def gap(radius: float) -> float:
+        ahead = extreme(cells[first], SIDES[end], radius, up)[0]
+        behind = extreme(cells[second], SIDES[end], radius, -up)[0]
+        return up * (behind - ahead)
+
+    if gap(0.0) <= 0.0:
+        return Meeting(0.0, first, second, ("loading", "unloading")[end], ((0.0, 0.0), (0.0, 0.0)))
+    if gap(most) > 0.0:
+        return None
+    from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
+
+    radius = float(brentq(gap, 0.0, most, xtol=_FINE))  # pyright: ignore[reportArgumentType]
+    moves = tuple(
+        (float(x), float(y))
+        for cell, sign in ((first, up), (second, -up))
+        for _, x, y in [extreme(cells[cell], SIDES[end], radius, sign)]
+    )
+    return Meeting(radius, first, second, ("loading", "unloading")[end], moves)  # pyright: ignore[reportArgumentType]
+
+
+def extreme(cell: Simple, side: int, radius: float, sign: int) -> tuple[float, float, float]:
+    """The largest (sign +1) or smallest end force with the anchor within a radius.
+
+    Returns:
+        The force [N] and the displacement (x, y) that makes it [m].
+    """
+    d = np.array([[cell.dx, cell.dy]])
+    followed = farthest(cell, side, d, radius, sign)
+    angle = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False)
+    rim = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    out = np.empty((len(rim), 3))
+    end_forces_at(cell, side, d + rim, out)
+    best = int(np.argmax(sign * out[:, 0]))
+    every = np.vstack([followed, [out[best, 0], *rim[best]]])
+    force, x, y = every[np.argmax(sign * every[:, 0])].tolist()
+    return force, x, y

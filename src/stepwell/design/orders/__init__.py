@@ -1,0 +1,1 @@
+"""What a chain shall do, as states, full cycles and orders of end forces."""

@@ -1,0 +1,312 @@
+"""From what a chain shall do to the orders of its end forces that do it."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+from stepwell.design.orders.full_cycle import full_cycle, short
+from stepwell.sequences import Sequence
+
+# Many orders may do the same, more or less surely. So many are tried, of so many.
+_TRIED = 24
+_LOOKED_AT = 5000
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Cells in ascending F0, the order of loading, and in descending F1, that of unloading."""
+
+    loading: tuple[int, ...]
+    unloading: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return len(self.loading)
+
+    @property
+    def rising(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Cells in ascending F0, and in ascending F1."""
+        return self.loading, self.unloading[::-1]
+
+    @property
+    def sequence(self) -> Sequence:
+        """The states of one full cycle."""
+        flips = tuple((cell,) for cell in self.loading + self.unloading)
+        return Sequence("0" * len(self), flips)
+
+    @property
+    def pattern(self) -> tuple[int, ...]:
+        """Places in ascending F1 of the cells taken in ascending F0: alike but for labels."""
+        return tuple(self.rising[1].index(cell) for cell in self.loading)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """What can be reached from all cells at 0, by the number of cells at 1."""
+        n = len(self)
+        loads = {cell: k for k, cell in enumerate(self.loading)}
+        unloads = {cell: k for k, cell in enumerate(self.unloading)}
+        # A cell is at 1 only where all that load before it and unload after it are.
+        needs = [
+            {i for i in range(n) if loads[i] < loads[j] and unloads[i] > unloads[j]}
+            for j in range(n)
+        ]
+        ideals = {frozenset[int]()}
+        for j in self.loading:
+            ideals |= {ideal | {j} for ideal in ideals if needs[j] <= ideal}
+        found = ["".join("01"[i in ideal] for i in range(n)) for ideal in ideals]
+        return by_cells_at_1(found)
+
+    @property
+    def count(self) -> int:
+        """How many these states are: antichains, counted without listing them (theory page)."""
+        place = {cell: k for k, cell in enumerate(self.unloading)}
+        ending: list[int] = []  # antichains whose cell of largest F0 is this one
+        for j, cell in enumerate(self.loading):
+            before = zip(ending, self.loading[:j], strict=True)
+            ending.append(1 + sum(n for n, other in before if place[other] < place[cell]))
+        return 1 + sum(ending)
+
+    @property
+    def nested(self) -> bool:
+        """Whether of every two cells the one that loads first unloads first: 2^N states."""
+        return self.loading == self.unloading
+
+
+def by_cells_at_1(states: Iterable[str]) -> tuple[str, ...]:
+    """States in the order in which they are listed everywhere."""
+    return tuple(sorted(set(states), key=lambda s: (s.count("1"), s[::-1])))
+
+
+class NoOrders(Exception):
+    """No two orders do what is wanted; the text says why."""
+
+
+def of_sequence(text: str) -> Orders:
+    """The orders that make a cycle such as "00>10>11>01>00".
+
+    Raises:
+        ValueError: text that is no cycle in which every cell loads once and unloads once.
+    """
+    cells = len(str(text).partition(">")[0].strip())
+    if cells == 0:
+        raise ValueError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
+    text = full_cycle(str(text), cells, "sequence")
+    found = Sequence.parse(text).orders
+    if found is None:
+        raise ValueError(
+            f"sequence = {short(text)!r}: chains of concave cells load one cell at a time until "
+            f"all are at 1, then unload one at a time, as in 00>10>11>01>00. For states beside "
+            f"such a cycle, design(states=[...])."
+        )
+    return Orders(*found)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Orders that do what is wanted.
+
+    Attributes:
+        orders: different ones; any will do.
+        complete: whether there are no others.
+        states: those wanted, where they were listed.
+        why: why there are no orders, where there are none.
+        never: whether that forbids it to every chain, of whatever cells.
+        stepwise: whether some of the states lead from all cells at 0 to all at 1, one cell at a
+            time, as the cycle of any chain of concave cells does.
+    """
+
+    orders: tuple[Orders, ...]
+    complete: bool = True
+    states: frozenset[str] | None = None
+    why: str = ""
+    never: bool = False
+    stepwise: bool = True
+
+    @property
+    def cells(self) -> int:
+        """How many cells are wanted."""
+        return len(self.orders[0]) if self.orders else len(next(iter(self.states or ("",))))
+
+
+def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wish:
+    """Orders for which exactly these states can be reached from all cells at 0.
+
+    What two orders tell that can be reached are the order ideals of i < j where F0_i < F0_j and
+    F1_i < F1_j. So the wanted ones must be all ideals of some partial order, which is that of
+    "j is at 1 only where i is", and it must be met by two orders of the cells.
+
+    Args:
+        states: such as ["00", "10", "11"], or "all".
+        cells: how many, for "all".
+        alike: whether all cells may be built alike; then orders that differ only in which cell
+            is which count as one.
+
+    Raises:
+        ValueError: text that is no set of states.
+    """
+    if states == "all":
+        return _realised(_antichain(cells), alike, None)
+    wanted, n = _listed(states, cells)
+    listed = frozenset(wanted)
+    for name, state in (("0", "0" * n), ("1", "1" * n)):
+        if state not in wanted:
+            why = (
+                f"{state} is not among the wanted states, but a chain has all its cells at {name} "
+                f"in every full cycle: add it"
+            )
+            return Wish((), states=listed, why=why, never=True)
+    try:
+        return _realised(_partial_order(wanted, n), alike, listed)
+    except NoOrders as reason:
+        return Wish((), states=listed, why=str(reason), stepwise=_stepwise(wanted, n))
+
+
+def _stepwise(wanted: set[str], n: int) -> bool:
+    """Whether states of the wanted ones lead from all cells at 0 to all at 1, one by one."""
+    front = {"0" * n}
+    for _ in range(n):
+        more = {s[:i] + "1" + s[i + 1 :] for s in front for i in range(n) if s[i] == "0"}
+        front = more & wanted
+    return bool(front)
+
+
+def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wish:
+    """The pairs of orders that agree on exactly this partial order."""
+    clash = _clash(below)
+    if clash is not None:
+        a, b = clash
+        raise NoOrders(
+            f"no two orders of end forces do this, as cell {a + 1} would have to come both before "
+            f"and after cell {b + 1} in one of them (the states make a partial order of a "
+            f"dimension above two)"
+        )
+    found: dict[tuple[int, ...] | Orders, Orders] = {}
+    antichain = sum(map(sum, below)) == len(below)
+    for looked_at, orders in enumerate(_realisers(below)):
+        found.setdefault(orders.pattern if alike else orders, orders)
+        if alike and antichain:
+            break  # all others have the same pattern
+        if len(found) == _TRIED or looked_at == _LOOKED_AT:
+            return Wish(tuple(found.values()), False, states)
+    return Wish(tuple(found.values()), True, states)
+
+
+def _antichain(cells: int | None) -> "Below":
+    if cells is None or cells < 1:
+        raise ValueError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
+    return [[i == j for j in range(cells)] for i in range(cells)]
+
+
+def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
+    if isinstance(states, str):
+        raise ValueError(
+            f'states = {states!r}: must be "all" or a list such as ["00", "10", "11"].'
+        )
+    wanted = {str(state) for state in states}
+    n = len(next(iter(wanted), ""))
+    if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in wanted):
+        raise ValueError(
+            f"states = {sorted(wanted)}: must be states of 0 and 1, one a cell, inner first, and "
+            f"as long as each other."
+        )
+    if cells not in (None, n):
+        raise ValueError(f"cells = {cells}, but the states have {n} cells: leave `cells` out.")
+    return wanted, n
+
+
+Below = list[list[bool]]  # below[i][j]: j is at 1 only where i is
+
+
+def _partial_order(wanted: set[str], n: int) -> Below:
+    # Birkhoff: a family with empty and full set, closed under union and intersection, holds
+    # exactly the ideals of the preorder that it makes.
+    numbers = {int(state, 2) for state in wanted}
+    for a, b in combinations(sorted(numbers), 2):
+        for made, words in ((a | b, "either of them"), (a & b, "both")):
+            if made not in numbers:
+                first, second, third = (f"{number:0{n}b}" for number in (a, b, made))
+                raise NoOrders(
+                    f"{first} and {second} are wanted, so {third}, with the cells that are at 1 in "
+                    f"{words}, comes with them"
+                )
+    below = [[all(s[i] == "1" for s in wanted if s[j] == "1") for j in range(n)] for i in range(n)]
+    for i, j in combinations(range(n), 2):
+        if below[i][j] and below[j][i]:
+            raise NoOrders(
+                f"cells {i + 1} and {j + 1} are in the same state in all that is wanted, but a "
+                f"chain moves one cell at a time: add a state with only one of them at 1"
+            )
+    return below
+
+
+def _clash(below: Below) -> tuple[int, int] | None:
+    """Two cells that no pair of orders can place, or None if there are none.
+
+    Of two cells that are not compared, F0 has one first and F1 the other. If F0 has a before b,
+    and c is compared with a but not with b, then F0 has c before b as well, or b would lie
+    between a and c. Such consequences are followed; where they come back to b before a, no
+    orders exist, and else they do (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect
+    Graphs, 1980, Theorem 5.27).
+    """
+    n = len(below)
+    free = [[i != j and not below[i][j] and not below[j][i] for j in range(n)] for i in range(n)]
+    for a, b in combinations(range(n), 2):
+        if not free[a][b]:
+            continue
+        seen, waiting = {(a, b)}, [(a, b)]
+        while waiting:
+            i, j = waiting.pop()
+            follows = [(k, j) for k in range(n) if k != i and free[k][j] and not free[k][i]]
+            follows += [(i, k) for k in range(n) if k != j and free[i][k] and not free[j][k]]
+            for pair in follows:
+                if pair not in seen:
+                    seen.add(pair)
+                    waiting.append(pair)
+        if (b, a) in seen:
+            return a, b
+    return None
+
+
+def _realisers(below: Below) -> Iterator[Orders]:
+    """Every pair of orders that agree exactly on what the partial order says.
+
+    F0 must be a linear extension in which no b stands between a and c > a without being
+    compared with either (Dushnik & Miller 1941); F1 is then the other way round wherever the
+    partial order does not decide.
+    """
+    n = len(below)
+    line: list[int] = []
+
+    def free(i: int, j: int) -> bool:
+        return not below[i][j] and not below[j][i]
+
+    def fits(c: int) -> bool:
+        if any(below[i][c] and i != c and i not in line for i in range(n)):
+            return False
+        # Cells between a < c in the line must be compared with one of the two.
+        for place, a in enumerate(line):
+            if below[a][c] and any(free(a, b) and free(b, c) for b in line[place + 1 :]):
+                return False
+        return True
+
+    def grow() -> Iterator[Orders]:
+        if len(line) == n:
+            place = {cell: k for k, cell in enumerate(line)}
+            # How many cells come before each in ascending F1.
+            before = [
+                sum(
+                    below[i][j] if not free(i, j) else place[i] > place[j]
+                    for i in range(n)
+                    if i != j
+                )
+                for j in range(n)
+            ]
+            ascending = sorted(range(n), key=before.__getitem__)
+            yield Orders(tuple(line), tuple(reversed(ascending)))
+            return
+        for c in range(n):
+            if c not in line and fits(c):
+                line.append(c)
+                yield from grow()
+                line.pop()
+
+    return grow()

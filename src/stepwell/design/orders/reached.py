@@ -1,0 +1,123 @@
+"""The states that an actuator can bring a chain to, and whether these are all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from stepwell.base.value import ByValue
+from stepwell.design.orders.orders import Orders, by_cells_at_1
+from stepwell.design.parameters.pairs import closed
+from stepwell.mechanism import Chain
+from stepwell.sequences import cycle, graph
+from stepwell.statics import StaticsError, Tie
+
+# The longest chain whose branches are all followed.
+MOST_CELLS = 8
+_SHOWN = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reached(ByValue):
+    """States with every cell at a stop that can be reached from all cells at 0.
+
+    Attributes:
+        told: those that were looked at, or two orders of concave cells whose ideals they are.
+        whole: whether these are all; if not, there may be more.
+        how: how that is known, or why it is not.
+    """
+
+    told: tuple[str, ...] | Orders
+    whole: bool
+    how: str
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Such as "010", by the number of cells at 1; of long chains too many to be listed."""
+        return self.told.states if isinstance(self.told, Orders) else self.told
+
+    @property
+    def count(self) -> int:
+        """How many they are, counted without listing them."""
+        return self.told.count if isinstance(self.told, Orders) else len(self.told)
+
+
+def reached(chain: Chain) -> Reached:
+    """What can be reached: exactly where all can be looked at, else what surely can.
+
+    Args:
+        chain: up to eight cells are followed along every branch. Of longer ones, concave cells
+            with one full travel surely reach the ideals of their two orders, and those are all
+            states where every two loops are nested; any others, what one full cycle passes.
+
+    Source: theory page, "Transition graphs" and "Stroke programs" (a, b).
+    """
+    why = unsearchable(chain)
+    if not why:
+        try:
+            states, ties = searched(chain)
+        except (StaticsError, ValueError) as failure:
+            why = f"not all branches could be followed: {failure}"
+        else:
+            how = f"a tie: {ties[0].advice}" if ties else "every branch was followed to both ends"
+            return Reached(by_cells_at_1(states), not ties, how)
+    sequence = cycle(chain).sequence
+    if sequence.orders is None or not _concave(chain):
+        return Reached(by_cells_at_1(sequence.states), False, why)
+    orders = Orders(*sequence.orders)
+    if orders.nested:
+        return Reached(orders, True, "every two loops are nested, so all are reached")
+    return Reached(orders, False, why)
+
+
+def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
+    """All states that can be reached from all cells at 0, and the ties on the way.
+
+    Raises:
+        ValueError: too many branches.
+        StaticsError: the engine could not go on.
+    """
+    found = graph(chain, start="0" * len(chain))
+    labels = (label for label in found.reachable() if "-" not in label)
+    # Nodes that share a state are numbered.
+    return frozenset(label.partition("#")[0] for label in labels), found.ties
+
+
+def unsearchable(chain: Chain, friction: float = 0.0) -> str:
+    """Why not all that can be reached can be looked at; "" where it can be.
+
+    Args:
+        chain: as drawn.
+        friction: that cells may have on top [N].
+    """
+    if friction > 0 or any(cell.friction > 0 for cell in chain.cells):
+        return (
+            "with friction a chain stops wherever it is turned back, so what it can reach is not "
+            "told by finitely many branches"
+        )
+    if len(chain) > MOST_CELLS:
+        return f"the branches of more than {MOST_CELLS} cells are not all followed"
+    return ""
+
+
+def one_travel(chain: Chain) -> bool:
+    """Whether all cells share one full travel."""
+    full = [cell.full_travel for cell in chain.cells]
+    return max(full) - min(full) <= 1e-12 * max(full)
+
+
+def unlike(found: Iterable[str], wanted: Iterable[str]) -> str:
+    """What else is reached, and what is not; "" for the same states."""
+    found, wanted = set(found), set(wanted)
+    parts = [("also reaches", found - wanted), ("does not reach", wanted - found)]
+    return ", ".join(f"{words} {_few(states)}" for words, states in parts if states)
+
+
+def _few(states: set[str]) -> str:
+    listed = by_cells_at_1(states)
+    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _SHOWN else ""
+    return " ".join(listed[:_SHOWN]) + more
+
+
+def _concave(chain: Chain) -> bool:
+    return one_travel(chain) and all(closed(cell) is not None for cell in chain.cells)

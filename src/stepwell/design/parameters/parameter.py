@@ -1,0 +1,237 @@
+"""The parameters of a chain by name: read one, turn it, know its unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
+
+Vec2 = tuple[float, float]
+
+_ACTUATOR = "actuator_stiffness"
+# What a cell has, with its unit.
+_PARTS = {
+    "p": "m",
+    "q": "m",
+    "p.x": "m",
+    "p.y": "m",
+    "q.x": "m",
+    "q.y": "m",
+    "stiffness": "N/m",
+    "rest_length": "m",
+    "lever": "m",
+    "limit": "rad",
+    "friction": "N",
+}
+ANCHORS = ("p", "q")
+_AXES = ("x", "y")
+# A message names this many cells.
+_NAMED = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knob(ByValue):
+    """One parameter of a chain, to be read and turned.
+
+    Where a cell has several bands, the value is that of the first one, and turning it changes
+    all: anchors are shifted alike, stiffnesses and rest lengths scaled alike.
+
+    Attributes:
+        name: such as "outer.q.x" or "actuator_stiffness".
+        cell: index of the cell in chain.cells; None for the actuator.
+        part: what of it: "p", "q.x", "stiffness" and so on.
+    """
+
+    name: str
+    cell: int | None
+    part: str
+
+    @property
+    def unit(self) -> str:
+        """Its SI unit."""
+        return _PARTS.get(self.part, "N/m")
+
+    @property
+    def is_anchor(self) -> bool:
+        """Whether its value is a place (x, y) and not a number."""
+        return self.part in ANCHORS
+
+    def read(self, chain: Chain) -> float | Vec2:
+        """Its value in a chain, in SI."""
+        if self.cell is None:
+            return chain.actuator_stiffness
+        cell = chain.cells[self.cell]
+        anchor, _, axis = self.part.partition(".")
+        if anchor in ANCHORS:
+            place: Vec2 = getattr(cell.bands[0], anchor)
+            return place[_AXES.index(axis)] if axis else place
+        owner = cell.bands[0] if self.part in ("stiffness", "rest_length") else cell
+        return float(getattr(owner, self.part))
+
+    def turned(self, chain: Chain, value: float | Vec2) -> Chain:
+        """The chain with this parameter at another value, in SI.
+
+        Raises:
+            ValueError: no value that the parameter can have, or a chain that cannot be made.
+        """
+        if self.cell is None:
+            return replace(chain, actuator_stiffness=_number(self, value))
+        cells: list[Cell] = list(chain.cells)
+        cells[self.cell] = self._in_cell(cells[self.cell], value)
+        return replace(chain, cells=tuple(cells))
+
+    def values(self, values: ArrayLike, least: int) -> NDArray[np.float64]:
+        """`values` as `least` or more rising floats; raises ValueError otherwise."""
+        array = np.array(values, float)
+        if self.is_anchor:
+            raise ValueError(
+                f"{self.name} is a place, not a number: take {self.name}.x or {self.name}.y."
+            )
+        if array.ndim != 1 or len(array) < least or not np.all(np.isfinite(array)):
+            raise ValueError(
+                f"values of {self.name} have shape {array.shape}: must be {least} or more finite "
+                f"numbers in a row [{self.unit}], for example from np.linspace or np.geomspace."
+            )
+        if np.any(np.diff(array) <= 0):
+            raise ValueError(
+                f"values of {self.name} must rise from one to the next [{self.unit}]: sort them, "
+                f"drop repeats."
+            )
+        return array
+
+    def slips(self, chain: Chain, value: float) -> tuple[Slip, ...]:
+        """Whether a value is so far above the chain's own that another unit was meant."""
+        if self.cell is None or chain.unusual:
+            return ()
+        cell = chain.cells[self.cell]
+        if self.part == "friction":
+            return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
+        return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
+
+    def _in_cell(self, cell: Cell, value: float | Vec2) -> Cell:
+        anchor, _, axis = self.part.partition(".")
+        if anchor in ANCHORS:
+            old: Vec2 = getattr(cell.bands[0], anchor)
+            if axis:
+                number = _number(self, value)
+                new = (number, old[1]) if axis == "x" else (old[0], number)
+            else:
+                new = _place(self, value)
+            return _with_bands(cell, [_shifted(band, anchor, old, new) for band in cell.bands])
+        number = _number(self, value)
+        if self.part in ("stiffness", "rest_length"):
+            return _with_bands(cell, _scaled(cell.bands, self, number))
+        return replace(cell, **{self.part: number})
+
+
+def knob(chain: Chain, name: str) -> Knob:
+    """The parameter of that name.
+
+    Args:
+        chain: whose parameter it is.
+        name: "<cell>.p", "<cell>.q", "<cell>.q.x" and the like, "<cell>.stiffness",
+            "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction", where <cell>
+            is a name in chain.names or a number, 1 for the innermost; or "actuator_stiffness".
+
+    Raises:
+        ValueError: no such parameter; the message names the nearest one.
+    """
+    if name == _ACTUATOR:
+        return Knob(_ACTUATOR, None, _ACTUATOR)
+    names = list(chain.names)
+    # A cell's own name comes before a number that reads the same.
+    for part in sorted(_PARTS, key=len, reverse=True):
+        label = str(name).removesuffix(f".{part}")
+        if label == name:
+            continue
+        if names.count(label) > 1:
+            raise ValueError(
+                f"parameter {name!r}: {names.count(label)} cells are called {label!r}; take a "
+                f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
+            )
+        if label in names:
+            return Knob(f"{label}.{part}", names.index(label), part)
+        if label.isdecimal() and 1 <= int(label) <= len(names):
+            cell = int(label) - 1
+            return Knob(f"{_label(names, cell)}.{part}", cell, part)
+    raise ValueError(_unknown(chain, name))
+
+
+def knobs(chain: Chain) -> tuple[Knob, ...]:
+    """Every parameter of a chain, the actuator's last."""
+    names = list(chain.names)
+    of_cells = (
+        Knob(f"{_label(names, cell)}.{part}", cell, part)
+        for cell in range(len(names))
+        for part in _PARTS
+    )
+    return (*of_cells, Knob(_ACTUATOR, None, _ACTUATOR))
+
+
+def _label(names: list[str], cell: int) -> str:
+    return names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
+
+
+def _unknown(chain: Chain, name: str) -> str:
+    numbered = (f"{cell}.{part}" for cell in range(1, len(chain) + 1) for part in _PARTS)
+    known = [*(one.name for one in knobs(chain)), *numbered]
+    near = get_close_matches(str(name), known, n=1, cutoff=0.5)
+    guess = f" Did you mean {near[0]!r}?" if near else ""
+    cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED], 1))
+    more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
+    return (
+        f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
+        f"'<cell>.<what>' with <cell> one of {cells}{more}, and <what> one of "
+        f"{', '.join(_PARTS)}."
+    )
+
+
+def _number(knob: Knob, value: float | Vec2) -> float:
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ValueError(f"{knob.name} = {value!r}: must be a number [{knob.unit}].") from None
+    if math.isnan(number):
+        raise ValueError(f"{knob.name} = {number}: must be a number [{knob.unit}].")
+    return number
+
+
+def _place(knob: Knob, value: float | Vec2) -> Vec2:
+    try:
+        x, y = value  # type: ignore[misc]
+        return float(x), float(y)
+    except (TypeError, ValueError):
+        raise ValueError(f"{knob.name} = {value!r}: must be a place (x, y) [m].") from None
+
+
+def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
+    here: Vec2 = getattr(band, anchor)
+    # The first band lands on the new place and not a rounding beside it.
+    x, y = (
+        there if spot == was else spot + (there - was)
+        for spot, was, there in zip(here, old, new, strict=True)
+    )
+    return replace(band, p=(x, y)) if anchor == "p" else replace(band, q=(x, y))
+
+
+def _scaled(bands: tuple[Band, ...], knob: Knob, value: float) -> list[Band]:
+    olds = [float(getattr(band, knob.part)) for band in bands]
+    if olds[0] == 0 and any(olds):
+        raise ValueError(
+            f"{knob.name} = {value}: the first band has none, so the others cannot be scaled with "
+            f"it; put a band with a rest length first."
+        )
+    news = [value if old == olds[0] else old * (value / olds[0]) for old in olds]
+    if knob.part == "stiffness":
+        return [replace(band, stiffness=new) for band, new in zip(bands, news, strict=True)]
+    return [replace(band, rest_length=new) for band, new in zip(bands, news, strict=True)]
+
+
+def _with_bands(cell: Cell, bands: list[Band]) -> Cell:
+    return replace(cell, band=tuple(bands))

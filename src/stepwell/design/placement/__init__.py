@@ -1,0 +1,1 @@
+"""Places for all anchors at once, and how surely they serve."""

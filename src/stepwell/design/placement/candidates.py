@@ -1,0 +1,248 @@
+"""What a cell does with its anchor in any of the allowed places, and how surely."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave.certificate import Simple
+from stepwell.concave.certified import certified_within
+from stepwell.concave.end_forces import end_forces_at
+from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest
+from stepwell.design.placement.region import Region
+from stepwell.design.placement.stock import Stock
+from stepwell.design.plane.box import Box
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.mechanism import Band, Cell
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Forces nearer than this fraction of the largest tie in the engine.
+TIE = 1e-9
+
+
+class Candidates(NamedTuple):
+    """Ways to build a cell, each with its two end forces."""
+
+    q: Floats  # (m, 2) outer anchors [m]
+    kind: Ints  # (m,) number of the band and lever
+    force: Floats  # (m, 2) F0 and F1 [N]
+    down: Floats  # (m, 2) by how much each may come out too low ...
+    up: Floats  # (m, 2) ... and too high, in what `Rule.combined` adds up
+    room: Floats  # (m,) what limits the cell by itself, in units of its gaps
+
+    def take(self, rows: Ints | NDArray[np.bool_]) -> "Candidates":
+        """Some of them."""
+        return Candidates._make(column[rows] for column in self)
+
+
+def joined(parts: list[Candidates]) -> Candidates:
+    """All candidates in one."""
+    return Candidates._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
+
+
+def differences(table: Candidates) -> Floats:
+    """By how much F0 and F1 of candidate b are above those of a, [end, a, b] [N]."""
+    force = table.force.T
+    return force[:, None, :] - force[:, :, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """A band on a lever.
+
+    Attributes:
+        band: from the catalogue.
+        lever, limit: of the cell [m], [rad].
+        unusual: whether odd sizes are meant.
+    """
+
+    band: Stock
+    lever: float
+    limit: float
+    unusual: bool = False
+
+    @cached_property
+    def cell(self) -> Simple:
+        """As plain numbers, without anchors."""
+        nowhere = math.nan, math.nan
+        sine = math.sin(self.limit)
+        return Simple(*nowhere, self.band.stiffness, self.band.rest_length, self.lever, sine)
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """What may be built, and what counts as sure.
+
+    Attributes:
+        p: inner anchor [m].
+        kinds: bands and levers that can be had.
+        tolerances: how far what is built may be from the drawing.
+        most_force: that the actuator has [N].
+        worst: judge by the largest displacement that all anchors may have at once, instead of
+            by the tolerances.
+        looked_at: rectangle that holds all outer anchors.
+        as_drawn: whether a band must be proved taut and concave only where it is drawn, not
+            everywhere within the tolerances.
+    """
+
+    p: tuple[float, float]
+    kinds: tuple[Kind, ...]
+    tolerances: Tolerances
+    most_force: float
+    worst: bool
+    looked_at: Box
+    as_drawn: bool = False
+
+    def cell(self, q: tuple[float, float], k: int) -> Cell:
+        """The k-th kind with its outer anchor at q [m].
+
+        Raises:
+            ValueError: it cannot be built.
+        """
+        kind = self.kinds[k]
+        band = Band(self.p, q, kind.band.stiffness, kind.band.rest_length)
+        # Wherever the search went, nobody has typed it.
+        return replace(Cell(band, kind.lever, kind.limit, unusual=True), unusual=kind.unusual)
+
+    def combined(self, a: Floats, b: Floats) -> Floats:
+        """How far two end forces may come out nearer than drawn."""
+        return a + b if self.worst else np.hypot(a, b)
+
+    def everything(self, region: Region, q: Floats, radius: float = 0.0) -> Candidates:
+        """Every kind at every one of (m, 2) anchors, brought inside the region.
+
+        Left out is what is not proved taut and concave, or is beyond the actuator's force. In the
+        worst case, `radius` [m] is the displacement for which the candidates' `down` and `up` are
+        meant.
+        """
+        q = region.clamped(q)
+        return joined([self._of_kind(q, k, radius) for k in range(len(self.kinds))])
+
+    def these(self, q: Floats, kind: Ints, radius: float = 0.0) -> Candidates:
+        """(m,) kinds at (m, 2) anchors, one each, for which all the same holds."""
+        return joined(
+            [self._of_kind(q[i : i + 1], int(k), radius) for i, k in enumerate(kind.tolist())]
+        )
+
+    def _of_kind(self, q: Floats, k: int, radius: float) -> Candidates:
+        cell = self.kinds[k].cell
+        q = q[self.allowed(q, k)]
+        d = self._d(q)
+        force, slope = _ends(cell, d)
+        if self.worst:
+            down, up = extremes(cell, d, force, slope, radius)
+            room = self._proofs[k].radius(d)
+        else:
+            down = up = _deviations(cell, d, force, slope, self._tolerances(k))
+            room = np.full(len(d), math.inf)
+        return Candidates(q, np.full(len(q), k), force, down, up, room)
+
+    def allowed(self, q: Floats, k: int) -> NDArray[np.bool_]:
+        """At which of (m, 2) anchors the k-th kind is proved and within the actuator's force."""
+        weak = np.all(np.abs(self.end_forces(q, k)) <= self.most_force, axis=1)
+        return self.proved(q, k) & weak
+
+    def proved(self, q: Floats, k: int) -> NDArray[np.bool_]:
+        """At which of (m, 2) anchors the k-th kind is taut and concave."""
+        cell = self.kinds[k].cell
+        out = np.empty(len(q), bool)
+        if self.as_drawn:
+            certified_within(self._d(q), cell, 0.0, out)
+            return out
+        # A longer rest length makes the proof harder, as any displacement does.
+        longest = cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
+        certified_within(self._d(q), cell._replace(rest=longest), 2.0 * self.tolerances.anchor, out)
+        return out
+
+    def end_forces(self, q: Floats, k: int) -> Floats:
+        """F0 and F1 [N] of the k-th kind at (m, 2) anchors, (m, 2)."""
+        return _ends(self.kinds[k].cell, self._d(q))[0]
+
+    def _d(self, q: Floats) -> Floats:
+        return np.ascontiguousarray(q - np.array(self.p))
+
+    @cached_property
+    def _proofs(self) -> list[Proof]:
+        (x, y), box = self.p, self.looked_at
+        d = Box(box.left - x, box.right - x, box.bottom - y, box.top - y)
+        return [Proof(kind.cell, d) for kind in self.kinds]
+
+    def _tolerances(self, k: int) -> Tolerances:
+        spread = self.kinds[k].band.spread
+        these = self.tolerances if spread is None else replace(self.tolerances, stiffness=spread)
+        # Where nothing varies all designs are as sure; then the gaps are counted in millimetres.
+        return these if these != Tolerances() else Tolerances(anchor=0.001)
+
+    def gaps(self, table: Candidates) -> Floats:
+        """How surely candidate a comes next below b, [end, a, b]; -inf where it does not.
+
+        The gap between them over its deviation, or in the worst case the radius [m] up to which
+        the order stays and both cells are proved.
+        """
+        apart = differences(table)
+        tie = TIE * float(np.max(np.abs(table.force), initial=0.0))
+        if self.worst:
+            sure = np.minimum(self._radii(table, apart, tie), table.room)
+            sure = np.minimum(sure, table.room[:, None])
+        else:
+            sure = apart / self.combined(table.up.T[:, :, None], table.down.T[:, None, :])
+        return np.where(apart > tie, sure, -np.inf)
+
+    def _radii(self, table: Candidates, apart: Floats, tie: float) -> Floats:
+        # What the anchors take of a gap is nearly in proportion to the radius.
+        above = np.where(apart > tie, apart, np.nan)
+        radius = np.full_like(above, 1e-6)
+        for _ in range(10):
+            taken = self._taken(table, radius, 1) + self._taken(table, radius.swapaxes(1, 2), -1)
+            radius *= above / taken
+        return radius
+
+    def _taken(self, table: Candidates, radius: Floats, sign: int) -> Floats:
+        """How far the end forces of candidate a rise or fall within radius[end, a, b]."""
+        m = len(table.q)
+        out = np.empty_like(radius)
+        for k in np.unique(table.kind).tolist():
+            rows = np.flatnonzero(table.kind == k)
+            d = np.repeat(table.q[rows] - np.array(self.p), m, axis=0)
+            for end, side in enumerate(SIDES):
+                reach = radius[end, rows].ravel()
+                force = farthest(self.kinds[k].cell, side, d, reach, sign)[:, 0].reshape(-1, m)
+                out[end, rows] = np.abs(force - table.force[rows, end, None])
+        return out if sign > 0 else out.swapaxes(1, 2)
+
+
+def _ends(cell: Simple, d: Floats) -> tuple[Floats, Floats]:
+    """End forces (m, 2) [N] and their slopes by the anchor (m, 2, 2) [N/m]."""
+    out = np.empty((2, len(d), 3))
+    for row, side in enumerate(SIDES):
+        end_forces_at(cell, side, d, out[row])
+    return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
+
+
+def _deviations(
+    cell: Simple, d: Floats, force: Floats, slope: Floats, tolerances: Tolerances
+) -> Floats:
+    """Standard deviations of F0 and F1 [N] to first order, (m, 2).
+
+    A point anywhere in a disc of radius a has the variance a²/4 along each axis, and two such
+    points make up d; a value anywhere within ±w has w²/3, and one anywhere from 0 to w, w²/12.
+    """
+    t = np.array(SIDES) * cell.sin_limit
+    c = math.sqrt(1.0 - cell.sin_limit**2)
+    dx, dy = d[:, :1], d[:, 1:]
+    length = np.hypot(cell.lever * c + dx, cell.lever * t + dy)
+    by_rest = cell.stiffness * (dy - dx * t / c) / length
+    by_lever = by_rest * cell.rest * (cell.lever + dx * c + dy * t) / length**2
+    variance = (
+        np.sum(slope * slope, axis=2) * tolerances.anchor**2 / 2
+        + (force * tolerances.stiffness) ** 2
+        + (by_rest * cell.rest * tolerances.rest_length) ** 2
+        + (by_lever * tolerances.lever) ** 2 / 3
+        + tolerances.friction**2 / 12
+    )
+    return np.sqrt(variance)

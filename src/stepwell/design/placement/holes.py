@@ -1,0 +1,253 @@
+"""The best choice among drilled holes, or the proof that there is none."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.design.orders.orders import Orders
+from stepwell.kernels import entry, in_blocks, kernel
+from stepwell.kernels.effort import overspent, watched
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
+_MOST_ENTRIES = 20_000_000
+_MOST_CANDIDATES = 1000
+# A search that takes more is worth waiting for the compiler, and may take a while.
+_FEW_NODES = 2000
+# Entries of paths, each looked at m times, that one core makes at a time.
+_BLOCK = 10_000_000
+
+
+def fits(cells: int, candidates: int) -> bool:
+    """Whether so many candidates for so many cells are few enough for a complete search."""
+    small = cells**2 * candidates**2 <= _MOST_ENTRIES
+    return small and candidates <= _MOST_CANDIDATES
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """What a search among candidates found.
+
+    Attributes:
+        picks: (N,) number of the candidate of every cell; empty if none meets both orders.
+        value: its sum or its smallest gap, -inf if there is none.
+        complete: whether nothing was left out, so that the choice is the best one, and none at
+            all is a proof that there is none.
+        nodes: partial choices looked at.
+    """
+
+    picks: Ints
+    value: float
+    complete: bool
+    nodes: int
+
+
+def best_choice(
+    gap: Floats,
+    allowed: Bools,
+    orders: Orders,
+    *,
+    add: bool,
+    floor: float = -np.inf,
+    most_nodes: int = 1_000_000,
+) -> Choice:
+    """The choice of one candidate a cell with the largest sum, or smallest, of gaps.
+
+    Each order by itself is a longest path through the candidates, which takes no search. Cells
+    are placed one by one in the order of F0; what is still open is bounded by the best paths of
+    both orders through what is placed, each as if the other did not exist, and where that bound
+    is no better than what is known already, or is -inf, nothing below is looked at.
+
+    Args:
+        gap: (2, m, m) what it is worth to have candidate a next below b, for F0 and F1; -inf
+            where that must not be.
+        allowed: (N, m) which candidates each cell may take.
+        orders: wanted.
+        add: sum of the gaps if True, else the smallest of them.
+        floor: only choices worth more than this.
+        most_nodes: where to give up.
+    """
+    n, m = allowed.shape
+    rising = np.array(orders.rising)
+    segments = np.empty((n, n, m, m))
+    second, takes = np.ascontiguousarray(gap[1]), allowed[rising[1]]
+
+    def from_candidates(begin: int, end: int) -> None:
+        part = np.empty((n, n, end - begin, m))
+        _best_paths(second, takes, add, begin, part)
+        segments[:, :, begin:end] = part
+
+    size = max(1, _BLOCK // (n * n * m * m))
+    in_blocks(from_candidates, m, _best_paths.block(size, second, takes, add, 0, segments))
+    ahead = np.empty((n, m))
+    _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
+    # Rank in F1 of the cells taken by rising F0.
+    ranks = np.argsort(rising[1])[rising[0]]
+    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments
+    bounds = _edges(segments, allowed[rising[1]]), ahead
+    few = min(most_nodes, _FEW_NODES)
+    picks = np.full(n, -1)
+    value, nodes, complete = _search(*table, *bounds, add, floor, np.array([0, few]), picks)
+    if not complete and few < most_nodes:
+        picks[:] = -1
+        search = _search.compiled()
+        # What has to be compiled is compiled here, where Ctrl-C is heard.
+        search(*table, *bounds, add, floor, np.array([0, 0]), picks)
+        value, nodes, complete = watched(
+            lambda effort: search(*table, *bounds, add, floor, effort, picks), most=most_nodes
+        )
+    found = np.empty(n, np.int64)
+    found[rising[0]] = picks
+    return Choice(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
+
+
+@kernel
+def _with(a: float, b: float, add: bool) -> float:
+    return a + b if add else min(a, b)
+
+
+@entry(4e-7, "out")
+def _best_paths(gap, allowed, add: bool, begin: int, out):
+    """The best path from rank u at candidate a to rank v at b, out[u, v, a - begin, b].
+
+    `out` is (N, N, k, m), for the k candidates from `begin` on.
+    """
+    n, m = allowed.shape
+    out[:] = -np.inf
+    for u in range(n):
+        for a in range(out.shape[2]):
+            if allowed[u, begin + a]:
+                out[u, u, a, begin + a] = 0.0 if add else np.inf
+        for v in range(u + 1, n):
+            for a in range(out.shape[2]):
+                for c in range(m):
+                    so_far = out[u, v - 1, a, c]
+                    if so_far > -np.inf:
+                        for b in range(m):
+                            if allowed[v, b]:
+                                value = _with(so_far, gap[c, b], add)
+                                if value > out[u, v, a, b]:
+                                    out[u, v, a, b] = value
+
+
+@entry(5e-7, "allowed")
+def _best_ends(gap, allowed, add: bool, out):
+    """The best path from place u at candidate a to the last place, out[u, a], (N, m)."""
+    n, m = allowed.shape
+    out[:] = -np.inf
+    for a in range(m):
+        if allowed[n - 1, a]:
+            out[n - 1, a] = 0.0 if add else np.inf
+    for u in range(n - 2, -1, -1):
+        for a in range(m):
+            if allowed[u, a]:
+                for b in range(m):
+                    out[u, a] = max(out[u, a], _with(gap[a, b], out[u + 1, b], add))
+
+
+def _edges(segments: Floats, allowed: Bools) -> Floats:
+    """Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a]."""
+    return np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
+
+
+@kernel
+def _bounds(depth, gap, allowed, ranks, segments, edges, ahead, add, picks, value, out):
+    """Bounds of all that may follow from placing each candidate next, out (m,)."""
+    rank = ranks[depth]
+    # The placed cells next to it in F1, and what all other stretches between placed cells give.
+    below, above = -1, -1
+    for k in range(depth):
+        if ranks[k] < rank and (below < 0 or ranks[k] > ranks[below]):
+            below = k
+        if ranks[k] > rank and (above < 0 or ranks[k] < ranks[above]):
+            above = k
+    rest = 0.0 if add else np.inf
+    for k in range(depth):
+        # The stretch from k upwards, unless it is the one that is to be divided.
+        if k != below:
+            after = -1
+            for j in range(depth):
+                if ranks[j] > ranks[k] and (after < 0 or ranks[j] < ranks[after]):
+                    after = j
+            if after < 0:
+                rest = _with(rest, edges[1, ranks[k], picks[k]], add)
+            else:
+                rest = _with(rest, segments[ranks[k], ranks[after], picks[k], picks[after]], add)
+        first = True
+        for j in range(depth):
+            first = first and ranks[j] >= ranks[k]
+        if first and k != above:
+            rest = _with(rest, edges[0, ranks[k], picks[k]], add)
+    for c in range(allowed.shape[1]):
+        out[c] = -np.inf
+        if not allowed[depth, c]:
+            continue
+        bound = _with(rest, ahead[depth, c], add)
+        if depth > 0:
+            bound = _with(bound, _with(value, gap[picks[depth - 1], c], add), add)
+        if below < 0:
+            bound = _with(bound, edges[0, rank, c], add)
+        else:
+            bound = _with(bound, segments[ranks[below], rank, picks[below], c], add)
+        if above < 0:
+            bound = _with(bound, edges[1, rank, c], add)
+        else:
+            bound = _with(bound, segments[rank, ranks[above], c, picks[above]], add)
+        out[c] = bound
+
+
+@entry()
+def _search(gap, allowed, ranks, segments, edges, ahead, add, floor, effort, found):
+    n, m = allowed.shape
+    picks = np.full(n, -1)
+    bound = np.empty((n, m))
+    order = np.empty((n, m), np.int64)
+    at = np.zeros(n, np.int64)
+    value = np.empty(n + 1)  # of the stretches of F0 between placed cells
+    value[0] = 0.0 if add else np.inf
+    best, nodes, depth, c = floor, 0, 0, 0
+    _bounds(0, gap, allowed, ranks, segments, edges, ahead, add, picks, value[0], bound[0])
+    order[0] = np.argsort(-bound[0], kind="mergesort")
+    while depth >= 0:
+        if at[depth] < m:
+            c = order[depth, at[depth]]
+            worth = bound[depth, c]
+        else:
+            worth = -np.inf
+        # A hair more is not better, only rounded differently.
+        if not worth > best + 1e-12 * abs(best) if best > -np.inf else worth == -np.inf:
+            at[depth] = 0
+            depth -= 1
+            continue
+        if overspent(effort, 1):
+            return best, nodes, False
+        nodes += 1
+        at[depth] += 1
+        picks[depth] = c
+        if depth == n - 1:
+            best = worth
+            found[:] = picks
+            continue
+        before = value[depth]
+        value[depth + 1] = _with(before, gap[picks[depth - 1], c], add) if depth > 0 else before
+        depth += 1
+        at[depth] = 0
+        _bounds(
+            depth,
+            gap,
+            allowed,
+            ranks,
+            segments,
+            edges,
+            ahead,
+            add,
+            picks,
+            value[depth],
+            bound[depth],
+        )
+        order[depth] = np.argsort(-bound[depth], kind="mergesort")
+    return (best if found[0] >= 0 else -np.inf), nodes, True

@@ -1,0 +1,171 @@
+"""Where the outer anchor of a band may be put."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.design.plane.box import Box
+
+Floats = NDArray[np.float64]
+
+# Half a micrometre: a hole this far outside is on the edge, and rounding put it there.
+_EDGE = 0.5e-6
+_MOST_PLACES = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class AnchorBox(Box):
+    """A rectangle for the anchor q on a cell's outer block [m].
+
+    Args:
+        left, right: least and largest x [m].
+        bottom, top: least and largest y [m].
+
+    Raises:
+        ValueError: sides that are not finite, or not in order.
+    """
+
+    def __post_init__(self):
+        sides = (("left", "right"), ("bottom", "top"))
+        for low, high in sides:
+            a, b = getattr(self, low), getattr(self, high)
+            if not (math.isfinite(a) and math.isfinite(b) and a < b):
+                raise ValueError(
+                    f"{low} = {a} m, {high} = {b} m: must be finite, and {low} < {high}."
+                )
+
+    @property
+    def bounds(self) -> Box:
+        """The rectangle itself."""
+        return self
+
+    def clamped(self, q: Floats) -> Floats:
+        """The nearest allowed places to (m, 2) places."""
+        return np.clip(q, (self.left, self.bottom), (self.right, self.top))
+
+    def __repr__(self):
+        return (
+            f"AnchorBox(x {self.left * 1e3:.4g}..{self.right * 1e3:.4g}, "
+            f"y {self.bottom * 1e3:.4g}..{self.top * 1e3:.4g} mm)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AnchorPolygon(ByValue):
+    """A polygon for the anchor q on a cell's outer block.
+
+    Args:
+        corners: (m, 2) in order round it [m], three or more; the last is joined to the first.
+            Where it crosses itself, what it goes round twice is outside.
+
+    Raises:
+        ValueError: fewer corners, or corners in a line.
+    """
+
+    corners: Sequence[tuple[float, float]]
+
+    def __post_init__(self):
+        try:
+            corners = tuple((float(x), float(y)) for x, y in self.corners)
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"corners = {self.corners!r}: must be pairs of numbers (x, y) [m]."
+            ) from None
+        if len(corners) < 3 or not np.all(np.isfinite(corners)):
+            raise ValueError(f"corners = {corners}: must be three or more, all finite [m].")
+        out = np.array(corners) - corners[0]
+        if np.linalg.matrix_rank(out, 1e-9) < 2:
+            raise ValueError(f"corners = {corners} m: lie in a line; must enclose an area.")
+        if any(a == b for a, b in zip(corners, corners[1:] + corners[:1], strict=True)):
+            raise ValueError(
+                f"corners = {corners} m: no corner must follow itself; leave it out once."
+            )
+        object.__setattr__(self, "corners", corners)
+
+    @property
+    def bounds(self) -> Box:
+        """The smallest rectangle around it."""
+        (left, bottom), (right, top) = np.min(self.corners, 0), np.max(self.corners, 0)
+        return Box(float(left), float(right), float(bottom), float(top))
+
+    def holds(self, q: Floats) -> NDArray[np.bool_]:
+        """Which of the (m, 2) places lie inside."""
+        x, y = q[:, 0, None], q[:, 1, None]
+        (x0, y0), (x1, y1) = self._sides()
+        crosses = (y0 > y) != (y1 > y)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            right = x < x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+        return np.sum(crosses & right, axis=1) % 2 == 1
+
+    def clamped(self, q: Floats) -> Floats:
+        """The nearest allowed places to (m, 2) places."""
+        a, b = (np.stack(end, axis=-1) for end in self._sides())
+        along = b - a
+        # Sides so short that their square is nothing are their first corner.
+        length = np.sum(along * along, axis=-1)
+        reach = np.sum((q[:, None] - a) * along, axis=-1) / np.where(length > 0, length, np.inf)
+        foot = a + np.clip(reach, 0.0, 1.0)[..., None] * along
+        near = np.argmin(np.sum((foot - q[:, None]) ** 2, axis=-1), axis=1)
+        return np.where(self.holds(q)[:, None], q, foot[np.arange(len(q)), near])
+
+    def _sides(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        first = np.array(self.corners).T
+        last = np.roll(first, -1, axis=1)
+        return (first[0], first[1]), (last[0], last[1])
+
+    def __repr__(self):
+        corners = ", ".join(f"({x * 1e3:.4g}, {y * 1e3:.4g})" for x, y in self.corners)
+        return f"AnchorPolygon({corners} mm)"
+
+
+Region = AnchorBox | AnchorPolygon
+
+PAPER_BOX = AnchorBox(0.0, 0.020, -0.015, 0.015)
+"""Where Kamp et al. (2024, Fig. 2C) moved the outer anchor of the outer cell."""
+PAPER_LEVER = 0.010 * math.sqrt(2.0)
+
+
+def usual_box(lever: float) -> AnchorBox:
+    """The paper's box, as large for a lever [m] as it is for the paper's."""
+    ratio, box = lever / PAPER_LEVER, PAPER_BOX
+    return AnchorBox(*(ratio * side for side in (box.left, box.right, box.bottom, box.top)))
+
+
+def told(regions: Sequence[Region], holes: float | None) -> str:
+    """Where anchors may be, in a few words with units."""
+    places: list[str] = []
+    for region in regions:
+        box = region.bounds
+        kind = "" if isinstance(region, AnchorBox) else f"a polygon of {len(region.corners)} in "
+        places.append(
+            f"{kind}x {box.left * 1e3:.4g} to {box.right * 1e3:.4g} mm, "
+            f"y {box.bottom * 1e3:.4g} to {box.top * 1e3:.4g} mm"
+        )
+    pitch = "anywhere" if holes is None else f"in holes {holes * 1e3:.4g} mm apart"
+    return f"anchors q {pitch} at {' or '.join(dict.fromkeys(places))}"
+
+
+def lattice(region: Region, pitch: float) -> Floats:
+    """(m, 2) places [m] inside the region, `pitch` [m] apart both ways, from its lower left on.
+
+    Raises:
+        ValueError: a pitch that is no distance, or so small that it makes a million places.
+    """
+    if not 0 < pitch < math.inf:
+        raise ValueError(f"pitch = {pitch} m: must be > 0 and finite.")
+    box = region.bounds
+    nx = math.floor((box.right - box.left + _EDGE) / pitch) + 1
+    ny = math.floor((box.top - box.bottom + _EDGE) / pitch) + 1
+    if nx * ny > _MOST_PLACES:
+        raise ValueError(
+            f"pitch = {pitch * 1e3:.4g} mm makes {nx} x {ny} places: must make at most "
+            f"{_MOST_PLACES:,}."
+        )
+    x, y = box.left + pitch * np.arange(nx), box.bottom + pitch * np.arange(ny)
+    places = np.asarray(np.stack(np.meshgrid(x, y), axis=-1), float).reshape(-1, 2)
+    near = region.clamped(places)
+    return near[np.hypot(*(places - near).T) <= _EDGE]

@@ -1,0 +1,50 @@
+"""Bands that can be had."""
+
+import math
+from dataclasses import dataclass
+
+from stepwell.base.value import ByValue
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stock(ByValue):
+    """A kind of band from a catalogue.
+
+    Args:
+        stiffness: k [N/m], > 0.
+        rest_length: ℓ0 [m], >= 0.
+        spread: standard deviation of k from band to band over its mean [1]; None for the one
+            in the tolerances.
+        name: what the catalogue calls it.
+
+    Raises:
+        ValueError: a value out of its range.
+
+    Source: the defaults are the paper's band, Kamp et al. 2024.
+    """
+
+    stiffness: float = 28.5
+    rest_length: float = 0.010
+    spread: float | None = None
+    name: str = ""
+
+    def __post_init__(self):
+        if not 0 < self.stiffness < math.inf:
+            raise ValueError(f"stiffness = {self.stiffness} N/m: must be > 0 and finite.")
+        if not 0 <= self.rest_length < math.inf:
+            raise ValueError(f"rest_length = {self.rest_length} m: must be >= 0 and finite.")
+        if self.spread is not None and not 0 <= self.spread < 0.25:
+            raise ValueError(
+                f"spread = {self.spread}: must be at least 0 and below 0.25; it is a fraction, so "
+                f"5 % is 0.05."
+            )
+
+    def __repr__(self):
+        name = f"{self.name!r}, " if self.name else ""
+        spread = "" if self.spread is None else f", ±{self.spread * 100:.3g} %"
+        return (
+            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={self.rest_length * 1e3:.4g} mm{spread})"
+        )
+
+
+PAPER_BAND = Stock()

@@ -1,0 +1,1 @@
+"""Curves in a plane of two parameters: traced, bisected, made smooth, cut."""

@@ -1,0 +1,1 @@
+"""Chains designed for a wish, or the proof or the search that found none."""

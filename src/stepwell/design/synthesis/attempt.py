@@ -1,0 +1,177 @@
+"""One try at a design, with given orders, bands and levers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.design.orders.orders import Orders
+from stepwell.design.placement.candidates import Candidates, Rule, differences, joined
+from stepwell.design.placement.holes import best_choice, fits
+from stepwell.design.placement.outline import outlines
+from stepwell.design.placement.placement import Placement, Search, choose, measured, shared
+from stepwell.design.placement.region import Region, lattice
+from stepwell.mechanism import Cell, Chain
+
+Floats = NDArray[np.float64]
+
+# Where a complete search among holes gives up, after some ten seconds, and one for a start.
+_MOST_NODES = 3_000_000
+_START_NODES = 100_000
+# Candidates of a first look: at most of one kind in one region, about of all, at least.
+_LOOK, _LOOK_AT_ALL, _LOOK_LEAST = 150, 240, 24
+_LOOK_MOST = 20_000  # places, where few of them will do
+_ROUNDS = 200
+_DRAWN = 6  # decimals of a metre
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What was tried and what was found.
+
+    Attributes:
+        rule, orders, regions, holes: what was asked.
+        tables: the candidates looked at first, of every different region.
+        owner: for every cell the number of its table.
+        best: the best placement found; None where there is none.
+        complete: whether all choices from the tables were compared.
+        nodes: partial choices that took.
+        pitch: of the lattice or the holes [m].
+    """
+
+    rule: Rule
+    orders: Orders
+    regions: tuple[Region, ...]
+    holes: float | None
+    tables: list[Candidates]
+    owner: tuple[int, ...]
+    best: Placement | None
+    complete: bool
+    nodes: int
+    pitch: float
+
+    @property
+    def quality(self) -> tuple[float, float]:
+        """The larger the better."""
+        if self.best is None:
+            return -math.inf, -math.inf
+        return self.best.quality(self.rule.worst)
+
+    @property
+    def works(self) -> bool:
+        """Whether the best placement meets both orders."""
+        return self.best is not None and self.best.smallest > 0.0
+
+    @property
+    def left_out(self) -> str:
+        """Of how many places the band is not proved, or too strong for the actuator."""
+        if self.holes is None:
+            return ""
+        every = [lattice(region, self.holes) for region in dict.fromkeys(self.regions)]
+        ways = len(self.rule.kinds) * sum(len(q) for q in every)
+        out = ways - self.candidates
+        return f"{out} of {ways} holes" if out else ""
+
+    @property
+    def candidates(self) -> int:
+        """How many ways to build a cell were looked at first."""
+        return sum(len(table.q) for table in self.tables)
+
+    def refined(self) -> "Attempt":
+        """With anchors anywhere, not only on the lattice of the first look."""
+        if self.best is None or self.holes is not None:
+            return self
+        search = Search(self.rule, self.orders, self.regions)
+        best = search.refine(self.best, self.pitch / 2)
+        q = np.round(best.cells.q, _DRAWN) + 0.0  # no -0
+        q = np.concatenate([r.clamped(q[i : i + 1]) for i, r in enumerate(self.regions)])
+        drawn = self.rule.these(q, best.cells.kind)
+        if len(drawn.q) == len(self.orders):
+            best = search.renewed(measured(self.rule, self.orders, drawn))
+        return replace(self, best=best)
+
+    def chain(self, actuator_stiffness: float, title: str) -> Chain:
+        """The best placement as a chain."""
+        assert self.best is not None
+        q, kinds = self.best.cells.q.tolist(), self.best.cells.kind.tolist()
+        cells = [self.rule.cell((x, y), k) for (x, y), k in zip(q, kinds, strict=True)]
+        return named(cells, actuator_stiffness, title)
+
+    def smallest_gap(self) -> float:
+        """The smallest gap between neighbours in the wanted orders, as found [N]."""
+        if self.best is None:
+            return math.nan
+        force = self.best.cells.force
+        gaps = [np.diff(force[list(order), end]) for end, order in enumerate(self.orders.rising)]
+        return float(np.min(gaps, initial=math.inf))
+
+    def largest_gap(self) -> float:
+        """The largest that the smallest gap can be where no choice meets the orders [N]."""
+        if len(self.tables) == 1:
+            return 0.0  # all cells in one hole
+        gaps, allowed = differences(joined(self.tables)), shared(self.tables, self.owner)
+        found = best_choice(gaps, allowed, self.orders, add=False, most_nodes=_START_NODES)
+        return found.value
+
+    def region(self) -> tuple[Floats, ...]:
+        """The pairs (F0, F1) [N] that a cell can have: closed curves, or those of all holes."""
+        if self.holes is not None:
+            return tuple(table.force for table in self.tables)
+        return tuple(
+            curve for region in dict.fromkeys(self.regions) for curve in outlines(self.rule, region)
+        )
+
+
+def named(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain:
+    """A chain of cells with names."""
+    n = len(cells)
+    names = ("inner", "outer") if n == 2 else tuple(f"cell {i + 1}" for i in range(n))
+    called = tuple(replace(cell, name=name) for cell, name in zip(cells, names, strict=True))
+    return Chain(called, actuator_stiffness, title)
+
+
+def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> Attempt:
+    """The best choice from a lattice, or from all holes, by complete search where that is few."""
+    different = list(dict.fromkeys(regions))
+    if holes is None:
+        share = _LOOK_AT_ALL / (len(rule.kinds) * len(different))
+        looked_at = [
+            _look_round(rule, region, min(_LOOK, max(_LOOK_LEAST, share))) for region in different
+        ]
+        pitch = max(pitch for pitch, _ in looked_at)
+        tables = [table for _, table in looked_at]
+    else:
+        pitch = holes
+        tables = [rule.everything(region, lattice(region, holes)) for region in different]
+    owner = tuple(different.index(region) for region in regions)
+    if not all(len(table.q) for table in tables):
+        return Attempt(rule, orders, regions, holes, tables, owner, None, True, 0, pitch)
+    best, complete, nodes = None, False, 0
+    if fits(len(orders), sum(len(table.q) for table in tables)):
+        most = _START_NODES if holes is None else _MOST_NODES
+        best, complete, nodes = choose(rule, orders, tables, owner, most)
+    if best is None and not (complete and holes is not None):
+        search, mine = Search(rule, orders, regions), [tables[k] for k in owner]
+        best = search.pattern(mine)
+        best, _ = search.settle(best, lambda i, now: mine[i], rounds=_ROUNDS)
+        if holes is not None:
+            best = search.renewed(best)
+    return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
+
+
+def _look_round(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
+    """Candidates from a lattice with about so many places where something may be built.
+
+    Returns:
+        Its pitch [m], and the candidates.
+    """
+    box = region.bounds
+    pitch = max(box.right - box.left, box.top - box.bottom)
+    while True:
+        q = lattice(region, pitch)
+        table = rule.everything(region, q)
+        if len(table.q) >= 0.8 * places * len(rule.kinds) or len(q) >= _LOOK_MOST:
+            return pitch, table
+        pitch /= 1.1

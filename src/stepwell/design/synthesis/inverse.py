@@ -1,0 +1,328 @@
+"""Anchors that make a chain do what is wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stepwell.base.usual import ONE_BY_ONE, QUICKLY
+from stepwell.design.orders.full_cycle import short
+from stepwell.design.orders.goal import Goal
+from stepwell.design.orders.orders import Wish, by_cells_at_1, of_sequence, of_states
+from stepwell.design.orders.reached import unsearchable
+from stepwell.design.placement.candidates import Kind, Rule
+from stepwell.design.placement.region import (
+    PAPER_LEVER,
+    AnchorBox,
+    AnchorPolygon,
+    Region,
+    usual_box,
+)
+from stepwell.design.placement.stock import PAPER_BAND, Stock
+from stepwell.design.plane.box import Box
+from stepwell.design.synthesis.attempt import Attempt
+from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.tries import Placed, Tries
+from stepwell.design.tolerances.tolerances import USUAL, Tolerances, refuse_slips
+from stepwell.design.tolerances.yields import Yield, yields
+from stepwell.mechanism import Chain, SlipError, sizes
+from stepwell.sequences import cycle
+
+Levers = float | Sequence[float]
+
+_WAY = "If it is meant so, say unusual=True."
+_OBJECTIVES = ("yield", "worst")
+
+
+def design(
+    sequence: str | None = None,
+    *,
+    states: Iterable[str] | str | None = None,
+    cells: int | None = None,
+    within: Region | Sequence[Region] | None = None,
+    holes: float | None = None,
+    p: tuple[float, float] = (-0.010, 0.0),
+    bands: Sequence[Stock] = (PAPER_BAND,),
+    lever: Levers = PAPER_LEVER,
+    limit: float = math.pi / 4,
+    equal_levers: bool = True,
+    tolerances: Tolerances = USUAL,
+    objective: str = "yield",
+    most_force: float = math.inf,
+    actuator_stiffness: float = math.inf,
+    unusual: bool = False,
+    n: int | None = None,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Design:
+    """Find anchors for a wanted cycle, or for a wanted set of states.
+
+    Cells of one taut band with falling force load in ascending F0 and unload in descending F1.
+    So a cycle is two orders, and a set of states that can be reached, turning back early
+    included, is what two orders have in common. A cell is chosen from the pairs (F0, F1) that
+    the allowed anchors, bands and levers can give.
+
+    Args:
+        sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
+        states: all states that shall be in reach from all cells at 0, and no others, or "all".
+            For chains of up to eight cells the engine follows every branch, of the drawing and
+            of each mechanism made for the yield; `Design.reached` says whether that was done.
+        cells: how many, for states="all".
+        within: where the outer anchors may be, for all cells or one for each; by default the
+            paper's box, in proportion to the largest lever.
+        holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
+            round) the region [m]; None for anywhere.
+        p: inner anchor of every cell [m].
+        bands: those that can be had.
+        lever: r, or several to choose from [m].
+        limit: θc of every cell [rad].
+        equal_levers: whether all cells must have the same lever. If not, whether the order of
+            F0 and F1 decides is for the engine to say, and the next best is tried where it does
+            not.
+        tolerances: how far what is built may be from the drawing.
+        objective: "yield" for the largest share of mechanisms that work, "worst" for the largest
+            displacement that all outer anchors may have at once, as `robustness` tells.
+        most_force: that the actuator has: no |F0| or |F1| is larger [N].
+        actuator_stiffness: K, infinite for a prescribed stroke [N/m].
+        unusual: True where sizes far off the levers are meant, as for a Cell.
+        n: mechanisms made at random for the yield; by default 100,000 where their end forces
+            tell what they do, and 500 where the engine has to follow each.
+        seed: which ones.
+        progress: called with (done, total).
+
+    Returns:
+        The design; `Design.method` tells what was searched. Among holes the choice is the best
+        one by the objective, elsewhere a local optimum.
+
+    Raises:
+        Impossible: nothing that is allowed does it, with the proof; or, and it says so, none was
+            found. Among holes the closed form decides all choices of cells proved concave, and
+            the engine tries the others, as many as take some seconds.
+        ValueError: a wish or a number that makes no sense, or is probably in another unit.
+
+    Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
+    """
+    levers = [float(r) for r in np.atleast_1d(lever)]
+    _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
+    if within is None:
+        within = usual_box(max(levers))
+    goal, regions = _wanted(sequence, states, cells, within)
+    if not unusual:
+        _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
+    sets = [[(band, r) for band in bands] for r in levers]
+    mixed = not equal_levers and len(levers) > 1
+    if mixed:
+        sets.insert(0, [kind for kinds in sets for kind in kinds])
+    rules = [
+        Rule(
+            (float(p[0]), float(p[1])),
+            tuple(Kind(band, r, float(limit), unusual) for band, r in kinds),
+            tolerances,
+            float(most_force),
+            objective == "worst",
+            _round(regions),
+        )
+        for kinds in sets
+    ]
+    tries = Tries(goal, regions, holes, actuator_stiffness, seed, progress, len(rules))
+    placed = tries.placed(rules)
+    if placed.found is None and holes is not None:
+        # As drawn more cells are proved concave than within all tolerances.
+        placed = tries.placed([replace(rule, as_drawn=True) for rule in rules])
+    if placed.found is not None:
+        found = placed.found
+        chain, how = found.chain(actuator_stiffness, f"Designed for {goal.text}"), ""
+        quick = not found.rule.as_drawn
+    else:
+        # The union of all levers holds what each of them alone can do.
+        chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
+        found, quick = None, False
+    result = cycle(chain)
+    counted = _counted(goal, chain, tolerances, str(result.sequence))
+    made = (QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE) if n is None else n
+    widest = _widest(found, chain, bands, tolerances)
+    share = yields(chain, widest, n=made, seed=seed, wanted=counted)
+    tries.end()
+    return Design(
+        chain,
+        str(result.sequence),
+        result.loading_order,
+        result.unloading_order,
+        share,
+        () if found is None else found.region(),
+        holes,
+        placed.candidates,
+        found is not None and placed.best,
+        how if found is None else _method(found, placed),
+        _standing(found) + _not_searched(goal, share),
+    )
+
+
+def _wanted(
+    sequence: str | None,
+    states: Iterable[str] | str | None,
+    cells: int | None,
+    within: Region | Sequence[Region],
+) -> tuple[Goal, tuple[Region, ...]]:
+    """What is wanted, and the region of every cell."""
+    if (sequence is None) == (states is None):
+        raise ValueError(
+            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
+            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
+        )
+    some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
+    if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
+        raise ValueError(
+            f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
+        )
+    alike = len(set(some)) == 1
+    if states is None:
+        orders = of_sequence(str(sequence))
+        goal = Goal(short(str(orders.sequence)), Wish((orders,)), by_states=False)
+    else:
+        states = states if isinstance(states, str) else tuple(states)
+        every = f"all states of {cells} cells"
+        text = every if states == "all" else f"states {' '.join(states)}"
+        goal = Goal(short(text), of_states(states, cells, alike), by_states=True)
+    if len(some) not in (1, goal.cells):
+        raise ValueError(
+            f"within has {len(some)} regions for {goal.cells} cells: must be one for all, or one "
+            f"each."
+        )
+    return goal, some if len(some) == goal.cells else some * goal.cells
+
+
+def _counted(
+    goal: Goal, chain: Chain, tolerances: Tolerances, sequence: str
+) -> str | tuple[str, ...]:
+    """What counts as success of what is built: the states wanted, or where not, the cycle."""
+    if goal.states is None or unsearchable(chain, tolerances.friction):
+        return sequence
+    return by_cells_at_1(goal.states)
+
+
+def _not_searched(goal: Goal, share: Yield) -> str:
+    """What is not known of the mechanisms that the yield counts."""
+    if not goal.by_states or share.states is not None:
+        return ""
+    why = unsearchable(share.chain, share.tolerances.friction)
+    return f"; the yield counts those that make the drawing's cycle, because {why}"
+
+
+def _refuse(
+    p: tuple[float, float],
+    bands: Sequence[Stock],
+    levers: Sequence[float],
+    limit: float,
+    tolerances: Tolerances,
+    objective: str,
+    most_force: float,
+    n: int | None,
+) -> None:
+    if len(p) != 2 or not all(math.isfinite(x) for x in p):
+        raise ValueError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
+    if not bands or not all(isinstance(band, Stock) for band in bands):
+        raise ValueError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
+    if not levers or not all(0 < r < math.inf for r in levers):
+        raise ValueError(f"lever = {levers}: must be > 0 and finite [m].")
+    if not 0 < limit < math.pi / 2:
+        raise ValueError(f"limit = {limit} rad: must be between 0 and π/2.")
+    if not isinstance(tolerances, Tolerances):
+        raise ValueError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
+    if objective not in _OBJECTIVES:
+        raise ValueError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
+    if not most_force > 0:
+        raise ValueError(f"most_force = {most_force} N: must be > 0.")
+    if n is not None and n < 1:
+        raise ValueError(f"n = {n}: must be 1 mechanism or more.")
+
+
+def _refuse_slips(
+    p: tuple[float, float],
+    bands: Sequence[Stock],
+    levers: Sequence[float],
+    limit: float,
+    tolerances: Tolerances,
+    around: Box,
+    holes: float | None,
+) -> None:
+    """Raise SlipError for sizes that are far off the largest lever."""
+    lever = max(levers)
+    corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
+    found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
+    if not found:
+        found += sizes.length("p", (float(p[0]), float(p[1])), lever)
+        far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
+        found += far or sizes.length("within", corner, lever)
+        found += sizes.length("holes", holes or 0.0, lever)
+        for band in bands:
+            found += sizes.length("rest_length", band.rest_length, lever)
+            found += sizes.spring("stiffness", band.stiffness)
+    if found:
+        raise SlipError(tuple(found), _WAY)
+    strongest = max(band.stiffness for band in bands) * lever
+    refuse_slips(tolerances, 2.0 * lever * math.sin(limit), strongest, _WAY)
+
+
+def _round(regions: tuple[Region, ...]) -> Box:
+    """The smallest rectangle round all regions."""
+    boxes = [region.bounds for region in regions]
+    return Box(
+        min(box.left for box in boxes),
+        max(box.right for box in boxes),
+        min(box.bottom for box in boxes),
+        max(box.top for box in boxes),
+    )
+
+
+def _widest(
+    found: Attempt | None, chain: Chain, bands: Sequence[Stock], tolerances: Tolerances
+) -> Tolerances:
+    """The tolerances with the largest spread of the bands that were chosen."""
+    if found is not None and found.best is not None:
+        spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
+    else:
+        chosen = {(cell.bands[0].stiffness, cell.bands[0].rest_length) for cell in chain.cells}
+        spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
+    spread = max(tolerances.stiffness if one is None else one for one in spreads)
+    return replace(tolerances, stiffness=spread)
+
+
+def _standing(found: Attempt | None) -> str:
+    """What the motion of the drawing stands on."""
+    if found is None:
+        return "not all cells are proved concave, and the engine has followed the drawing"
+    where = "as drawn" if found.rule.as_drawn else "for all anchors within the tolerances"
+    return (
+        f"concave cells: one taut band with falling force in each, proved {where}; cells load in "
+        f"ascending F0 and unload in descending F1, which the engine has confirmed for the drawing"
+    )
+
+
+def _method(found: Attempt, placed: Placed) -> str:
+    objective = (
+        "the largest displacement of all anchors at once for which the order stays and every cell "
+        "is proved taut and concave"
+        if found.rule.worst
+        else "the product of the chances that neighbours in F0 and in F1 keep their order, to "
+        "first order in the tolerances, the gaps taken as independent; where nothing fails, the "
+        "same with larger tolerances"
+    )
+    how = "the best of all choices, by complete search," if found.complete else "the best found"
+    how += f" among {found.candidates} {'places' if found.holes is None else 'holes'} for a band"
+    if found.holes is None:
+        how += "; from there each cell in turn on finer and finer lattices: a local optimum"
+    if found.left_out:
+        how += f"; {found.left_out} where the band is not proved taut and concave were left out"
+    if placed.tried > 1:
+        how += f"; the best of {placed.tried} combinations of orders and levers"
+    if placed.missed:
+        how += f"; what seemed better does not by the engine ({placed.missed})"
+    if placed.others:
+        how += f"; the surest of {placed.others} random choices looked at that does it"
+    if len({kind.band.spread for kind in found.rule.kinds}) > 1:
+        objective += "; the yield gives all bands the widest spread of those chosen"
+    return f"searched: {how}; objective: {objective}"

@@ -1,0 +1,181 @@
+"""Everything that is tried to make a chain do what is wanted, one thing after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from stepwell.design.orders.full_cycle import short
+from stepwell.design.orders.goal import Goal
+from stepwell.design.placement.candidates import Rule
+from stepwell.design.placement.covered import all_proved
+from stepwell.design.placement.region import Region, told
+from stepwell.design.synthesis.attempt import Attempt, look
+from stepwell.design.synthesis.impossible import Impossible, nothing_works
+from stepwell.design.synthesis.others import another
+from stepwell.design.synthesis.remaining import tried
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.tolerances.yields import yields
+from stepwell.mechanism import Chain
+from stepwell.statics import StaticsError
+
+_REFINED = 3  # attempts
+# Of choices that do it, so many are made so often, to see which does it most surely.
+_COMPARED, _MADE = 24, 40
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """What came of choosing from what the closed form decides.
+
+    Attributes:
+        found: the best attempt that does what is wanted by the engine; None if none does.
+        attempts: all of them.
+        complete: whether no choice was left out, so that there is none where none was found.
+        missed: what the engine finds of a better one.
+        others: how many random choices in the wanted orders were looked at.
+    """
+
+    found: Attempt | None
+    attempts: list[Attempt]
+    complete: bool
+    missed: str
+    others: int
+
+    @property
+    def tried(self) -> int:
+        """How many combinations of orders and levers there were."""
+        return len(self.attempts)
+
+    @property
+    def candidates(self) -> int:
+        """How many ways to build a cell were looked at first."""
+        return max((attempt.candidates for attempt in self.attempts), default=0)
+
+    @property
+    def best(self) -> bool:
+        """Whether it is proved that none of those choices is better by the objective."""
+        return self.complete and not self.missed
+
+
+@dataclass
+class Tries:
+    """The tries at one goal, with their progress.
+
+    Args:
+        goal: what is wanted.
+        regions, holes: where anchors may be, pitch [m].
+        actuator_stiffness: K [N/m].
+        seed: of what is random.
+        progress: called with (done, total).
+        rules: how many sets of bands and levers there are.
+    """
+
+    goal: Goal
+    regions: tuple[Region, ...]
+    holes: float | None
+    actuator_stiffness: float
+    seed: int
+    progress: Callable[[int, int], None] | None
+    rules: int
+    _done: int = field(default=0, init=False)
+
+    @property
+    def _total(self) -> int:
+        once = self.rules * len(self.goal.wish.orders) + _REFINED
+        # Among holes there may be a second round, and then the rest.
+        return once + 1 if self.holes is None else 2 * once + 100 + 1
+
+    def _tell(self, step: int = 1) -> None:
+        self._done = min(self._done + step, self._total)
+        if self.progress is not None:
+            self.progress(self._done, self._total)
+
+    def end(self) -> None:
+        """Nothing is left to be tried."""
+        self._tell(self._total)
+
+    def placed(self, rules: list[Rule]) -> Placed:
+        """The best choice by the objective that does what is wanted."""
+        goal, attempts = self.goal, list[Attempt]()
+        for rule in rules:
+            for orders in goal.wish.orders:
+                self._tell()
+                attempts.append(look(rule, orders, self.regions, self.holes))
+        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
+        for k in range(min(_REFINED, len(attempts))):
+            self._tell()
+            attempts[k] = attempts[k].refined()
+        attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
+        complete = goal.wish.complete and self.holes is not None
+        complete = complete and all(attempt.complete for attempt in attempts)
+        missed = ""
+        for attempt in attempts:
+            if not attempt.works:
+                continue
+            fault = self._fault(attempt)
+            if not fault:
+                return Placed(attempt, attempts, complete, missed, 0)
+            missed = missed or fault
+        found, others = None, 0
+        if missed:
+            found, others = another(goal, attempts, self.actuator_stiffness, self.seed)
+        return Placed(found, attempts, complete and not missed, missed, others)
+
+    def _fault(self, attempt: Attempt) -> str:
+        """What the engine finds that is not as wanted; "" if it is."""
+        chain = attempt.chain(self.actuator_stiffness, "")
+        try:
+            seen = self.goal.look(chain)
+        except (StaticsError, ValueError) as failure:
+            return str(failure)
+        return short(self.goal.misses(seen, attempt.orders))
+
+    def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
+        """A chain that does it among what the closed form does not decide, and how it was found.
+
+        Raises:
+            Impossible: there is none, or none was found.
+        """
+        goal = self.goal
+        if self.holes is None:
+            concave = not goal.wish.stepwise and all(
+                all_proved(rule, region) for rule in rules for region in set(self.regions)
+            )
+            looked = f"{placed.others} random choices in the wanted orders were looked at"
+            raise self._refusal(
+                placed, looked * (placed.others > 0), proved=goal.wish.never or concave
+            )
+        if goal.wish.never or (not goal.wish.orders and goal.states is None):
+            raise self._refusal(placed, "", proved=goal.wish.never)
+        before = self._done
+        found = tried(
+            goal,
+            rules,
+            self.regions,
+            self.holes,
+            decided=placed.complete and goal.states is None,
+            actuator_stiffness=self.actuator_stiffness,
+            seed=self.seed,
+            progress=lambda done, all_: self._tell(
+                max(0, before + 100 * done // max(all_, 1) - self._done)
+            ),
+        )
+        if not found.chains:
+            raise self._refusal(placed, found.report, proved=found.all)
+        surest = max(found.chains[:_COMPARED], key=lambda chain: self._share(chain, tolerances))
+        return surest, (
+            f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
+            f"concave does it; {found.report}, and {len(found.chains)} of them do it; the one of "
+            f"{min(len(found.chains), _COMPARED)} of these that works most often of {_MADE} built"
+        )
+
+    def _share(self, chain: Chain, tolerances: Tolerances) -> float:
+        counted = None if self.goal.states is None or tolerances.friction else self.goal.states
+        return yields(chain, tolerances, n=_MADE, seed=self.seed, wanted=counted).share
+
+    def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
+        allowed = told(self.regions, self.holes)
+        return nothing_works(
+            self.goal, placed.attempts, placed.missed, rest, allowed, proved=proved
+        )

@@ -1,0 +1,1 @@
+"""Mechanisms as a workshop makes them: tolerances, yields, the survival of programs."""

@@ -1,0 +1,136 @@
+"""Whether a stroke program still ends where it should when the mechanism is not as drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from stepwell.base.limits import require
+from stepwell.base.usual import ONE_BY_ONE
+from stepwell.base.value import ByValue
+from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.interval import interval_95
+from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
+from stepwell.mechanism import Chain, SlipError, sizes
+from stepwell.sequences.branches.checks import checked_state
+from stepwell.statics import StaticsError
+
+
+@dataclass(frozen=True, eq=False)
+class Survival(ByValue):
+    """How many of n mechanisms, made at random within tolerances, a program brings to its end.
+
+    Attributes:
+        chain: the drawing.
+        turning_points: drives of the program [m], or [N] under force control.
+        start, ends: states at its beginning and at its end.
+        tolerances: how far the parts may be from the drawing.
+        n, seed: how many mechanisms, and which.
+        successes: how many end with every cell on the side that `ends` says.
+    """
+
+    chain: Chain = field(repr=False)
+    turning_points: tuple[float, ...]
+    start: str
+    ends: str
+    tolerances: Tolerances
+    n: int
+    seed: int
+    successes: int
+
+    @property
+    def share(self) -> float:
+        """Successes over n: the estimate of the probability."""
+        return self.successes / self.n
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
+        return interval_95(self.successes, self.n)
+
+    @property
+    def assumptions(self) -> str:
+        """Under which all this holds."""
+        assumed = (
+            "assumed: every part varies by itself, anchors, levers and friction evenly within "
+            "their tolerance, k and ℓ0 normally; quasi-static; a mechanism that cannot be built "
+            "or followed counts as a failure"
+        )
+        return "; ".join(filter(None, (assumed, frictionless(self.tolerances, self.chain))))
+
+    def __repr__(self):
+        low, high = self.interval
+        return (
+            f"Survival({self.start} to {self.ends}: {100 * self.share:.1f} % of {self.n}, "
+            f"{100 * low:.1f} % to {100 * high:.1f} %, {self.tolerances!r})"
+        )
+
+
+def survival(
+    chain: Chain,
+    turning_points: Sequence[float],
+    ends: str,
+    tolerances: Tolerances = USUAL,
+    *,
+    start: str | None = None,
+    n: int | None = None,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Survival:
+    """Make a mechanism n times at random and run the same stroke program on each.
+
+    Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
+    where the program says, or as far as the mechanism lets it.
+
+    Args:
+        chain: the drawing.
+        turning_points: as for `Chain.path`; of a Program its `turning_points`.
+        ends: the state wanted at the end, such as "010".
+        tolerances: how far the parts may be from the drawing; as for `yields` by default.
+        start: the state at the beginning; all cells at 0 by default.
+        n: how many mechanisms to make; 500 by default.
+        seed: which ones; the same seed gives the same mechanisms as `yields`.
+        progress: called with (done, n).
+
+    Returns:
+        The share that ends right. One that cannot be built or followed does not.
+
+    Raises:
+        ValueError: a state that this chain cannot have, n below 1, or turning points or
+            tolerances that are probably in another unit.
+    """
+    start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
+    checked_state(chain, "ends", ends)
+    n = ONE_BY_ONE if n is None else n
+    if n < 1:
+        raise ValueError(f"n = {n}: must be 1 or more.")
+    require("samples", n, "n =")
+    meet(tolerances, chain)
+    slips = sizes.drives(chain, turning_points)
+    if slips:
+        raise SlipError(slips, "")
+    draws = Draws(chain, tolerances, seed)
+    points = tuple(float(point) for point in turning_points)
+    successes = 0
+    for number in range(n):
+        if progress is not None:
+            progress(number, n)
+        try:
+            successes += _ends_right(draws.sample(number), points, start, ends)
+        except (ValueError, StaticsError):
+            continue
+    if progress is not None:
+        progress(n, n)
+    return Survival(chain, points, start, ends, tolerances, n, seed, successes)
+
+
+def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
+    full = [cell.full_travel for cell in made.cells]
+    if math.isinf(made.actuator_stiffness):
+        # Its stops are not quite where they were drawn.
+        stroke = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
+        points = (stroke, *(min(point, made.full_stroke) for point in points[1:]))
+    end = made.path(points, start=start).end
+    return all((s > f / 2) == (c == "1") for s, f, c in zip(end, full, ends, strict=True))

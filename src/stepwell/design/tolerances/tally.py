@@ -1,0 +1,146 @@
+"""Counting what mechanism after mechanism does, in closed form or by the general engine."""
+
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge
+from stepwell.design.orders.full_cycle import numbered_cycle, orders
+from stepwell.design.orders.reached import one_travel, searched, unlike
+from stepwell.design.tolerances.draws import Draws
+from stepwell.sequences import cycle
+from stepwell.statics import StaticsError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# What a mechanism can do besides a sequence.
+TIED = "a tie"
+NOT_BUILT = "cannot be built"
+NO_ANSWER = "no answer"
+ANOTHER = "another sequence"
+
+_MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
+_KEPT = 100  # outcomes told apart
+
+
+def followed(draws: Draws, draw: Floats, states: frozenset[str] | None = None) -> str:
+    """What the mechanism of one draw does, by the general engine.
+
+    Returns:
+        Its sequence; or where states are wanted, what else it reaches, and what not.
+    """
+    try:
+        made = draws.built(draw)
+    except ValueError:
+        return NOT_BUILT
+    try:
+        if states is not None:
+            found, ties = searched(made)
+            return TIED if ties else unlike(found, states)
+        result = cycle(made)
+    except (StaticsError, ValueError):
+        return NO_ANSWER
+    return TIED if result.degenerate else str(result.sequence)
+
+
+class Tally:
+    """What the first n mechanisms of some draws do, counted against what is wanted.
+
+    Args:
+        draws: the mechanisms.
+        wanted: the cycle that counts; where states are wanted, the one whose orders are compared.
+        states: those that shall be reached and no others; None where the cycle counts.
+
+    Attributes:
+        states: as given.
+        orders: (2, N) of that cycle; None where it is not one cell after the other.
+        judge: the closed form; None where there is none.
+        judged, by_engine: of how many it told the orders, and how many the engine followed.
+        successes: how many do what is wanted.
+        followed_well: of each that the engine followed, in order, whether it does.
+        wrong, narrowest: (2, N - 1) as in `_many.many`, of those judged.
+    """
+
+    def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
+        self.draws, self.orders, self.states = draws, orders(wanted), states
+        self._success = wanted if states is None else ""
+        cells = len(draws.chain)
+        # Where every two loops are nested all states are reached (theory page, "Stroke programs").
+        whole = states is not None and len(states) == 2**cells
+        self._nested_do = whole and one_travel(draws.chain) and not draws.tolerances.lever
+        some = self.orders if self.orders is not None else np.tile(np.arange(cells), (2, 1))
+        self.judge = Judge.of(draws.chain, draws.spread, some)
+        self.successes = self.judged = self.by_engine = 0
+        self.followed_well: list[bool] = []
+        self.wrong = np.zeros((2, cells - 1), np.int64)
+        self.narrowest = self.wrong.copy()
+        self._told_apart = cells <= _MOST_CELLS
+        self._texts: Counter[str] = Counter()
+        self._numbers: list[Ints] = [np.empty(0, np.int64)]
+
+    def count(self, n: int, progress: Callable[[int, int], None] | None) -> None:
+        """Count the first n; `progress` is called with (done, n)."""
+        done = 0
+        for drawn in self.draws.chunks(n):
+            waiting = drawn if self.judge is None else drawn[self._judged(drawn, self.judge)]
+            done += len(drawn) - len(waiting)
+            for draw in waiting:
+                if progress is not None:
+                    progress(done, n)
+                self._follow(draw)
+                done += 1
+            if progress is not None:
+                progress(done, n)
+
+    def _judged(self, drawn: Floats, judge: Judge) -> NDArray[np.bool_]:
+        """Count what the closed form can judge; returns which ones it cannot."""
+        found = judge(drawn)
+        ask = found.verdict == ASK
+        self.judged += int(np.sum(~ask))
+        self.wrong += found.wrong
+        self.narrowest += found.narrowest
+        if self.states is not None:
+            halves = np.divmod(found.does, len(self.draws.chain) ** len(self.draws.chain))
+            nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
+            self.successes += int(np.sum(nested))
+            return ~nested
+        self._add(TIED, int(np.sum(found.verdict == TIE)))
+        does, other = found.verdict == DOES, found.verdict == OTHER
+        if self.orders is None:
+            does, other = np.zeros_like(does), does | other
+        self.successes += int(np.sum(does))
+        if self._told_apart:
+            self._numbers.append(found.does[other])
+        else:
+            self._add(ANOTHER, int(np.sum(other)))
+        return ask
+
+    def _follow(self, draw: Floats) -> None:
+        self.by_engine += 1
+        does = followed(self.draws, draw, self.states)
+        self.followed_well.append(does == self._success)
+        if does == self._success:
+            self.successes += 1
+        else:
+            kinds = (TIED, NOT_BUILT, NO_ANSWER)
+            known = self._told_apart or self.states is not None or does in kinds
+            self._add(does if known else ANOTHER, 1)
+
+    def _add(self, text: str, times: int) -> None:
+        if times:
+            self._texts[text] += times
+
+    def outcomes(self) -> dict[str, int]:
+        """What the failures do, most frequent first; the rarest are counted as one."""
+        counts = self._texts.copy()
+        numbers, times = np.unique(np.concatenate(self._numbers), return_counts=True)
+        often = np.argsort(-times, kind="stable")
+        for i in often[:_KEPT]:
+            counts[numbered_cycle(int(numbers[i]), len(self.draws.chain))] += int(times[i])
+        rest = int(np.sum(times[often[_KEPT:]])) + counts.pop(ANOTHER, 0)
+        listed = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+        rest += sum(times for _, times in listed[_KEPT:])
+        return dict(listed[:_KEPT]) | ({ANOTHER: rest} if rest else {})

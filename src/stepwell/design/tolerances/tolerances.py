@@ -1,0 +1,102 @@
+"""How far a built mechanism may be from its drawing."""
+
+import math
+from dataclasses import dataclass, fields
+
+from stepwell.base import usual
+from stepwell.base.value import ByValue
+from stepwell.mechanism import Chain, SlipError, sizes
+
+WAY = "If it is meant so, say unusual=True of a cell of the chain."
+_UNITS = {"anchor": "m", "stiffness": "1", "rest_length": "1", "lever": "m", "friction": "N"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tolerances(ByValue):
+    """How far the parts of a built mechanism may be from the drawing, each by itself.
+
+    Args:
+        anchor: every anchor p and q lies anywhere within this radius, evenly over the disc [m].
+        stiffness: standard deviation of each band's k over its mean, normal, cut at four [1].
+        rest_length: the same of ℓ0 [1].
+        lever: every cell's lever is up to this much longer or shorter, evenly [m].
+        friction: every cell's friction is up to this much more than drawn, evenly [N].
+
+    Raises:
+        ValueError: a value that is negative or not finite, or a spread of a quarter or more,
+            which would allow bands of no stiffness.
+    """
+
+    anchor: float = 0.0
+    stiffness: float = 0.0
+    rest_length: float = 0.0
+    lever: float = 0.0
+    friction: float = 0.0
+
+    def __post_init__(self):
+        for field in fields(self):
+            value = float(getattr(self, field.name))
+            if not 0 <= value < math.inf:
+                unit = _UNITS[field.name]
+                raise ValueError(f"{field.name} = {value} [{unit}]: must be >= 0 and finite.")
+            if _UNITS[field.name] == "1" and value >= 0.25:
+                raise ValueError(
+                    f"{field.name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
+                )
+            object.__setattr__(self, field.name, value)
+
+    def __repr__(self):
+        return (
+            f"Tolerances(anchors ±{self.anchor * 1e3:.4g} mm, stiffness {self.stiffness:.3g}, "
+            f"rest length {self.rest_length:.3g}, levers ±{self.lever * 1e3:.4g} mm, friction "
+            f"+{self.friction:.3g} N)"
+        )
+
+
+USUAL = Tolerances(anchor=usual.ANCHOR, stiffness=usual.STIFFNESS)
+"""What a careful workshop with a bag of rubber bands can do."""
+
+
+def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str = WAY) -> None:
+    """Raise SlipError for tolerances above the travel, or a friction far above the forces.
+
+    Args:
+        tolerances: how far the parts may be from a drawing.
+        travel: the longest of its cells [m].
+        force: about what the bands of its strongest cell pull with [N].
+        way: how the odd true case is told.
+    """
+    found = [
+        slip
+        for name in ("anchor", "lever")
+        for slip in sizes.above(name, getattr(tolerances, name), travel)
+    ]
+    found += sizes.force("friction", tolerances.friction, force)
+    if found:
+        raise SlipError(tuple(found), way)
+
+
+def meet(tolerances: Tolerances, chain: Chain) -> None:
+    """Raise SlipError for tolerances that are probably in another unit for this chain."""
+    if not chain.unusual:
+        travel = max(cell.full_travel for cell in chain.cells)
+        refuse_slips(tolerances, travel, max(sizes.own_force(c, c.lever) for c in chain.cells))
+
+
+def refuse_reach(chain: Chain, reach: float) -> None:
+    """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
+    lever = max(cell.lever for cell in chain.cells)
+    found = tuple(sizes.far("reach", reach, lever)) if reach > usual.REACH else ()
+    if found and not chain.unusual:
+        raise SlipError(found, WAY)
+
+
+def frictionless(tolerances: Tolerances, chain: Chain) -> str:
+    """What to know of mechanisms without friction; "" where there is some."""
+    if tolerances.friction or any(cell.friction for cell in chain.cells):
+        return ""
+    ends = [abs(f) for cell in chain.cells for f in (cell.force_0, cell.force_1)]
+    return (
+        f"without any friction, beside forces F0 and F1 of {min(ends) * 1e3:.3g} mN and more: give "
+        f"the cells or the tolerances some if yours has it"
+    )

@@ -1,0 +1,399 @@
+"""The probability that a built mechanism does what it was designed for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.limits import require
+from stepwell.base.usual import ONE_BY_ONE, QUICKLY
+from stepwell.base.value import ByValue, ReadOnly
+from stepwell.base.version import __version__
+from stepwell.base.write import csv_text, write_atomic
+from stepwell.design.orders.full_cycle import full_cycle, short
+from stepwell.design.orders.orders import by_cells_at_1
+from stepwell.design.orders.reached import reached, unsearchable
+from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.interval import interval_95
+from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
+from stepwell.design.tolerances.tally import Tally
+from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
+from stepwell.design.tolerances.why_none import why_none
+from stepwell.mechanism import Chain
+from stepwell.sequences import Cycle, cycle
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+_SHOWN = 4  # outcomes printed
+_COMPARED = 1000  # mechanisms of which the gap is compared with what they do
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Critical(ByValue):
+    """The two cells whose order goes wrong first.
+
+    Attributes:
+        first, second: the numbers of the cells; `first` should move before `second`.
+        names: what they are called.
+        way: "loading", decided by F0 plus friction, or "unloading", by F1 less friction.
+        share: of the mechanisms judged in closed form, how many have them in the other order.
+        narrowest: in how many their gap is the smallest of all.
+    """
+
+    first: int
+    second: int
+    names: tuple[str, str]
+    way: str
+    share: float
+    narrowest: float
+
+    def __str__(self):
+        before, after = self.names
+        return (
+            f"{before} before {after} while {self.way} (F{0 if self.way == 'loading' else 1}): "
+            f"in the other order in {_percent(self.share)}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Yield(ByValue):
+    """How many of n mechanisms, made at random within tolerances, do what is wanted.
+
+    Attributes:
+        chain: the drawing.
+        tolerances: how far the parts may be from it.
+        n, seed: how many mechanisms, and which.
+        wanted: the sequence of states of a full cycle; or "states", and those wanted.
+        states: those that shall be in reach from all cells at 0 and no others; None where the
+            cycle counts.
+        successes: how many do it, without a tie.
+        outcomes: what the others do, most frequent first: a sequence, or which states they reach
+            beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
+            engine, "another sequence" for all that are not told apart (chains of ten cells or
+            more, the rarest ones).
+        critical: the pair of neighbours in the wanted order that is most often in the other
+            order, or nearest to it where none is; None where nothing was judged in closed form,
+            or there is no such pair.
+        by_engine: how many were followed by the general engine, a few milliseconds each.
+        assumptions: under which all this holds.
+        sensitivities: which part's tolerance counts; None unless asked for.
+        advice: where none does what is wanted, why, and what to ask for instead; else "".
+    """
+
+    chain: Chain = field(repr=False)
+    tolerances: Tolerances
+    n: int
+    seed: int
+    wanted: str
+    states: tuple[str, ...] | None
+    successes: int
+    outcomes: Mapping[str, int]
+    critical: Critical | None
+    by_engine: int
+    assumptions: str
+    sensitivities: Sensitivities | None
+    advice: str = ""
+
+    @property
+    def share(self) -> float:
+        """Successes over n: the estimate of the probability."""
+        return self.successes / self.n
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
+        return interval_95(self.successes, self.n)
+
+    def mechanism(self, number: int) -> Chain:
+        """One of the n mechanisms, from 0.
+
+        Raises:
+            ValueError: no such number, or one that cannot be built.
+        """
+        if not 0 <= number < self.n:
+            raise ValueError(f"number = {number}: must be between 0 and {self.n - 1}.")
+        return Draws(self.chain, self.tolerances, self.seed).sample(number)
+
+    def end_forces(self, n: int = 1000) -> Floats:
+        """Forces at which the cells of the first n mechanisms let go, for a cloud around each.
+
+        Returns:
+            (m, N, 2) F0 plus friction and F1 less friction [N]; m = min(n, self.n), and NaN
+            where a mechanism cannot be built.
+        """
+        found = np.full((min(n, self.n), len(self.chain), 2), np.nan)
+        for number in range(len(found)):
+            try:
+                cells = self.mechanism(number).cells
+            except ValueError:
+                continue
+            found[number] = [(c.force_0 + c.friction, c.force_1 - c.friction) for c in cells]
+        return found
+
+    def to_xarray(self) -> xr.Dataset:
+        """Counts over "outcome", the wanted one first, and indices over "parameter"."""
+        import xarray as xr
+
+        texts = [self.wanted, *self.outcomes]
+        counts = [self.successes, *self.outcomes.values()]
+        data = {"count": ("outcome", np.array(counts), {"units": "1"})}
+        coords = {"outcome": np.array(texts, str)}
+        table = self.sensitivities
+        if table is not None:
+            data["first_order"] = ("parameter", table.first_order, {"units": "1"})
+            data["total"] = ("parameter", table.total, {"units": "1"})
+            coords["parameter"] = np.array(table.parameters, str)
+        low, high = self.interval
+        attrs = {
+            "title": self.chain.title or "yield",
+            "wanted": self.wanted,
+            "share": self.share,
+            "interval_95": [low, high],
+            "n": self.n,
+            "seed": self.seed,
+            "tolerances": repr(self.tolerances),
+            "critical": str(self.critical or ""),
+            "by_engine": self.by_engine,
+            "chain": repr(self.chain),
+            "assumptions": self.assumptions,
+            "source": f"stepwell {__version__}, yields",
+        }
+        return xr.Dataset(data, coords, attrs)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write one line an outcome, the wanted one first.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        counts = [(self.wanted, self.successes), *self.outcomes.items()]
+        rows = ((text, str(count), f"{count / self.n:.9g}") for text, count in counts)
+        write_atomic(path, csv_text(("outcome", "count", "share_1"), rows))
+
+    def __str__(self):
+        low, high = self.interval
+        lines = [
+            f"{_percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
+            f"(95 % confidence: {_percent(low)} to {_percent(high)})"
+        ]
+        if self.advice:
+            lines.append(self.advice)
+        shown = list(self.outcomes.items())[:_SHOWN]
+        lines += [f"{_percent(count / self.n)}: {short(text)}" for text, count in shown]
+        if len(self.outcomes) > _SHOWN:
+            lines.append(f"and {len(self.outcomes) - _SHOWN} other outcomes")
+        if self.critical is not None:
+            lines.append(f"critical: {self.critical}")
+        if self.sensitivities is not None:
+            lines += ["share of the variance of the smallest gap:", str(self.sensitivities)]
+        return "\n".join([*lines, self.assumptions])
+
+    def __repr__(self):
+        low, high = self.interval
+        return (
+            f"Yield({short(self.wanted)}: {_percent(self.share)} of {self.n}, "
+            f"{_percent(low)} to {_percent(high)}, {self.tolerances!r})"
+        )
+
+
+def yields(
+    chain: Chain,
+    tolerances: Tolerances = USUAL,
+    *,
+    n: int | None = None,
+    seed: int = 0,
+    wanted: str | Iterable[str] | None = None,
+    sensitivity: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Yield:
+    """Make a mechanism n times at random within its tolerances and count those that work.
+
+    A mechanism whose cells are all proved taut with falling force does what the order of its
+    F0 + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
+    equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
+    pushed through its whole travel in a snap. All other mechanisms are followed by the general
+    engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
+    takes milliseconds for each. So it is where states are wanted: then
+    the engine follows every branch of each, but where all 2^N states are wanted of cells of one
+    travel and every two loops are nested, which proves it.
+
+    The same seed gives the same mechanisms, and a larger n keeps the first ones.
+
+    Args:
+        chain: the drawing.
+        tolerances: how far the parts may be from it; what a careful workshop can do by default,
+            anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is exact.
+        n: how many mechanisms to make; by default 100,000 where end forces tell what they do,
+            and 500 where the engine has to follow each.
+        seed: which ones.
+        wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default what
+            the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
+            in reach from all cells at 0, and no others.
+        sensitivity: also ask which part's tolerance counts, by Sobol' indices of the smallest
+            gap between neighbours in the wanted order. Where the engine follows every mechanism,
+            they come with how well the gap tells what it finds.
+        progress: called with (done, n).
+
+    Returns:
+        The share that works, its confidence interval, and what the others do.
+
+    Raises:
+        ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
+            where not all that can be reached can be looked at (friction, more than eight cells),
+            or sensitivities where the cycle has no two orders, or not all can be built.
+        StaticsError: the drawing itself has no answer, and `wanted` was not given.
+
+    Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
+    """
+    _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
+    states = _states(chain, tolerances, wanted)
+    drawing = cycle(chain) if wanted is None or states is not None else None
+    target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
+    tally = Tally(Draws(chain, tolerances, seed), target, states)
+    if sensitivity and tally.orders is None:
+        raise ValueError(
+            f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
+            f"none, since not every step moves one cell; leave it out, or ask for another cycle."
+        )
+    if n is None:
+        n = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
+    tally.count(n, progress)
+    return Yield(
+        chain,
+        tolerances,
+        n,
+        seed,
+        target if states is None else f"states {' '.join(by_cells_at_1(states))}",
+        None if states is None else by_cells_at_1(states),
+        tally.successes,
+        ReadOnly(tally.outcomes()),
+        _critical(tally),
+        tally.by_engine,
+        "; ".join(filter(None, _assumptions(tally, n, drawing))),
+        _sensitivities(tally, n) if sensitivity else None,
+        _advice(tally, target),
+    )
+
+
+def _states(
+    chain: Chain, tolerances: Tolerances, wanted: str | Iterable[str] | None
+) -> frozenset[str] | None:
+    """The states wanted; None where a cycle is."""
+    if wanted is None or isinstance(wanted, str):
+        return None
+    states = frozenset(str(state) for state in wanted)
+    if not states or any(len(s) != len(chain) or set(s) - {"0", "1"} for s in states):
+        raise ValueError(
+            f"wanted = {sorted(states)}: must be states of {len(chain)} characters 0 or 1, one a "
+            f"cell, inner first."
+        )
+    why = unsearchable(chain, tolerances.friction)
+    if why:
+        raise ValueError(
+            f"wanted = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
+        )
+    return states
+
+
+def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
+    if not isinstance(tolerances, Tolerances):
+        raise ValueError(
+            f"tolerances = {tolerances!r}: must be Tolerances, for example "
+            f"Tolerances(anchor=0.0005, stiffness=0.05)."
+        )
+    for name, value, least in (("n", n, 1), ("seed", seed, 0)):
+        if int(value) != value or value < least:
+            raise ValueError(f"{name} = {value!r}: must be a whole number >= {least}.")
+    require("samples", n, "n =")
+    shortest = min(cell.lever for cell in chain.cells)
+    if tolerances.lever >= shortest:
+        raise ValueError(
+            f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
+            f"{shortest:.6g} m, or nothing is left of it."
+        )
+    meet(tolerances, chain)
+
+
+def _advice(tally: Tally, wanted: str) -> str:
+    if tally.successes:
+        return ""
+    if tally.states is None:
+        return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
+    found = reached(tally.draws.chain)
+    return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
+
+
+def _sensitivities(tally: Tally, n: int) -> Sensitivities:
+    draws, judge, orders = tally.draws, tally.judge, tally.orders
+    if judge is not None:
+        return sensitivities(draws, lambda rows: judge(rows).gap)
+    assert orders is not None
+    found = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
+    # The engine followed every one, so it can be asked how far the gap is to be believed.
+    some = np.array(tally.followed_well[:_COMPARED])
+    gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
+    some = some[: len(gaps)]
+    return replace(found, agreed=float(np.mean((gaps > 0) == some)))
+
+
+def _is_tie(drawing: Cycle | None) -> bool:
+    return drawing is not None and bool(drawing.degenerate)
+
+
+def _critical(tally: Tally) -> Critical | None:
+    """The pair most often in the other order; of several, the one most often the nearest."""
+    if not tally.judged or tally.orders is None or not tally.wrong.size:
+        return None
+    wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
+    worst = int(np.lexsort((narrowest, wrong))[-1])
+    side, place = divmod(worst, len(tally.orders[0]) - 1)
+    first, second = tally.orders[side, place : place + 2].tolist()
+    names = tally.draws.chain.names
+    return Critical(
+        first,
+        second,
+        (names[first], names[second]),
+        ("loading", "unloading")[side],
+        int(wrong[worst]) / tally.judged,
+        int(narrowest[worst]) / tally.judged,
+    )
+
+
+def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
+    if tally.states is not None:
+        how = (
+            f"{tally.by_engine} followed along every branch by the general engine"
+            + (n > tally.by_engine)
+            * f", {n - tally.by_engine} proved to reach all states, every two loops being nested"
+        )
+    elif tally.judge is None:
+        how = (
+            f"no closed form for such cells (several bands, a bent law or a load), so the general "
+            f"engine followed all {n}, slowly"
+        )
+    else:
+        how = (
+            f"{tally.judged} judged in closed form, every cell being proved taut with falling "
+            f"force, and {tally.by_engine} followed by the general engine"
+        )
+    yield (
+        f"assumed: every part varies by itself, anchors, levers and friction evenly within their "
+        f"tolerance, k and ℓ0 normally; quasi-static{' full cycle' * (tally.states is None)}; a "
+        f"tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
+    )
+    yield frictionless(tally.draws.tolerances, tally.draws.chain)
+    yield "the drawing is a tie" * _is_tie(drawing)
+
+
+def _percent(share: float) -> str:
+    # Enough digits that 99.99 % is not printed as certain.
+    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")

@@ -1,0 +1,1 @@
+"""Unit cells and the mechanism itself, drawn."""

@@ -1,0 +1,280 @@
+"""The plane of a cell's two end forces, whose order along each axis is the order of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+from numpy.typing import ArrayLike, NDArray
+
+from stepwell.figures.common.labels import Label, beside
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.style import (
+    COLUMN,
+    FAINT,
+    INK,
+    VERMILLION,
+    YELLOW,
+    blank,
+    cell_colours,
+    pale,
+    place,
+    styled,
+)
+from stepwell.figures.common.words import shortened
+from stepwell.mechanism import Chain
+
+Array = NDArray[np.float64]
+
+MOST_CELLS = 16
+_WIDE = 130.0
+_ROW = 3.6
+_LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
+# A normal distribution has 95 % of its draws within so many deviations in two dimensions.
+_ELLIPSE = 2.4477
+_FILL, _RIGHT_GAP, _WRONG_GAP = "#EFEFEF", pale(YELLOW, 0.0), pale(VERMILLION, 0.3)
+_CENTRAL = (2.5, 97.5)
+# Characters that a row's name has room for.
+_NAME = 9
+
+
+class _Gap(NamedTuple):
+    """Two cells next to each other in a wanted order, and how far apart their forces are [N]."""
+
+    first: int
+    second: int
+    side: int
+    size: float
+
+
+@styled
+def force_plane(
+    chain: Chain,
+    *,
+    loading: Sequence[int] | None = None,
+    unloading: Sequence[int] | None = None,
+    region: Sequence[ArrayLike] = (),
+    places: ArrayLike | None = None,
+    clouds: ArrayLike | None = None,
+) -> Figure:
+    """F0 against F1 of every cell, what else could be reached, and the orders they give.
+
+    Cells of one taut band with falling force load by rising F0 and unload by falling F1. With
+    friction f it is F0 + f and F1 - f, and these are drawn.
+
+    Args:
+        chain: up to 16 cells.
+        loading, unloading: the orders wanted, cell numbers from 0; those that the chain has by
+            default.
+        region: closed curves (m, 2) [N] round the pairs (F0, F1) that a cell can have.
+        places: (m, 2) single pairs that a cell can have [N], such as those of drilled holes.
+        clouds: (n, N, 2) pairs of each cell as it may be built [N]; NaN is left out. Their
+            ellipses hold 95 % of a normal distribution of the same mean and covariance.
+
+    Returns:
+        The figure: the plane in the middle, the loading order above it, the unloading order to
+        the right: each cell in a row of its own, its cloud's central 95 % as a bar. A right
+        order makes a staircase; the narrowest step is marked.
+
+    Raises:
+        ValueError: too many cells, or an order that does not name each cell once.
+
+    Source: sorting theorem, theory page.
+    """
+    count = len(chain)
+    if count > MOST_CELLS:
+        raise ValueError(f"the chain has {count} cells: at most {MOST_CELLS} can be told apart.")
+    forces = np.array([(c.force_0 + c.friction, c.force_1 - c.friction) for c in chain.cells])
+    orders = (
+        _order("loading", loading, np.argsort(forces[:, 0], kind="stable")),
+        _order("unloading", unloading, np.argsort(-forces[:, 1], kind="stable")),
+    )
+    cloud = None if clouds is None else np.asarray(clouds, float)
+    colours = cell_colours(count)
+    strip = _ROW * count + 1.5
+    width = COLUMN if count <= 4 else _WIDE
+    side = width - _LEFT - _BETWEEN - strip - _RIGHT
+    gap = _narrowest(forces, orders)
+    key = _key(bool(region), places is not None, cloud is not None, gap)
+    columns = 2 if width == COLUMN else 3
+    height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
+    figure = blank(width, height)
+    ax = place(figure, _LEFT, _BOTTOM, side, side)
+    above = place(figure, _LEFT, _BOTTOM + side + _BETWEEN, side, strip)
+    right = place(figure, _LEFT + side + _BETWEEN, _BOTTOM, strip, side)
+
+    for curve in region:
+        points = np.asarray(curve, float)
+        ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
+        closed = np.concatenate([points, points[:1]])
+        ax.plot(*closed.T, color=FAINT, linewidth=0.8, zorder=1, gid="region")
+    if places is not None:
+        pairs = np.asarray(places, float)
+        ax.plot(*pairs.T, ".", markersize=2.0, color=FAINT, zorder=1, gid="places")
+    if cloud is not None:
+        for i, colour in enumerate(colours):
+            _draw_cloud(ax, cloud[:, i], colour)
+    for (x, y), colour in zip(forces.tolist(), colours, strict=True):
+        ax.plot(
+            x, y, "o", markersize=5.0, color=colour, markeredgecolor="white", zorder=6, gid="cells"
+        )
+    ax.margins(0.12)
+    ax.autoscale_view()
+    ax.set_xlabel(_name(chain, 0))
+    ax.set_ylabel(_name(chain, 1))
+    _draw_gap(ax, forces, gap)
+    ax.autoscale(False)
+    for half, strip_ax in enumerate((above, right)):
+        _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
+        _frame_order(strip_ax, ax, half, orders[half], chain.names)
+    beside(
+        ax,
+        [Label(x, y, literal(n)) for (x, y), n in zip(forces.tolist(), chain.names, strict=True)],
+    )
+    figure.text(
+        3.0 / width, (_BOTTOM + side + _BETWEEN + strip / 2) / height, "loads",
+        rotation=90, ha="center", va="center",
+    )  # fmt: skip
+    figure.text(1.0 - (_RIGHT + strip / 2) / width, 4.8 / height, "unloads", ha="center", va="top")
+    above.legend(handles=key, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
+    return figure
+
+
+def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tuple[int, ...]:
+    order = tuple(int(i) for i in (own if wanted is None else wanted))
+    if sorted(order) != list(range(len(own))):
+        raise ValueError(
+            f"{name} = {wanted!r}: must name each of the cells 0..{len(own) - 1} once, first the "
+            f"one that moves first."
+        )
+    return order
+
+
+def _narrowest(forces: Array, orders: tuple[Sequence[int], Sequence[int]]) -> _Gap | None:
+    """The step between neighbours that is smallest, or farthest the wrong way."""
+    gaps = [
+        _Gap(i, j, side, sign * float(forces[j, side] - forces[i, side]))
+        for side, sign in ((0, 1), (1, -1))
+        for i, j in pairwise(orders[side])
+    ]
+    return min(gaps, key=lambda gap: gap.size, default=None)
+
+
+def _name(chain: Chain, side: int) -> str:
+    rubs = any(cell.friction > 0 for cell in chain.cells)
+    symbol = f"F_{side}" + (("+f", "-f")[side] if rubs else "")
+    return f"${symbol}$, {('at 0', 'at 1')[side]} [N]"
+
+
+def _draw_cloud(ax: Axes, points: Array, colour: str) -> None:
+    """Single mechanisms as dots, and the ellipse that holds most of them."""
+    points = points[np.isfinite(points).all(axis=1)]
+    ax.scatter(*points.T, s=0.8, color=colour, alpha=0.35, linewidth=0, zorder=2, rasterized=True)
+    if len(points) < 3:
+        return
+    values, vectors = np.linalg.eigh(np.cov(points.T))
+    around = np.linspace(0.0, 2 * np.pi, 73)
+    circle = np.column_stack([np.cos(around), np.sin(around)])
+    outline = points.mean(axis=0) + _ELLIPSE * circle * np.sqrt(np.maximum(values, 0)) @ vectors.T
+    ax.plot(*outline.T, color=colour, linewidth=1.0, zorder=4, gid="cloud")
+
+
+def _draw_gap(ax: Axes, forces: Array, gap: _Gap | None) -> None:
+    """The narrowest step as a band across the plane."""
+    if gap is None:
+        return
+    ends = np.sort(forces[[gap.first, gap.second], gap.side])
+    band = ax.axvspan if gap.side == 0 else ax.axhspan
+    band(*ends, color=_gap_colour(gap), alpha=0.6, linewidth=0, zorder=0.5, gid="narrowest")
+
+
+def _gap_colour(gap: _Gap) -> tuple[float, float, float]:
+    return _RIGHT_GAP if gap.size > 0 else _WRONG_GAP
+
+
+def _draw_order(
+    ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Array, cloud: Array | None
+) -> None:
+    """A row for every cell, at its force or over the range of it, the first to move on top."""
+    colours = cell_colours(len(order))
+
+    def turned(values: Sequence[float], rows: Sequence[float]) -> Array:
+        return np.array([values, rows] if side == 0 else [rows, values])
+
+    for row, cell in enumerate(order):
+        value, colour = float(forces[cell, side]), colours[cell]
+        if cloud is not None:
+            ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
+            ax.plot(
+                *turned(ends, [row, row]), color=pale(colour, 0.45), linewidth=4.0, zorder=2,
+                solid_capstyle="butt", gid="spread",
+            )  # fmt: skip
+        ax.plot(*turned([value], [row]), "o", markersize=3.6, color=colour, zorder=4, gid="order")
+        # From the cell's place in the plane to its row.
+        lead = {"color": FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
+        last = len(order) - 0.4 if side == 0 else -0.6
+        ax.plot(*turned([value, value], [row, last]), **lead)
+        end = main.get_ylim()[1] if side == 0 else main.get_xlim()[1]
+        main.plot(*turned([value, value], [forces[cell, 1 - side], end]), **lead)
+
+
+def _frame_order(
+    ax: Axes, main: Axes, side: int, order: Sequence[int], names: Sequence[str]
+) -> None:
+    """Ticks with the names of the rows; the forces are those of the plane."""
+    colours = cell_colours(len(order))
+    words = [literal(shortened(name, _NAME)) for name in names]
+    if side == 0:
+        ax.set_ylim(len(order) - 0.4, -0.6)
+        ax.set_xticks(main.get_xticks(), [])
+        ax.set_xlim(main.get_xlim())
+        ax.set_yticks(range(len(order)), [words[i] for i in order])
+        labels = ax.get_yticklabels()
+    else:
+        ax.set_xlim(-0.6, len(order) - 0.4)
+        ax.set_yticks(main.get_yticks(), [])
+        ax.set_ylim(main.get_ylim())
+        ax.xaxis.tick_top()
+        ax.set_xticks(range(len(order)), [words[i] for i in order], rotation=90)
+        labels = ax.get_xticklabels()
+    ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
+    for label, cell in zip(labels, order, strict=True):
+        label.set_color(colours[cell])
+        label.set_fontweight("bold")
+
+
+def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Line2D | Patch]:
+    found: list[Line2D | Patch] = []
+    if region:
+        found.append(Patch(facecolor=_FILL, edgecolor=FAINT, linewidth=0.8, label="can be reached"))
+    if places:
+        found.append(
+            Line2D(
+                [],
+                [],
+                linestyle="none",
+                marker=".",
+                markersize=3.0,
+                color=FAINT,
+                label="can be reached",
+            )
+        )
+    if cloud:
+        found.append(Line2D([], [], color=INK, linewidth=1.0, label="95 % as built"))
+    if gap is not None:
+        words = "narrowest step" if gap.size > 0 else "wrong by"
+        found.append(
+            Patch(
+                facecolor=_gap_colour(gap),
+                alpha=0.6,
+                linewidth=0,
+                label=f"{words} {abs(gap.size):.3g} N",
+            )
+        )
+    return found

@@ -1,0 +1,258 @@
+"""The mechanism itself, drawn in one state after another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
+from stepwell.figures.cells.linkage import Linkage, Pose
+from stepwell.figures.common import marks
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.reading import MM
+from stepwell.figures.common.style import INK, PAGE, canvas, cell_colours, direction_colour, styled
+from stepwell.mechanism import Chain
+
+# More than this is too small to see on a page.
+MOST_CELLS = 12
+MOST_STATES = 30
+
+# On the page [mm]: between two drawings, above and below each, and for the key under them all.
+_BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
+_LARGEST, _SMALLEST_WANTED = 0.9, 0.21
+
+State = str | Sequence[float]
+
+
+@styled
+def mechanism(
+    chain: Chain,
+    states: Iterable[State],
+    *,
+    columns: int | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """The chain in one state after another, with an arrow between and the stroke below each.
+
+    The stroke runs to the right and the fixed block is at the left. Every second cell is
+    mirrored across the stroke, so that blocks lie in two rows with the levers zig-zagging
+    between them; this changes no length and no force. A band is as thick as its tension, and
+    dashed where it is slack.
+
+    Args:
+        chain: up to 12 cells.
+        states: up to 30, each as "010" or as (N,) travels [m]; `cycle.sequence` is one.
+        columns: drawings side by side; by default as many as stay legible.
+        ax: axes to draw into; a new figure of two columns' width by default.
+
+    Raises:
+        ValueError: a state that is none of this chain, or more cells or states than can be seen.
+
+    Source: Kamp et al. 2024, Figs. 1A and 2A.
+    """
+    sheet = arrange(chain, states, columns=columns)
+    figure, ax = canvas(ax, (PAGE, sheet.height), (0.0, 0.0, 0.0, 0.0))
+    draw(ax, sheet)
+    return figure
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Where each drawing goes on a page of `width` × `height` mm."""
+
+    linkage: Linkage
+    travels: list[tuple[float, ...]]
+    titles: list[str]
+    origins: list[tuple[float, float]]
+    scale: float
+    bounds: tuple[float, float, float, float]
+    rest: float
+    width: float
+    height: float
+
+
+def arrange(
+    chain: Chain,
+    states: Iterable[State],
+    *,
+    columns: int | None = None,
+    width: float = PAGE,
+) -> Sheet:
+    """Lay the drawings out in rows."""
+    wanted = list(states)
+    if len(chain) > MOST_CELLS:
+        raise ValueError(
+            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
+            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
+        )
+    if not 0 < len(wanted) <= MOST_STATES:
+        raise ValueError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
+    travels = [_travels(chain, state) for state in wanted]
+    linkage = Linkage(chain)
+    bounds = _union([linkage.pose(t) for t in travels], linkage)
+    wide, high = ((bounds[k + 2] - bounds[k]) * MM for k in (0, 1))
+
+    def scale_of(c: int) -> float:
+        # Where the drawings wrap, each row but the first begins with an arrow.
+        gaps = c - 1 if c >= len(wanted) else c
+        return min(_LARGEST, (width - 4.0 - gaps * _BETWEEN) / (c * wide))
+
+    if columns is None:
+        columns = 1
+        while columns < len(wanted) and scale_of(columns + 1) >= _SMALLEST_WANTED:
+            columns += 1
+        # As many rows as that needs, filled evenly.
+        columns = math.ceil(len(wanted) / math.ceil(len(wanted) / columns))
+    rows = math.ceil(len(wanted) / columns)
+    scale = scale_of(columns)
+    row = high * scale + _ABOVE + _BELOW
+    used = columns * (wide * scale + _BETWEEN) - _BETWEEN
+    first = (width - used) / 2 if rows == 1 else (width - used + _BETWEEN) / 2
+    origins = [
+        (
+            first + (k % columns) * (wide * scale + _BETWEEN) - bounds[0] * MM * scale,
+            _KEY + (rows - 1 - k // columns) * row + _BELOW - bounds[1] * MM * scale,
+        )
+        for k in range(len(wanted))
+    ]
+    return Sheet(
+        linkage,
+        travels,
+        [_title(state) for state in wanted],
+        origins,
+        scale,
+        bounds,
+        float(linkage.pose([0.0] * len(chain)).blocks[-1, 2]),
+        width,
+        _KEY + rows * row,
+    )
+
+
+def draw(ax: Axes, sheet: Sheet) -> None:
+    """Draw all states into axes that become a page in millimetres."""
+    ax.set_xlim(0, sheet.width)
+    ax.set_ylim(0, sheet.height)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    per_metre = sheet.scale * MM
+    weight = min(1.0, 0.55 + 0.9 * sheet.scale)
+    left, bottom, right, top = (b * per_metre for b in sheet.bounds)
+    slack = False
+    for k, (travels, title, origin) in enumerate(
+        zip(sheet.travels, sheet.titles, sheet.origins, strict=True)
+    ):
+        drawing = Drawing(ax, sheet.linkage, origin, per_metre, weight)
+        pose = drawing.move(travels)
+        slack = slack or bool(pose.slack.any())
+        ground(ax, sheet.linkage, origin, per_metre)
+        middle = origin[0] + (left + right) / 2
+        ax.text(
+            middle,
+            origin[1] + top + 1.0,
+            title,
+            ha="center",
+            va="bottom",
+            fontweight="bold",
+            fontsize=8,
+        )
+        stroke = math.fsum(travels)
+        # From where the outermost block's edge is at zero stroke to where it is now.
+        start = origin[0] + sheet.rest * per_metre
+        now = start + stroke * per_metre
+        y = origin[1] + bottom - 1.6
+        ax.plot([start, start], [y - 0.8, y + 0.8], color=INK, linewidth=0.6)
+        if now - start > 2.0:
+            ax.plot([start, now - 1.0], [y, y], color=INK, linewidth=0.6)
+            marks.head(ax, (start, y), (now, y), INK, size=5)
+        ax.text(middle, y - 1.4, f"$u$ = {stroke * MM:.3g} mm", ha="center", va="top", fontsize=7)
+        if k:
+            loading = stroke >= math.fsum(sheet.travels[k - 1])
+            x = origin[0] + left - _BETWEEN / 2
+            y = origin[1] + (bottom + top) / 2
+            colour = direction_colour(1 if loading else -1)
+            ax.plot([x - 2.4, x + 1.0], [y, y], color=colour, linewidth=1.6, gid="arrow")
+            marks.head(ax, (x - 2.4, y), (x + 2.6, y), colour, size=9)
+    _key(ax, sheet, slack)
+
+
+def ground(ax: Axes, linkage: Linkage, origin: tuple[float, float], scale: float) -> None:
+    """The wall that holds the fixed block."""
+    x = origin[0] - linkage.reach * scale
+    half = 1.2 * linkage.half_block * scale
+    y = origin[1] + np.linspace(-half, half, 6)
+    ax.plot([x, x], [y[0], y[-1]], color=INK, linewidth=0.9, solid_capstyle="butt")
+    depth = half / 2
+    for low in y[1:-1]:
+        ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=INK, linewidth=0.5)
+
+
+def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
+    names = sheet.linkage.chain.names
+    handles = [
+        Line2D([], [], color=colour, linewidth=2.0, label=literal(name))
+        for name, colour in zip(names, cell_colours(len(names)), strict=True)
+    ]
+    strongest = sheet.linkage.greatest_tension()
+    handles.append(
+        Line2D([], [], color=INK, linewidth=THICKEST * 0.8, label=f"band at {strongest:.2f} N")
+    )
+    if slack:
+        handles.append(
+            Line2D([], [], color=INK, linewidth=0.8, linestyle=SLACK_DASHES, label="slack band")
+        )
+    columns = min(len(handles), 7)
+    ax.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.02, 0.6 / sheet.height),
+        ncols=columns,
+    )
+    # A round length of about a lever, so that no reader needs the design file.
+    bar = 0.010 if sheet.linkage.reach < 0.02 else 0.050
+    x = sheet.width - 4.0
+    ax.plot(
+        [x - bar * MM * sheet.scale, x],
+        [2.4, 2.4],
+        color=INK,
+        linewidth=1.4,
+        solid_capstyle="butt",
+        gid="scale bar",
+    )
+    ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
+
+
+def _travels(chain: Chain, state: State) -> tuple[float, ...]:
+    if isinstance(state, str):
+        if len(state) != len(chain) or set(state) - {"0", "1"}:
+            raise ValueError(
+                f"state {state!r}: must be {len(chain)} characters, each 0 or 1, innermost first."
+            )
+        return tuple(
+            cell.full_travel if one == "1" else 0.0
+            for cell, one in zip(chain.cells, state, strict=True)
+        )
+    travels = tuple(float(s) for s in state)
+    if len(travels) != len(chain):
+        raise ValueError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
+    return travels
+
+
+def _title(state: State) -> str:
+    if isinstance(state, str):
+        return state
+    return "$s$ = " + ", ".join(f"{s * MM:.3g}" for s in state) + " mm"
+
+
+def _union(poses: list[Pose], linkage: Linkage) -> tuple[float, float, float, float]:
+    edges = np.array([pose.bounds for pose in poses])
+    left, bottom = edges[:, :2].min(axis=0)
+    right, top = edges[:, 2:].max(axis=0)
+    # The wall of the fixed block is part of the picture.
+    left = min(left, -1.7 * linkage.reach)
+    return float(left), float(bottom), float(right), float(top)

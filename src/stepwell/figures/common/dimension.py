@@ -1,0 +1,113 @@
+"""Dimensions and scale bars of drawings whose data are millimetres."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from stepwell.figures.common.style import INK
+
+MM = 1e3
+_BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
+_ON_WHITE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0}
+
+
+def along_x(
+    ax: Axes, left: float, right: float, y: float, text: str, *, feet: float, colour: str = INK
+) -> None:
+    """A dimension along x at height y, with thin lines to it from height `feet`; all in mm."""
+    for x in (left, right):
+        ax.plot([x, x], [feet, y + np.sign(y - feet)], color=colour, linewidth=0.4, zorder=2.5)
+    ax.annotate("", (right, y), (left, y), arrowprops=_BOTH | {"color": colour}, zorder=8)
+    middle = (left + right) / 2
+    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=_ON_WHITE)
+
+
+def along_y(
+    ax: Axes, low: float, high: float, x: float, text: str, *, feet: float, colour: str = INK
+) -> None:
+    """A dimension along y at x, with thin lines to it from x = `feet`; all in mm."""
+    for y in (low, high):
+        ax.plot([feet, x + np.sign(x - feet)], [y, y], color=colour, linewidth=0.4, zorder=2.5)
+    ax.annotate("", (x, high), (x, low), arrowprops=_BOTH | {"color": colour}, zorder=8)
+    ax.text(x - 1.2, (low + high) / 2, text, ha="right", va="center", rotation=90, zorder=9)
+
+
+def arrow(
+    ax: Axes,
+    tail: tuple[float, float],
+    tip: tuple[float, float],
+    colour: str = INK,
+    width: float = 0.6,
+) -> None:
+    """An arrow from tail to tip [mm]; one of no width is a head alone."""
+    ax.annotate(
+        "",
+        tip,
+        tail,
+        zorder=8,
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": colour,
+            "linewidth": width,
+            "mutation_scale": 5.0 + 2.0 * (width == 0 or width >= 1),
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+    )
+
+
+def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
+    """A bar of this length [mm] that ends at `right`, with its length above it."""
+    ax.plot(
+        [right - length, right],
+        [y, y],
+        color=INK,
+        linewidth=1.6,
+        solid_capstyle="butt",
+        gid="scale bar",
+        zorder=9,
+    )
+    label = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
+    ax.annotate(
+        label,
+        (right - length / 2, y),
+        (0.0, 2.5),
+        textcoords="offset points",
+        ha="center",
+        va="bottom",
+        zorder=9,
+    )
+
+
+def round_length(longest: float) -> float:
+    """The longest of 10, 20, 50, 100, ... that is no longer than this [mm]."""
+    decade = 10.0 ** np.floor(np.log10(longest))
+    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest))
+
+
+def limits(
+    points: NDArray[np.float64], room: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """left, right, bottom, top round (n, 2) points, with this room at each side."""
+    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+    return (
+        float(left) - room[0],
+        float(right) + room[1],
+        float(bottom) - room[2],
+        float(top) + room[3],
+    )
+
+
+def plain(ax: Axes, box: tuple[float, float, float, float]) -> None:
+    """Axes without a frame, true to scale, for left, right, bottom, top [mm]."""
+    ax.set_xlim(box[0], box[1])
+    ax.set_ylim(box[2], box[3])
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+
+
+def mm(metres: float) -> str:
+    """A length [m] as a number of millimetres."""
+    return f"{round(metres * MM, 3) + 0.0:.4g}"

@@ -1,0 +1,109 @@
+"""Text beside points of a plot, put where it covers neither curves nor other text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
+from numpy.typing import NDArray
+
+from stepwell.figures.common.style import INK, root
+
+Array = NDArray[np.float64]
+
+_DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
+_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0)
+
+
+class Label(NamedTuple):
+    """A text for the point (x, y) in data units."""
+
+    x: float
+    y: float
+    text: str
+    colour: str = INK
+
+
+def beside(
+    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), size: float = 7.0
+) -> list[Annotation]:
+    """Write each label near its point, away from the lines of `ax`, other labels and its edges.
+
+    Args:
+        ax: axes with their final limits.
+        labels: in falling order of importance.
+        keep_clear: further boxes to stay out of [display units].
+        size: font size [pt].
+    """
+    point = root(ax).dpi / 72.0
+    curves = _curves(ax, 2.0 * point)
+    frame = ax.get_window_extent().padded(-1.5 * point)
+    taken = list(keep_clear)
+    written: list[Annotation] = []
+    done: list[tuple[str, float, float]] = []
+    for label in labels:
+        here = ax.transData.transform((label.x, label.y))
+        # One label serves all points of that name around it.
+        if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
+            continue
+        done.append((label.text, *here))
+        text = ax.annotate(
+            label.text,
+            (label.x, label.y),
+            (0, 0),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            color=label.colour,
+            fontsize=size,
+            zorder=9,
+        )
+        text.set_in_layout(False)
+        box = text.get_window_extent().padded(0.8 * point)
+        best, best_cost = (0.0, 0.0), np.inf
+        for far in _DISTANCES:
+            for dx, dy in _DIRECTIONS:
+                # The gap is between the point and the nearest edge of the text.
+                x = dx * (far + box.width / point / 2)
+                y = dy * (far + box.height / point / 2)
+                moved = box.translated(x * point, y * point)
+                cost = _cost(moved, frame, taken, curves) + 0.02 * far
+                if cost < best_cost:
+                    best, best_cost = (x, y), cost
+            if best_cost < 1.0:
+                break
+        text.xyann = best
+        taken.append(box.translated(best[0] * point, best[1] * point))
+        written.append(text)
+    return written
+
+
+def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Array) -> float:
+    inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
+    covered = np.count_nonzero(
+        (curves[:, 0] > box.x0)
+        & (curves[:, 0] < box.x1)
+        & (curves[:, 1] > box.y0)
+        & (curves[:, 1] < box.y1)
+    )
+    return 1000.0 * (not inside) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
+
+
+def _curves(ax: Axes, step: float) -> Array:
+    """Points every `step` pixels along every line of the axes, (n, 2)."""
+    found = [np.empty((0, 2))]
+    for line in ax.get_lines():
+        xy = line.get_transform().transform(np.column_stack(line.get_data()))
+        found.append(xy[np.isfinite(xy).all(axis=1)])
+        start, along = xy[:-1], np.diff(xy, axis=0)
+        drawn = np.isfinite(along).all(axis=1) & (line.get_linestyle() != "None")
+        start, along = start[drawn], along[drawn]
+        parts = np.ceil(np.hypot(*along.T) / step).astype(int)
+        which = np.repeat(np.arange(len(parts)), parts)
+        part = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
+        found.append(start[which] + along[which] * (part / parts[which])[:, None])
+    return np.concatenate(found)

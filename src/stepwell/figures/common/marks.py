@@ -1,0 +1,160 @@
+"""Marks that recur on plots of a path: the snap, the direction of motion, the state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.typing import LineStyleType
+from numpy.typing import NDArray
+
+from stepwell.figures.common.reading import Snap
+from stepwell.figures.common.style import FAINT, INK, LOADING, UNLOADING, direction_colour
+from stepwell.statics import Path
+
+# Past this many, arrow heads cover what they point at.
+MOST_HEADS = 40
+SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
+
+
+def snaps(
+    ax: Axes,
+    found: Sequence[Snap],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    size: float = 4.2,
+) -> None:
+    """Dashed jumps from open circles, where the chain lets go, to arrow heads.
+
+    Args:
+        ax: axes to draw into.
+        found: the snaps.
+        x, y: (n,) the samples they refer to, in data units.
+        size: of the circles [pt].
+    """
+    for direction in (1, -1):
+        some = [snap for snap in found if snap.direction * direction > 0]
+        if not some:
+            continue
+        colour = direction_colour(direction)
+        ends = np.array([(snap.before, snap.after) for snap in some])
+        gap = np.full(len(some), np.nan)
+        ax.plot(
+            np.column_stack([x[ends], gap]).ravel(),
+            np.column_stack([y[ends], gap]).ravel(),
+            color=colour,
+            linestyle=SNAP_DASHES,
+            linewidth=1.1,
+            zorder=5,
+            gid="snaps",
+        )
+        ax.plot(
+            x[ends[:, 0]],
+            y[ends[:, 0]],
+            "o",
+            markersize=size,
+            markerfacecolor="white",
+            markeredgecolor=colour,
+            markeredgewidth=1.1,
+            zorder=6,
+            gid="snap starts",
+        )
+        if len(some) <= MOST_HEADS:
+            for snap in some:
+                i, j = snap.before, snap.after
+                head(ax, (float(x[i]), float(y[i])), (float(x[j]), float(y[j])), colour)
+
+
+def head(
+    ax: Axes, start: Sequence[float], end: Sequence[float], colour: str, size: float = 7.0
+) -> None:
+    """An arrow head at `end`, seen from `start`."""
+    ax.annotate(
+        "",
+        (end[0], end[1]),
+        (start[0], start[1]),
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.45,head_width=0.2",
+            "mutation_scale": size,
+            "linewidth": 0,
+            "color": colour,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+        zorder=6,
+    )
+
+
+def heading(
+    ax: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    colour: str,
+    *,
+    at: float = 0.5,
+    size: float = 10.0,
+) -> None:
+    """An arrow head on a curve, unless the curve is too short to need one.
+
+    Args:
+        ax: axes with their final limits.
+        x, y: (n,) the curve in data units.
+        colour: of the curve.
+        at: where along its length on the page, between 0 and 1.
+        size: of the head [pt].
+    """
+    xy = ax.transData.transform(np.column_stack([x, y]))
+    frame = ax.get_window_extent()
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))])
+    if along[-1] < 0.2 * min(frame.width, frame.height):
+        return
+    ends = at * along[-1] + np.array([-1.5, 1.5])
+    points = np.column_stack([np.interp(ends, along, xy[:, k]) for k in (0, 1)])
+    tail, tip = ax.transData.inverted().transform(points)
+    head(ax, tail, tip, colour, size)
+
+
+def legend(
+    ax: Axes,
+    path: Path,
+    widths: tuple[float, float],
+    unloading_style: LineStyleType = "-",
+) -> None:
+    """Above the axes, what the lines of a path mean."""
+    found: list[Line2D] = []
+    if np.any(path.direction > 0):
+        found.append(Line2D([], [], color=LOADING, linewidth=widths[0], label="loading"))
+    if np.any(path.direction < 0):
+        found.append(
+            Line2D(
+                [],
+                [],
+                color=UNLOADING,
+                linewidth=widths[1],
+                linestyle=unloading_style,
+                label="unloading",
+            )
+        )
+    if np.any(path.snap_after):
+        found.append(
+            Line2D(
+                [],
+                [],
+                color=INK,
+                linestyle=SNAP_DASHES,
+                linewidth=1.1,
+                marker="o",
+                markersize=4.2,
+                markerfacecolor="white",
+                markeredgecolor=INK,
+                label="snap",
+            )
+        )
+    ax.legend(handles=found, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+
+
+def zero_line(ax: Axes) -> None:
+    """Where the force is zero."""
+    ax.axhline(0.0, color=FAINT, linewidth=0.5, zorder=0)

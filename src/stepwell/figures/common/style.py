@@ -1,0 +1,191 @@
+"""How every figure looks: sizes in millimetres, and colours that mean the same everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure, SubFigure
+
+from stepwell.figures.common.names import families
+
+# Widths of one and of two columns of a journal page [mm].
+COLUMN = 85.0
+PAGE = 180.0
+
+# Colours that people with any kind of colour vision can tell apart (Okabe & Ito 2008).
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+YELLOW = "#F0E442"
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+PURPLE = "#CC79A7"
+
+LOADING = BLUE
+UNLOADING = VERMILLION
+INK = "#222222"
+FAINT = "#8A8A8A"
+BLOCK = "#DCDCDC"
+FIXED_BLOCK = "#A8A8A8"
+
+# The innermost and the outermost cell keep their colour in a chain of any length.
+_INNER, _OUTER = GREEN, PURPLE
+_BETWEEN = (ORANGE, SKY, "#7A6A00", BLACK)
+
+# By the name of the pathway in the data, so that a map read back from a file looks the same.
+PATHWAY = {
+    "CLOCKWISE": ORANGE,
+    "COUNTERCLOCKWISE": SKY,
+    "VIA_01": YELLOW,
+    "VIA_10": "#8F8F8F",
+    "OTHER": PURPLE,
+}
+
+STYLE: dict[Any, Any] = {
+    "axes.edgecolor": INK,
+    "axes.grid": False,
+    "axes.labelcolor": INK,
+    "axes.labelpad": 3.0,
+    "axes.labelsize": 8.0,
+    "axes.linewidth": 0.7,
+    "axes.titlesize": 8.0,
+    "axes.unicode_minus": True,
+    "figure.dpi": 150.0,
+    "figure.facecolor": "white",
+    # By name, and no generic family: a figure may be saved under settings of its user's own.
+    "font.family": list(families()),
+    "font.size": 7.0,
+    "legend.fontsize": 7.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "legend.borderaxespad": 0.0,
+    "legend.borderpad": 0.0,
+    "legend.columnspacing": 1.4,
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+    "mathtext.fontset": "dejavusans",
+    "savefig.dpi": 300.0,
+    "text.color": INK,
+    "text.usetex": False,
+    "xtick.color": INK,
+    "xtick.labelsize": 7.0,
+    "xtick.major.width": 0.7,
+    "ytick.color": INK,
+    "ytick.labelsize": 7.0,
+    "ytick.major.width": 0.7,
+}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Run a drawing function in this style and leave matplotlib's own settings as they were."""
+
+    @wraps(draw)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with mpl.rc_context(STYLE):
+            return draw(*args, **kwargs)
+
+    return inside
+
+
+def blank(width: float, height: float) -> Figure:
+    """An empty figure of this size [mm] that knows how to measure its own text."""
+    figure = Figure(figsize=(width / 25.4, height / 25.4))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes at a place given in mm: nothing has to be laid out again when text is added."""
+    w, h = (25.4 * inches for inches in figure.get_size_inches())
+    ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
+    # Said aloud, because how many ticks fit is decided later, outside this style.
+    ax.tick_params(labelsize=STYLE["xtick.labelsize"])
+    return ax
+
+
+def keep_inside(ax: Axes, least: float = 1.0) -> None:
+    """Narrow the axes where their left labels would come closer than `least` mm to the edge."""
+    box = ax.yaxis.get_tightbbox()
+    figure = root(ax)
+    missing = least / 25.4 * figure.dpi - (box.x0 if box is not None else np.inf)
+    if missing > 0:
+        place = ax.get_position()
+        share = missing / figure.bbox.width
+        ax.set_position((place.x0 + share, place.y0, place.width - share, place.height))
+
+
+def trim_above(ax: Axes, least: float = 1.0) -> None:
+    """Cut the page off `least` mm above the legend, leaving the axes as large as they are."""
+    legend, figure = ax.get_legend(), root(ax)
+    box = (ax if legend is None else legend).get_window_extent()
+    old, new = figure.bbox.height, box.y1 + least / 25.4 * figure.dpi
+    place = ax.get_position()
+    figure.set_size_inches(figure.get_size_inches()[0], new / figure.dpi)
+    ratio = old / new
+    ax.set_position((place.x0, place.y0 * ratio, place.width, place.height * ratio))
+
+
+def canvas(
+    ax: Axes | None,
+    size: tuple[float, float],
+    margins: tuple[float, float, float, float],
+) -> tuple[Figure, Axes]:
+    """The given axes with their figure, or new ones.
+
+    Args:
+        ax: axes to draw into, or None.
+        size: width and height of a new figure [mm].
+        margins: left, bottom, right, top around its axes [mm].
+    """
+    if ax is None:
+        left, bottom, right, top = margins
+        figure = blank(*size)
+        return figure, place(figure, left, bottom, size[0] - left - right, size[1] - bottom - top)
+    return root(ax), ax
+
+
+def root(ax: Axes) -> Figure:
+    """The whole figure that these axes belong to."""
+    parent = ax.get_figure()
+    while isinstance(parent, SubFigure):
+        parent = parent.figure
+    if parent is None:
+        raise ValueError("ax belongs to no figure: make it with figure.add_subplot().")
+    return parent
+
+
+def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
+    """Write a panel's name `gap` mm above its axes."""
+    height = 25.4 * root(ax).get_size_inches()[1]
+    box = ax.get_position()
+    root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
+
+
+def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
+    """The colour mixed with white: 0 leaves it, 1 is white."""
+    r, g, b = to_rgb(colour)
+    return tuple(c + (1.0 - c) * amount for c in (r, g, b))  # pyright: ignore[reportReturnType]
+
+
+def cell_colours(count: int) -> list[str]:
+    """One colour a cell, inner first; past six cells the ones between repeat."""
+    if count == 1:
+        return [_INNER]
+    between = [_BETWEEN[i % len(_BETWEEN)] for i in range(count - 2)]
+    return [_INNER, *between, _OUTER]
+
+
+def direction_colour(direction: float) -> str:
+    """Blue while the drive rises, vermillion while it falls."""
+    return LOADING if direction >= 0 else UNLOADING

@@ -1,0 +1,55 @@
+"""Figures as files and as SVG text."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from stepwell.base.write import write_atomic
+
+_VECTOR: dict[Any, Any] = {
+    # The same figure gives the same file, so that a diff of results shows what changed.
+    "svg.hashsalt": "stepwell",
+    # Outlines in SVG look the same everywhere; real fonts in PDF stay editable.
+    "svg.fonttype": "path",
+    "pdf.fonttype": 42,
+}
+_UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+
+
+def save(figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0) -> None:
+    """Write a figure whole or not at all; the suffix says how: .png, .svg or .pdf.
+
+    Args:
+        figure: any of this room's.
+        file: where to.
+        dpi: pixels per inch of a PNG, and of what a vector file keeps as an image.
+
+    Raises:
+        ValueError: a suffix matplotlib cannot write.
+        OSError: the folder is missing or cannot be written.
+    """
+    suffix = Path(file).suffix.lower()
+    kinds = figure.canvas.get_supported_filetypes()
+    if suffix.removeprefix(".") not in kinds:
+        raise ValueError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
+    buffer = io.BytesIO()
+    with mpl.rc_context(_VECTOR):
+        figure.savefig(
+            buffer, format=suffix.removeprefix("."), dpi=dpi, metadata=_UNDATED.get(suffix)
+        )
+    write_atomic(Path(file), buffer.getvalue())
+
+
+def svg(figure: Figure) -> str:
+    """The figure as SVG text, without an XML declaration."""
+    buffer = io.StringIO()
+    with mpl.rc_context(_VECTOR):
+        figure.savefig(buffer, format="svg", dpi=200, metadata={"Date": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]

@@ -1,0 +1,124 @@
+"""What a figure has to find in a transition graph: ways worth drawing, and those of a program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from stepwell.sequences.graphs.node import TransitionKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from stepwell.sequences.graphs.transition_graph import TransitionGraph
+    from stepwell.sequences.programs.program import Program
+
+# Of the range of drives: closer ones are the same.
+_SLIP = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next.
+
+    Attributes:
+        source, target: labels of shown nodes.
+        direction: of the drive.
+        snaps: whether the chain snaps on the way.
+    """
+
+    source: str
+    target: str
+    direction: int
+    snaps: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Folded:
+    """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
+
+    shown: tuple[str, ...]
+    ways: tuple[Way, ...]
+
+
+def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> Folded:
+    """Fold every half-way node into the way that leads over it, if it offers no other.
+
+    A snap that lands half-way between two vertices offers one: turning back there leads to a
+    vertex that the chain did not come from.
+
+    Args:
+        graph: what to fold.
+        keep: labels of nodes to show in any case.
+    """
+    keep = set(keep)
+    landings = {
+        target
+        for _, target, transitions in graph.edges(data="transitions")
+        if any(transition.kind is TransitionKind.SNAP for transition in transitions)
+    }
+    shown = [label for label in graph if "-" not in label or label in landings | keep]
+    ways = _ways(graph, shown)
+    shown = [v for v in shown if "-" not in v or v in keep or _offers_a_choice(v, ways)]
+    return Folded(tuple(shown), tuple(_ways(graph, shown)))
+
+
+def _offers_a_choice(label: str, ways: Sequence[Way]) -> bool:
+    """Whether turning back there leads elsewhere than to where the chain came from."""
+    out = {way.direction: way.target for way in ways if way.source == label}
+    return any(out.get(-way.direction) != way.source for way in ways if way.target == label)
+
+
+def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[Way]:
+    known = set(shown)
+    found: list[Way] = []
+    for source in shown:
+        for direction in (1, -1):
+            label, snaps = source, False
+            while step := graph.transition(label, direction):
+                label, transition = step
+                snaps = snaps or transition.kind is TransitionKind.SNAP
+                if label in known:
+                    found.append(Way(source, label, direction, snaps))
+                    break
+    return found
+
+
+def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
+    """Labels of the nodes visited on each stroke of a program, both ends included.
+
+    A stroke that turns after a vertex has been passed smoothly might as well turn at the vertex,
+    and ends there.
+
+    Raises:
+        ValueError: a program of another chain, or one that begins in a state not in the graph.
+    """
+    another = graph.chain is not None and graph.chain != program.chain
+    if another or program.start not in graph:
+        raise ValueError(
+            f"program: leads from {program.start} to {program.to} in another chain, or begins in a "
+            f"state that this graph does not have. Draw the graph of its own chain: "
+            f"program.chain.graph()."
+        )
+    points = program.turning_points
+    slip = _SLIP * (max(points) - min(points))
+    strokes: list[list[str]] = []
+    label = program.start
+    for before, after in pairwise(points):
+        direction = 1 if after > before else -1
+        stroke, snapped = [label], [True]
+        while step := graph.transition(label, direction):
+            left = direction * (after - step[1].drive)
+            enters = abs(left) <= slip and "-" in label and "-" not in step[0]
+            if left <= slip and not enters:
+                break
+            label = step[0]
+            stroke.append(label)
+            snapped.append(step[1].kind is TransitionKind.SNAP)
+        while "-" in stroke[-1] and not snapped[-1]:
+            stroke.pop()
+            snapped.pop()
+        strokes.append(stroke)
+        label = stroke[-1]
+    return strokes

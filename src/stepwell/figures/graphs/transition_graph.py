@@ -1,0 +1,264 @@
+"""The transition graph: states by the number of cells at 1, and what the actuator does between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import FancyBboxPatch, Patch, Polygon
+
+from stepwell.figures.common.style import (
+    BLACK,
+    COLUMN,
+    FAINT,
+    INK,
+    LOADING,
+    ORANGE,
+    UNLOADING,
+    YELLOW,
+    blank,
+    direction_colour,
+    pale,
+    place,
+    styled,
+)
+from stepwell.figures.graphs.graph_layout import DOT, NAMED, Layout, head
+from stepwell.figures.graphs.graph_reading import Folded, Way, folded, followed
+
+if TYPE_CHECKING:
+    from stepwell.sequences.graphs.transition_graph import TransitionGraph
+    from stepwell.sequences.programs.program import Program
+
+MOST_STATES = 64
+_DASHES = (3.0, 1.4)
+_BOLD, _THIN = 1.9, 0.8
+_HALO = 4.2
+_FILL, _GREY = "#EEEEEE", "#6A6A6A"
+_ASIDE = (0, (2.5, 1.5))
+
+
+@styled
+def transition_graph(graph: TransitionGraph, *, program: Program | None = None) -> Figure:
+    """States and the ways between them, from all cells at 0 on the left to all at 1 on the right.
+
+    A state with all cells at a stop is a box with its name. A half-way state is a dot, and shown
+    only where turning back leads elsewhere; all others are folded into the ways over them.
+
+    Args:
+        graph: for any actuator, with at most 64 states that have all cells at a stop.
+        program: a way to be highlighted, its turning points numbered.
+
+    Returns:
+        The figure: loading blue and solid, unloading vermillion and dashed, snaps marked, the
+        main loop in bold.
+
+    Raises:
+        ValueError: too many states, or a program of another chain.
+
+    Source: Mungan and Terzi, 2019, for the main loop and the Garden-of-Eden states.
+    """
+    count = len(graph.vertices)
+    if count > MOST_STATES:
+        raise ValueError(
+            f"the graph has {count} states: at most {MOST_STATES} can be read in a figure. Export "
+            f"it for Graphviz, or pass start= to graph() to see only what is reached from there."
+        )
+    strokes = [] if program is None else followed(graph, program)
+    reduced = folded(graph, [stroke[-1] for stroke in strokes])
+    return _Sheet(graph, reduced, strokes, program).figure
+
+
+class _Sheet:
+    """One figure, laid out in mm."""
+
+    def __init__(
+        self,
+        graph: TransitionGraph,
+        reduced: Folded,
+        strokes: Sequence[Sequence[str]],
+        program: Program | None,
+    ):
+        self.reduced, self.strokes = reduced, strokes
+        self.cells = graph.cells
+        loop = graph.reading.main_loop
+        self.in_loop = {*loop.up, *loop.down}
+        self.loop_ways = self._between([loop.up, loop.down])
+        self.program_ways = self._between(strokes)
+        self.reachable = graph.reachable(loop.up[0])
+        self.gardens = set(graph.reading.garden_of_eden or ())
+        self.layout = Layout(reduced, self.cells)
+
+        key = self._key(program)
+        wide, high = self.layout.width, self.layout.height
+        columns = 2 if wide == COLUMN else 4
+        self.figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
+        ax = place(self.figure, 0.0, 0.0, wide, high)
+        ax.set_axis_off()
+        ax.set_xlim(0.0, wide)
+        ax.set_ylim(0.0, high)
+        for way in reduced.ways:
+            self._draw_way(ax, way)
+        for label in reduced.shown:
+            self._draw_node(ax, label)
+        self._draw_turns(ax)
+        ax.legend(handles=key, loc="lower left", bbox_to_anchor=(0.015, 1.0), ncols=columns)
+
+    def _between(self, strokes: Iterable[Sequence[str]]) -> set[tuple[str, str]]:
+        """Pairs of shown labels that follow each other on these strokes."""
+        shown = set(self.reduced.shown)
+        return {
+            pair
+            for stroke in strokes
+            for pair in pairwise(label for label in stroke if label in shown)
+        }
+
+    def _draw_way(self, ax: Axes, way: Way) -> None:
+        curve = self.layout.curve(way)
+        colour = direction_colour(way.direction)
+        known = way.source in self.reachable
+        bold = (way.source, way.target) in self.loop_ways
+        width = _BOLD if bold else _THIN
+        level = 2.0 + 2.0 * bold + known
+        if (way.source, way.target) in self.program_ways:
+            ax.plot(*curve.T, color=YELLOW, linewidth=_HALO, zorder=1, gid="program")
+        ax.plot(
+            *curve.T,
+            color=colour if known else pale(colour),
+            linewidth=width,
+            linestyle="-" if way.direction > 0 else (0, _DASHES),
+            solid_capstyle="butt",
+            dash_capstyle="butt",
+            zorder=level,
+            gid="loading" if way.direction > 0 else "unloading",
+        )
+        ax.add_patch(
+            Polygon(
+                head(curve, 1.5 + 0.5 * bold),
+                facecolor=colour if known else pale(colour),
+                linewidth=0,
+                zorder=level + 0.5,
+            )
+        )
+        if way.snaps:
+            ax.plot(
+                *curve[len(curve) // 4],
+                "o",
+                markersize=3.2 if bold else 2.6,
+                markerfacecolor="white",
+                markeredgecolor=colour if known else pale(colour),
+                markeredgewidth=0.9,
+                zorder=level + 0.6,
+                gid="snaps",
+            )
+
+    def _draw_node(self, ax: Axes, label: str) -> None:
+        (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
+        known = label in self.reachable
+        if "-" in label and self.cells > NAMED:
+            colour = INK if known else FAINT
+            ax.plot(x, y, "o", markersize=2 * DOT / 25.4 * 72, color=colour, zorder=8, gid="half")
+            return
+        ends = (self.strokes[0][0], self.strokes[-1][-1]) if self.strokes else ()
+        garden, bold = label in self.gardens, label in self.in_loop
+        if "-" not in label:
+            ax.add_patch(
+                FancyBboxPatch(
+                    (x - half, y - high),
+                    2 * half,
+                    2 * high,
+                    boxstyle="square,pad=0" if garden else "round,pad=0,rounding_size=1.2",
+                    facecolor=YELLOW if label in ends else _FILL if known else "white",
+                    edgecolor=ORANGE if garden else INK if known else FAINT,
+                    linewidth=1.3 if bold or garden else 0.7,
+                    linestyle="-" if known else _ASIDE,
+                    zorder=8,
+                    gid="garden" if garden else "state" if known else "unreachable",
+                )
+            )
+        text = ax.text(
+            x,
+            y,
+            self.layout.name(label),
+            ha="center",
+            va="center_baseline" if "\n" not in self.layout.name(label) else "center",
+            linespacing=1.05,
+            fontweight="bold" if bold and "-" not in label else "normal",
+            color=INK if known and "-" not in label else _GREY,
+            zorder=9,
+        )
+        if "-" in label:
+            text.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0})
+
+    def _draw_turns(self, ax: Axes) -> None:
+        """Numbers at the turning points of the program."""
+        numbers: dict[str, list[str]] = {}
+        for k, stroke in enumerate(self.strokes[:-1], 1):
+            numbers.setdefault(stroke[-1], []).append(str(k))
+        for label, turns in numbers.items():
+            (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
+            ax.text(
+                # At the corner of a box, above a dot.
+                x + (half + 0.6 if "-" not in label else 0.0),
+                y + high + (1.2 if "-" not in label else 1.9),
+                ",".join(turns),
+                ha="left" if len(turns) > 1 and "-" not in label else "center",
+                va="center_baseline",
+                color="white",
+                fontweight="bold",
+                bbox={
+                    "boxstyle": "circle,pad=0.15" if len(turns) == 1 else "round,pad=0.2",
+                    "facecolor": BLACK,
+                    "linewidth": 0,
+                },
+                zorder=10,
+                gid="turn",
+            )
+
+    def _key(self, program: Program | None) -> list[Line2D | Patch]:
+        """What the marks mean, as far as they occur."""
+        ways = self.reduced.ways
+        key: list[Line2D | Patch] = [
+            Line2D([], [], color=LOADING, linewidth=1.2, label="loading"),
+            Line2D(
+                [], [], color=UNLOADING, linewidth=1.2, linestyle=(0, _DASHES), label="unloading"
+            ),
+            Line2D([], [], color=INK, linewidth=_BOLD, label="main loop"),
+        ]
+        if any(way.snaps for way in ways):
+            key.append(
+                Line2D(
+                    [],
+                    [],
+                    color=INK,
+                    linewidth=_THIN,
+                    marker="o",
+                    markersize=3.2,
+                    markerfacecolor="white",
+                    markeredgewidth=0.9,
+                    label="snap",
+                )
+            )
+        if any("-" in label for label in self.reduced.shown):
+            dot = Line2D([], [], linestyle="none", marker="o", markersize=4.2, color=INK)
+            dash = Line2D([], [], linestyle="none", marker="_", markersize=4.2, color=_GREY)
+            handle = dash if self.cells <= NAMED else dot
+            handle.set_label("cell half-way" if self.cells <= NAMED else "half-way state")
+            key.append(handle)
+        aside = set(self.reduced.shown) - self.reachable
+        zero = "0" * self.cells
+        if {label for label in aside if "-" not in label} - self.gardens:
+            key.append(_box(FAINT, 0.7, f"not reached from {zero}"))
+        if self.gardens:
+            key.append(_box(ORANGE, 1.3, "Garden of Eden"))
+        if program is not None:
+            label = f"program, {program.start} to {program.to}"
+            key.append(Line2D([], [], color=YELLOW, linewidth=_HALO, label=label))
+        return key
+
+
+def _box(edge: str, width: float, label: str) -> Patch:
+    return Patch(facecolor="white", edgecolor=edge, linewidth=width, linestyle=_ASIDE, label=label)

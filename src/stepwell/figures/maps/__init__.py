@@ -1,0 +1,1 @@
+"""Maps over parameters, yields, and what counts most."""

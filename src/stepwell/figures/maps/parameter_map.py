@@ -1,0 +1,332 @@
+"""What a chain does for every value of two of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+from matplotlib.typing import ColorType, LineStyleType
+from numpy.typing import NDArray
+
+from stepwell.figures.common.labels import Label, beside
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    INK,
+    LOADING,
+    ORANGE,
+    PAGE,
+    PATHWAY,
+    PURPLE,
+    SKY,
+    UNLOADING,
+    VERMILLION,
+    YELLOW,
+    blank,
+    keep_inside,
+    pale,
+    place,
+    root,
+    styled,
+)
+from stepwell.figures.common.words import sequence_words
+from stepwell.figures.maps.map_key import Key, Row, badge
+from stepwell.figures.maps.regions import name_regions
+from stepwell.sequences import Pathway
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from stepwell.design import Boundary
+
+Array = NDArray[np.float64]
+
+_SIDE = 70.0
+# Characters that a row of the key has room for.
+_ROOM = 50
+# Pieces of a curve longer than this have their own number [pt].
+_NUMBERED = 25.0
+_SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
+# What is shown of an SI unit, and how many of it make one.
+_SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / np.pi)}
+_PARTS = {
+    "p.x": "$p_x$",
+    "p.y": "$p_y$",
+    "q.x": "$q_x$",
+    "q.y": "$q_y$",
+    "stiffness": "Stiffness",
+    "rest_length": "Rest length",
+    "lever": "Lever",
+    "limit": "Angle limit",
+    "friction": "Friction",
+}
+# By the kind of boundary: colour and line, as loading and unloading have them everywhere.
+_LINES: dict[str, tuple[str, LineStyleType]] = {
+    "LOADING_ORDER": (LOADING, "-"),
+    "UNLOADING_ORDER": (UNLOADING, (0, (3.2, 1.6))),
+}
+_EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no answer"}
+
+
+_PATHWAYS = {pathway.value: pathway for pathway in Pathway}
+_DESIGN: dict[str, Any] = {
+    "markersize": 4.6,
+    "markerfacecolor": BLACK,
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.7,
+    "zorder": 8,
+    "clip_on": False,
+}
+
+
+class _Axis(NamedTuple):
+    """Values in drawn units, and what to write beside them."""
+
+    values: Array
+    scale: float
+    name: str
+    is_log: bool
+
+
+class _Region(NamedTuple):
+    """All nodes with one sequence."""
+
+    letter: str
+    sequence: str
+    inside: NDArray[np.bool_]
+    shade: ColorType
+
+
+@styled
+def parameter_map(
+    dataset: Dataset,
+    boundaries: Iterable[Boundary] = (),
+    designs: Mapping[str, tuple[float, float]] | None = None,
+) -> Figure:
+    """Sequences over two parameters, boundaries as curves, and beside them what they mean.
+
+    Args:
+        dataset: what `design.parameter_map` returns, in memory or read back from a file.
+        boundaries: what `design.parameter_boundaries` returns for the same chain and parameters.
+        designs: the two parameters in SI of each design to be marked, by the name to write.
+
+    Returns:
+        The figure, two columns wide: each region has a letter and each curve a number. Curves
+        across which only the loading order changes are blue, only the unloading order vermillion
+        and dashed, all others black. Lengths in mm, angles in degrees.
+    """
+    x, y = _axis(dataset, "x"), _axis(dataset, "y")
+    regions = _regions(dataset)
+    curves = _curves(boundaries)
+    key = Key(_rows(dataset, regions, curves), PAGE - _SIDE - 24.0)
+    tall = _SIDE * _aspect(dataset, x, y)
+    height = 12.0 + max(tall, key.height - 9.0) + 3.0
+    figure = blank(PAGE, height)
+    ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
+    _draw_shades(ax, x, y, regions)
+    ax.set_xlabel(x.name)
+    ax.set_ylabel(y.name)
+    keep_inside(ax)
+
+    taken = _draw_curves(ax, curves, (x.scale, y.scale))
+    marks = [
+        Label(a * x.scale, b * y.scale, literal(name)) for name, (a, b) in (designs or {}).items()
+    ]
+    for mark in marks:
+        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
+        spot = ax.transData.transform((mark.x, mark.y))
+        taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
+    free = _free(ax, x.values, y.values, taken)
+    for region in regions:
+        if region.letter:
+            forms, inside = [region.letter], region.inside & free
+            taken += name_regions(ax, x.values, y.values, inside, forms, region.shade)
+    for text in beside(ax, marks, keep_clear=taken):
+        text.set_bbox(
+            {"boxstyle": "round,pad=0.12", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
+        )
+    key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
+    return figure
+
+
+class _Curves(NamedTuple):
+    """Boundaries across which the same changes."""
+
+    number: str
+    words: str
+    line: tuple[str, LineStyleType]
+    points: list[Array]
+
+
+def _axis(dataset: Dataset, name: str) -> _Axis:
+    coordinate = dataset[name]
+    values = coordinate.to_numpy().astype(float)
+    unit, scale = _SHOWN.get(str(coordinate.attrs["units"]), (coordinate.attrs["units"], 1.0))
+    cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
+    words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
+    return _Axis(values * scale, scale, f"{words} [{unit}]", _is_geometric(values))
+
+
+def _is_geometric(values: Array) -> bool:
+    """Whether values grow by one factor from each to the next, as those of np.geomspace."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+    factors = values[1:] / values[:-1]
+    return bool(np.ptp(factors) < 1e-6 * factors[0] and np.ptp(np.diff(values)) > 0)
+
+
+def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
+    """Height over width: true to scale where both are lengths, else square."""
+    if not all(dataset[name].attrs["units"] == "m" for name in "xy"):
+        return 1.0
+    ratio = np.ptp(y.values) / max(np.ptp(x.values), 1e-12)
+    return float(np.clip(ratio, 0.6, 1.5))
+
+
+def _regions(dataset: Dataset) -> list[_Region]:
+    """Every sequence that occurs, by letters; the smallest ones without when letters run out."""
+    codes = dataset["sequence"].to_numpy()
+    notes = dataset["sequence"].attrs
+    values = np.atleast_1d(notes["flag_values"]).tolist()
+    names = str(notes["flag_meanings"]).split()
+    present = [
+        (name, codes == value)
+        for name, value in zip(names, values, strict=True)
+        if name not in _EMPTY and np.any(codes == value)
+    ]
+    present.sort(key=lambda item: -int(np.sum(item[1])))
+    shades = _shades([name for name, _ in present], [inside for _, inside in present])
+    letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    return [
+        _Region(letters[k] if k < len(letters) else "", name, inside, shade)
+        for k, ((name, inside), shade) in enumerate(zip(present, shades, strict=True))
+    ]
+
+
+def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[ColorType]:
+    """A pale colour for each region, no two neighbours with the same one if that can be."""
+    if all(name in _PATHWAYS for name in names):
+        return [pale(PATHWAY[_PATHWAYS[name].name]) for name in names]
+    touching = np.zeros((len(parts),) * 2, bool)
+    for i, a in enumerate(parts):
+        wide = a.copy()
+        wide[1:] |= a[:-1]
+        wide[:-1] |= a[1:]
+        wide[:, 1:] |= a[:, :-1]
+        wide[:, :-1] |= a[:, 1:]
+        touching[i] = [bool(np.any(wide & b)) for b in parts]
+    chosen: list[int] = []
+    for i in range(len(parts)):
+        near = [chosen[j] for j in range(i) if touching[i, j]]
+        counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
+        chosen.append(min(counts)[2])
+    return [pale(_SHADES[k]) for k in chosen]
+
+
+def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
+    """Boundaries by what changes across them; sequences on both sides are left to the letters."""
+    found: dict[tuple[str, str], list[Array]] = {}
+    for boundary in boundaries:
+        words = boundary.changes.partition(": ")[0]
+        found.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
+    return [
+        _Curves(str(k), words, _LINES.get(kind, (INK, "-")), points)
+        for k, ((words, kind), points) in enumerate(found.items(), 1)
+    ]
+
+
+def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
+    """The key: sequences, what changes between them, what is missing."""
+    rows = [
+        Row(region.letter, _words(region.sequence), region.shade)
+        for region in regions
+        if region.letter
+    ]
+    small = len(regions) - len(rows)
+    if small:
+        rows.append(Row("", f"{small} smaller regions"))
+    rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
+    codes = dataset["sequence"]
+    names = str(codes.attrs["flag_meanings"]).split()
+    for name, value in zip(names, np.atleast_1d(codes.attrs["flag_values"]), strict=True):
+        if name in _EMPTY and np.any(codes.to_numpy() == value):
+            rows.append(Row("", _EMPTY[name]))
+    return rows
+
+
+def _words(sequence: str) -> str:
+    pathway = _PATHWAYS.get(sequence)
+    if pathway is not None:
+        return f"{pathway.label}: {sequence}"
+    return sequence_words(sequence, _ROOM)
+
+
+def _draw_shades(ax: Axes, x: _Axis, y: _Axis, regions: Sequence[_Region]) -> None:
+    """The regions; what has no sequence stays white."""
+    number = np.full((len(y.values), len(x.values)), np.nan)
+    for k, region in enumerate(regions):
+        number[region.inside] = k
+    ax.set_facecolor("white")
+    ax.pcolormesh(
+        x.values,
+        y.values,
+        np.ma.masked_invalid(number),
+        cmap=ListedColormap([region.shade for region in regions] or ["white"]),
+        vmin=-0.5,
+        vmax=max(len(regions), 1) - 0.5,
+        shading="nearest",
+        rasterized=True,
+    )
+    for axis, set_scale, set_limits in (
+        (x, ax.set_xscale, ax.set_xlim),
+        (y, ax.set_yscale, ax.set_ylim),
+    ):
+        if axis.is_log:
+            set_scale("log")
+        set_limits(axis.values[0], axis.values[-1])
+
+
+def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:
+    """The curves with their numbers; returns what the numbers cover."""
+    point = root(ax).dpi / 72.0
+    taken: list[Bbox] = []
+    for curve in curves:
+        colour, style = curve.line
+        found: list[tuple[float, float, float]] = []
+        for points in curve.points:
+            drawn = points * scale
+            ax.plot(*drawn.T, color=colour, linestyle=style, linewidth=1.5, gid="boundary")
+            found.append(_middle(ax, drawn))
+        longest = max(length for length, *_ in found)
+        for length, x, y in found:
+            # A short piece gets its number only where there is no longer one.
+            if length >= min(longest, _NUMBERED * point):
+                text = badge(ax, x, y, curve.number, colour)
+                taken.append(text.get_window_extent().padded(3.5 * point))
+    return taken
+
+
+def _middle(ax: Axes, points: Array) -> tuple[float, float, float]:
+    """Length of a curve on the page [pixels], and the point half-way along it."""
+    on_page = ax.transData.transform(points)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
+    half = [float(np.interp(along[-1] / 2, along, on_page[:, k])) for k in (0, 1)]
+    x, y = ax.transData.inverted().transform(half)
+    return float(along[-1]), float(x), float(y)
+
+
+def _free(ax: Axes, x: Array, y: Array, taken: Sequence[Bbox]) -> NDArray[np.bool_]:
+    """(ny, nx) which nodes lie outside these boxes."""
+    nodes = np.stack(np.meshgrid(x, y), axis=-1)
+    at = ax.transData.transform(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    free = np.ones(nodes.shape[:2], bool)
+    for box in taken:
+        free &= ~np.all((at > box.min) & (at < box.max), axis=-1)
+    return free

@@ -1,0 +1,176 @@
+"""How many built mechanisms work, what the others do, and whose tolerance counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.style import (
+    COLUMN,
+    FAINT,
+    GREEN,
+    INK,
+    PAGE,
+    VERMILLION,
+    blank,
+    cell_colours,
+    name_panel,
+    pale,
+    place,
+    root,
+    styled,
+)
+from stepwell.figures.common.words import sequence_words, shortened
+
+if TYPE_CHECKING:
+    from stepwell.design import Sensitivities, Yield
+
+_OUTCOMES, _PARTS = 6, 16
+# Shares below this are within the error of the estimate.
+_LEAST = 0.01
+# A bar, a line of text, and what a row has around them [mm].
+_BAR, _LINE, _GAP = 3.0, 3.1, 2.2
+_FOOT, _HEAD = 10.0, 6.0
+# Characters that the line above a bar has room for, and how many such lines there may be.
+_ROOM, _MOST_LINES = 48, 3
+
+
+class _Outcome(NamedTuple):
+    lines: list[str]
+    share: float
+    colour: str
+
+
+@styled
+def yield_bars(result: Yield) -> Figure:
+    """The share of mechanisms that work, with its confidence interval, and what the others do.
+
+    Args:
+        result: what `design.yields` returns. With sensitivities, a second panel shows the share
+            of the smallest gap's variance that each part's tolerance causes: dark by itself,
+            pale together with others.
+
+    Returns:
+        The figure, one column wide, or two with sensitivities.
+    """
+    table = result.sensitivities
+    outcomes = _outcomes(result)
+    tall = sum(_BAR + _GAP + _LINE * len(one.lines) for one in outcomes)
+    parts = [] if table is None or table.deviation == 0 else _parts(table)
+    rows = (_BAR + _GAP) * len(parts)
+    body = max(tall, rows)
+    height = _FOOT + body + _HEAD
+    figure = blank(PAGE if parts else COLUMN, height)
+    _draw_outcomes(place(figure, 4.0, height - _HEAD - tall, COLUMN - 9.0, tall), result, outcomes)
+    if parts and table is not None:
+        names = [table.parameters[i] for i in parts]
+        left = COLUMN + 8.0 + 1.6 * max(len(name) for name in names)
+        ax = place(figure, left, height - _HEAD - rows, PAGE - left - 5.0, rows)
+        _draw_parts(ax, result, parts)
+        x, y = (COLUMN + 6.0) / PAGE, 1.0 - (_HEAD - 1.5) / height
+        figure.text(x, y, "Whose tolerance counts", fontweight="bold", va="bottom")
+    return figure
+
+
+def _outcomes(result: Yield) -> list[_Outcome]:
+    """What was wanted, then the most frequent other outcomes."""
+    others = list(result.outcomes.items())
+    shown = others[:_OUTCOMES]
+    found = [_Outcome(_lines(result.wanted), result.share, GREEN)]
+    found += [_Outcome(_lines(text), count / result.n, VERMILLION) for text, count in shown]
+    rest = sum(count for _, count in others[_OUTCOMES:])
+    if rest:
+        text = f"{len(others) - _OUTCOMES} other outcomes"
+        found.append(_Outcome([text], rest / result.n, VERMILLION))
+    return found
+
+
+def _lines(text: str) -> list[str]:
+    return shortened(sequence_words(text, _ROOM), _ROOM, _MOST_LINES).split("\n")
+
+
+def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
+    """A bar under the name of each outcome; the interval of the wanted one."""
+    figure = root(ax)
+    ax.set_xlim(0.0, 100.0)
+    ax.set_ylim(25.4 * figure.get_size_inches()[1] * ax.get_position().height, 0.0)
+    y = 0.0
+    for k, (lines, share, colour) in enumerate(outcomes):
+        for line in lines:
+            ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline")
+            y += _LINE
+        middle = y + _BAR / 2
+        ax.barh(middle, 100.0 * share, _BAR, color=pale(colour, 0.3), linewidth=0, gid="outcomes")
+        words = percent(share)
+        if k == 0:
+            low, high = (100.0 * bound for bound in result.interval)
+            ax.plot([low, high], [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
+            words += f" ({percent(low / 100)} to {percent(high / 100)}) as wanted"
+        ax.text(
+            2.0 if k == 0 or share > 0.5 else 100.0 * share + 2.0,
+            middle,
+            words,
+            va="center_baseline",
+            fontweight="bold" if k == 0 else "normal",
+        )
+        y += _BAR + _GAP
+    ax.set_yticks([])
+    _bare(ax)
+    ax.set_xlabel(f"Share of {result.n:,} built mechanisms [%]".replace(",", "\N{THIN SPACE}"))
+    name_panel(ax, "What they do")
+
+
+def _parts(table: Sensitivities) -> list[int]:
+    """The parts by falling share, without those that hardly have one."""
+    order = np.argsort(-np.asarray(table.total), kind="stable")[:_PARTS].tolist()
+    return [i for i in order if table.total[i] >= _LEAST]
+
+
+def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
+    """What each part's tolerance contributes, by itself and together with others."""
+    table = result.sensitivities
+    assert table is not None
+    names = result.chain.names
+    tall = len(parts) * (_BAR + _GAP)
+    colours = dict(zip(names, cell_colours(len(names)), strict=True))
+    for k, i in enumerate(parts):
+        name = table.parameters[i]
+        colour = colours.get(name.rpartition(".")[0], INK)
+        middle = k * (_BAR + _GAP) + _BAR / 2 + _GAP / 2
+        for share, shade, gid in (
+            (table.total[i], pale(colour), "total"),
+            (table.first_order[i], colour, "first order"),
+        ):
+            # An index near zero may come out below it.
+            ax.barh(middle, max(0.0, float(share)), _BAR, color=shade, linewidth=0, gid=gid)
+    ax.set_yticks(
+        [k * (_BAR + _GAP) + _BAR / 2 + _GAP / 2 for k in range(len(parts))],
+        [literal(table.parameters[i]) for i in parts],
+    )
+    ax.set_ylim(tall, 0.0)
+    ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))
+    _bare(ax)
+    ax.set_xlabel("Share of the variance of the smallest gap")
+    handles = [
+        Patch(facecolor=INK, label="by itself"),
+        Patch(facecolor=pale(INK), label="with others"),
+    ]
+    ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
+
+
+def _bare(ax: Axes) -> None:
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.spines.bottom.set_color(FAINT)
+    ax.tick_params(axis="y", length=0.0)
+
+
+def percent(share: float) -> str:
+    """With enough digits that 99.99 % does not look certain."""
+    decimals = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
+    return f"{100.0 * share:.{decimals}f} %".replace(".0000 %", " %")

@@ -1,0 +1,1 @@
+"""Measured data beside their model."""

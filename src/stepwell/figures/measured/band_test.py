@@ -1,0 +1,86 @@
+"""Tension tests of bands: the loading curves, the force laws, and what they leave."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stepwell.figures.common import marks
+from stepwell.figures.common.style import (
+    BLACK,
+    BLUE,
+    FAINT,
+    GREEN,
+    ORANGE,
+    PAGE,
+    PURPLE,
+    VERMILLION,
+    blank,
+    pale,
+    place,
+    styled,
+)
+from stepwell.lab import BandTest, Choice
+
+# A colour and a dash for each law, so that either alone tells them apart.
+_LOOKS = {
+    "linear": (BLACK, (0, ())),
+    "neo-Hookean": (ORANGE, (0, (5, 1.5))),
+    "cubic": (BLUE, (0, (3, 1, 1, 1))),
+    "Ogden": (VERMILLION, (0, (1, 1))),
+    "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
+}
+
+
+@styled
+def band_laws(test: BandTest, choice: Choice) -> Figure:
+    """Force against stroke of tension tests, and what each force law leaves inside the window.
+
+    Args:
+        test: the tension tests.
+        choice: their force laws.
+
+    Returns:
+        A figure of a page's width. On the left every cycle, those used in green; on the right the
+        residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
+    """
+    figure = blank(PAGE, 76.0)
+    left = place(figure, 14.0, 11.0, 66.0, 55.0)
+    used = set(map(id, test.used))
+    for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
+        mine = id(loop) in used
+        for u, force in ((loop.stroke, loop.force), (loop.back_stroke, loop.back_force)):
+            colour = GREEN if mine else pale(FAINT, 0.4)
+            step = max(1, len(u) // 400)
+            left.plot(u[::step] * 1e3, force[::step], color=colour, linewidth=0.7)
+    for edge in test.window:
+        left.axvline(edge * 1e3, color=FAINT, linewidth=0.7, linestyle=(0, (2, 2)))
+    left.set_xlabel("Stroke of the grips [mm]")
+    left.set_ylabel("Tension [N]")
+    left.plot([], [], color=GREEN, label="used")
+    left.plot([], [], color=pale(FAINT, 0.4), label="not used")
+    left.plot([], [], color=FAINT, linestyle=(0, (2, 2)), linewidth=0.7, label="window")
+    left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+
+    right = place(figure, 98.0, 11.0, 78.0, 55.0)
+    marks.zero_line(right)
+    curves = [test.curve(sample) for sample in test.samples]
+    stroke = curves[0][0]
+    force = np.mean([np.interp(stroke, u, f) for u, f in curves], axis=0)
+    for candidate in choice.candidates:
+        colour, dash = _LOOKS[candidate.law.name]
+        right.plot(
+            stroke * 1e3,
+            (force - candidate.fitted.tension(stroke)) * 1e3,
+            color=colour,
+            linestyle=dash,
+            linewidth=2.0 if candidate is choice.chosen else 1.0,
+            label=candidate.law.name + (" (chosen)" if candidate is choice.chosen else ""),
+        )
+    right.set_xlabel("Stroke of the grips [mm]")
+    right.set_ylabel("Measured less law [mN]")
+    right.margins(y=0.1)
+    right.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3, columnspacing=1.0, handlelength=2.4
+    )
+    return figure

@@ -1,0 +1,88 @@
+"""A calibration: how well each geometry is fitted and predicted, and which numbers are tied."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stepwell.figures.common.style import BLUE, FAINT, INK, PAGE, VERMILLION, blank, place, styled
+from stepwell.lab import Calibration
+
+_SYMBOLS = {
+    "rest_length": "$\\ell_0$",
+    "quadratic": "$a_2$",
+    "cubic": "$a_3$",
+    "loss": "$h$",
+    "loss_length": "$c$",
+    "friction": "$f$",
+}
+_MARKS = "o^sDv"
+
+
+@styled
+def calibration(result: Calibration) -> Figure:
+    """Error of every geometry, fitted and left out, and the correlations of the parameters.
+
+    Args:
+        result: of `lab.calibrate`.
+
+    Returns:
+        A figure of a page's width. On the left RMSE in k r, hollow marks for the fit and full ones
+        for the prediction from the other geometries; on the right a map of the correlations,
+        with their size written in.
+    """
+    geometries = sorted({sample.geometry for sample in result.samples})
+    tall = 24.0 + 6.0 * max(len(geometries), len(result.parameters))
+    figure = blank(PAGE, tall)
+    left = place(figure, 24.0, 11.0, 64.0, tall - 20.0)
+    for n, bands in enumerate(result.counts):
+        colour, mark = (BLUE, VERMILLION)[n % 2], _MARKS[n % len(_MARKS)]
+        rows = [
+            (geometries.index(s.geometry), fit, out)
+            for s, fit, out in zip(
+                result.samples, result.fit_error, result.left_out_error, strict=True
+            )
+            if s.bands == bands
+        ]
+        place_of = np.array([row[0] for row in rows]) + 0.12 * (n - (len(result.counts) - 1) / 2)
+        name = "1 band" if bands == 1 else f"{bands} bands"
+        style = {"linestyle": "none", "marker": mark, "markersize": 4.0, "color": colour}
+        left.plot(
+            [r[1] for r in rows], place_of, markerfacecolor="white", label=f"{name}, fit", **style
+        )
+        left.plot([r[2] for r in rows], place_of, label=f"{name}, left out", **style)
+    left.set_yticks(range(len(geometries)), [_mm(geometry) for geometry in geometries])
+    left.set_ylabel("$d = q - p$ [mm]")
+    left.set_xlabel("RMSE [$kr$]")
+    left.set_xlim(left=0.0)
+    left.grid(axis="y", color=FAINT, linewidth=0.3)
+    left.invert_yaxis()
+    left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2, columnspacing=1.0)
+
+    names = [_symbol(p.name) for p in result.parameters]
+    side = min(60.0, tall - 24.0)
+    right = place(figure, 106.0, 11.0 + (tall - 20.0 - side) / 2, side, side)
+    image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
+    for (i, j), value in np.ndenumerate(result.correlations):
+        if j < i:
+            dark = abs(value) > 0.6
+            # The colour tells the sign, so that the number has room.
+            text = f"{abs(value):.2f}".removeprefix("0").replace("1.00", "1")
+            right.text(j, i, text, ha="center", va="center", color="white" if dark else INK)
+    right.set_xticks(range(len(names)), names)
+    right.set_yticks(range(len(names)), names)
+    right.tick_params(length=0)
+    bar = place(figure, 106.0 + side + 3.0, 11.0 + (tall - 20.0 - side) / 2, 2.5, side)
+    figure.colorbar(image, cax=bar)
+    bar.set_ylabel("Correlation [1]")
+    return figure
+
+
+def _symbol(name: str) -> str:
+    stem, _, count = name.rpartition("_")
+    return f"$k_{{{count}}}$" if stem == "stiffness" else _SYMBOLS[name]
+
+
+def _mm(geometry: tuple[float, float]) -> str:
+    x, y = (f"{1e3 * v:g}".replace("-", "\N{MINUS SIGN}") for v in geometry)
+    return f"({x}, {y})"

@@ -1,0 +1,1 @@
+"""What a chain does as its actuator moves."""

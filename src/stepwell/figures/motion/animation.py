@@ -1,0 +1,315 @@
+"""The mechanism moving through its stroke, snaps included, as a GIF."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path as File
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from stepwell.base.limits import require
+from stepwell.base.write import write_atomic
+from stepwell.figures.cells import mechanism as _mechanism
+from stepwell.figures.cells.drawing import Drawing
+from stepwell.figures.cells.linkage import Linkage
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.reading import MM, path_of, snaps_of
+from stepwell.figures.common.style import BLACK, INK, YELLOW, blank, cell_colours, place, styled
+from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.motion.landscape import landscape
+from stepwell.figures.motion.plan import Window, draw_plan, limits, plan_of, windows_of
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+    from stepwell.sequences import Cycle, Program
+    from stepwell.statics import Path
+
+Array = NDArray[np.float64]
+
+# A snap takes milliseconds; shown, it has to last long enough to be seen.
+_SNAP_SECONDS = 0.5
+_REST_SECONDS = 0.3
+_DPI = 110.0
+_COLOURS = 96
+# Height of the plan of strokes [mm].
+_PLAN = 38.0
+# A cell this near a stop is seen there.
+_AT = 1e-3
+
+
+@styled
+def animation(
+    result: Cycle | Path | Program,
+    file: str | os.PathLike[str],
+    *,
+    seconds: float = 8.0,
+    fps: float = 20.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> File:
+    """Write a GIF of the mechanism in motion with its landscape, or its force loop, beside it.
+
+    The actuator moves at constant speed and rests at its turning points. A snap happens at
+    fixed stroke; what is shown of it is a smooth motion between its two ends, slowed down and
+    marked, because the model says where it ends and not how fast it gets there. A path or a
+    program has its plan of strokes below, a program with the windows of its turns.
+
+    Args:
+        result: a cycle, a path or a stroke program, of up to 12 cells.
+        file: where to; written whole or not at all.
+        seconds: how long one round lasts.
+        fps: frames a second, up to 50; rounded to what a GIF can tell, 100 over a whole number.
+        progress: called with (done, total) frames.
+
+    Returns:
+        The file.
+
+    Raises:
+        ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
+            or a file name that does not end in .gif.
+    """
+    from PIL import Image
+
+    path = path_of(result)
+    if len(path.chain) > _mechanism.MOST_CELLS:
+        raise ValueError(
+            f"the chain has {len(path.chain)} cells: at most {_mechanism.MOST_CELLS} can be seen."
+        )
+    if not 0 < seconds < float("inf"):
+        raise ValueError(f"seconds = {seconds}: must be > 0.")
+    if not 0 < fps <= 50:
+        raise ValueError(f"fps = {fps}: must be > 0 and at most 50.")
+    if File(file).suffix.lower() != ".gif":
+        raise ValueError(f"{file}: an animation's name must end in .gif.")
+    require("frames", seconds * fps, f"{seconds:g} s are")
+    hundredths = max(2, round(100 / fps))
+    count = max(2, round(100 * seconds / hundredths))
+    frames = _timeline(path, seconds, count)
+    scene = _Scene(result, path)
+
+    look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
+    look += [frame for frame in frames if frame.snap][:1]
+    shared = _palette([scene.shoot(frame) for frame in look])
+
+    def pictures() -> Iterator[Picture]:
+        for k, frame in enumerate(frames):
+            yield scene.shoot(frame).quantize(palette=shared, dither=Image.Dither.NONE)
+            if progress is not None:
+                progress(k + 1, count)
+
+    rest = pictures()
+    movie = io.BytesIO()
+    next(rest).save(
+        movie,
+        format="GIF",
+        save_all=True,
+        append_images=rest,
+        duration=10 * hundredths,
+        loop=0,
+        # Stores only the pixels that changed.
+        optimize=True,
+    )
+    write_atomic(File(file), movie.getvalue())
+    return File(file)
+
+
+class _Frame(NamedTuple):
+    travels: Array
+    force: float
+    snap: bool
+    drive: float
+    way: float
+
+
+def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
+    """What to show in each of `count` frames."""
+    snaps = snaps_of(path)
+    drive = np.asarray(path.drive, float)
+    moving = np.abs(np.diff(drive))
+    way = np.concatenate([[0.0], np.cumsum(moving)])
+    turns = np.flatnonzero(np.diff(np.sign(path.direction)))
+    # Snaps and rests never take more than half of the time.
+    pauses = _SNAP_SECONDS * len(snaps) + _REST_SECONDS * (len(turns) + 1)
+    shrink = min(1.0, 0.5 * seconds / pauses)
+    step = moving / max(float(moving.sum()), 1e-300) * (seconds - shrink * pauses)
+    jumps = {snap.before for snap in snaps}
+    for snap in snaps:
+        step[snap.before] += shrink * _SNAP_SECONDS
+    step[turns] += shrink * _REST_SECONDS
+    time = np.concatenate([[0.0], np.cumsum(step)])
+
+    frames: list[_Frame] = []
+    for at in np.linspace(0.0, seconds, count, endpoint=False):
+        i = min(int(np.searchsorted(time, at, side="right")) - 1, len(time) - 1)
+        j = min(i + 1, len(time) - 1)
+        part = (at - time[i]) / (time[j] - time[i]) if time[j] > time[i] else 0.0
+        snap = i in jumps
+        if snap:
+            part = part * part * (3.0 - 2.0 * part)
+        travels, force, u, w = (
+            column[i] + part * (column[j] - column[i])
+            for column in (path.travel, path.force, drive, way)
+        )
+        frames.append(_Frame(travels, float(force), snap, float(u), float(w)))
+    return frames
+
+
+class _Scene:
+    """One figure of which only the moving parts are drawn again."""
+
+    def __init__(self, result: Cycle | Path | Program, path: Path):
+        from stepwell.sequences import Cycle, Program
+
+        self.chain = path.chain
+        # A cycle goes up and down once; all else has a plan worth showing.
+        below = 0.0 if isinstance(result, Cycle) else _PLAN
+        windows = windows_of(result) if isinstance(result, Program) else []
+        self.linkage = Linkage(self.chain)
+        samples = path.travel[:: max(1, len(path.travel) // 120)]
+        edges = np.array([self.linkage.pose(t).bounds for t in samples])
+        left, bottom = edges[:, :2].min(axis=0) - 0.002
+        right, top = edges[:, 2:].max(axis=0) + 0.002
+        left = min(left, -2.2 * self.linkage.reach)
+        wide, high = (right - left) * MM, (top - bottom) * MM
+
+        beside = len(self.chain) <= 2
+        if beside:
+            size, stage, plot = (170.0, 78.0), (2.0, 12.0, 84.0, 54.0), (104.0, 12.0, 58.0, 58.0)
+        else:
+            drawn = min(60.0, high * 156.0 / wide)
+            size, stage = (160.0, 88.0 + drawn), (2.0, 71.0, 156.0, drawn)
+            plot = (16.0, 12.0, 140.0, 48.0)
+        size = (size[0], size[1] + below)
+        stage = (stage[0], stage[1] + below, *stage[2:])
+        plot = (plot[0], plot[1] + below, *plot[2:])
+        self.figure: Figure = blank(*size)
+        self.figure.set_dpi(_DPI)
+        self.two = len(self.chain) == 2
+        self.plot = place(self.figure, *plot)
+        (landscape if self.two else force_stroke)(path, ax=self.plot)
+        self.plan = self._draw_plan(path, windows, plot[0] + plot[2]) if below else None
+
+        ax: Axes = place(self.figure, *stage)
+        ax.set_axis_off()
+        ax.set_xlim(0, stage[2])
+        ax.set_ylim(0, stage[3])
+        scale = min(stage[2] / wide, stage[3] / high)
+        origin = (
+            (stage[2] - wide * scale) / 2 - left * MM * scale,
+            (stage[3] - high * scale) / 2 - bottom * MM * scale,
+        )
+        weight = float(np.clip(0.5 + 0.6 * scale, 0.6, 1.3))
+        self.drawing = Drawing(ax, self.linkage, origin, scale * MM, weight)
+        _mechanism.ground(ax, self.linkage, origin, scale * MM)
+
+        w, h = size
+        line = (h - 7.0) / h
+        self.stroke = self.figure.text(6.0 / w, line, "", fontsize=9)
+        self.force = self.figure.text(36.0 / w, line, "", fontsize=9)
+        self.word = self.figure.text(
+            72.0 / w,
+            line,
+            "snap",
+            fontsize=11,
+            fontweight="bold",
+            color=BLACK,
+            bbox={"boxstyle": "round,pad=0.2", "facecolor": YELLOW, "linewidth": 0},
+        )
+        self.state = self.figure.text(
+            (6.0 if beside else 98.0) / w, line - 7.0 * beside / h, "", fontsize=9
+        )
+        x = 6.0
+        for name, colour in zip(self.chain.names, cell_colours(len(self.chain)), strict=True):
+            text = self.figure.text(
+                x / w,
+                (5.0 + below if beside else h - 13.0) / h,
+                literal(name),
+                color=colour,
+                fontweight="bold",
+            )
+            x += text.get_window_extent().width / _DPI * 25.4 + 5.0
+        (self.halo,) = self.plot.plot([], [], "o", markersize=15, color=YELLOW, zorder=10)
+        (self.dot,) = self.plot.plot(
+            [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11
+        )
+        dots = (self.halo, self.dot) if self.plan is None else (self.halo, self.dot, self.plan)
+        self.moving = (
+            *self.drawing.artists, self.stroke, self.force, self.state, self.word, *dots,
+        )  # fmt: skip
+        for artist in self.moving:
+            artist.set_animated(True)
+        canvas = self.figure.canvas
+        assert isinstance(canvas, FigureCanvasAgg)
+        self.canvas = canvas
+        canvas.draw()
+        # Everything that stands still, drawn once.
+        self.still = canvas.copy_from_bbox(self.figure.bbox)
+
+    def _draw_plan(self, path: Path, windows: list[Window], right: float) -> Line2D:
+        """The strokes ahead and behind, and a dot for the present."""
+        ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
+        plan = plan_of(path)
+        ax.set_xlim(limits(plan.way, 0.03))
+        draw_plan(ax, plan, windows, 0.1)
+        ax.set_ylabel(plan.name)
+        ax.set_xlabel(f"Way covered by the actuator [{plan.unit}]")
+        (dot,) = ax.plot(
+            [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11, gid="now"
+        )
+        return dot
+
+    def _state(self, travels: Array) -> str:
+        full = np.array([cell.full_travel for cell in self.chain.cells])
+        share = travels / full
+        return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
+
+    def shoot(self, frame: _Frame) -> Picture:
+        """The picture at one instant."""
+        from PIL import Image
+
+        self.drawing.move(frame.travels)
+        stroke = float(np.sum(frame.travels))
+        self.stroke.set_text(f"$u$ = {stroke * MM:.1f} mm")
+        self.force.set_text(f"$F$ = {frame.force:+.2f} N".replace("-", "\N{MINUS SIGN}"))
+        x, y = (
+            (frame.travels[0] * MM, frame.travels[1] * MM)
+            if self.two
+            else (stroke * MM, frame.force)
+        )
+        self.dot.set_data([x], [y])
+        self.halo.set_data([x], [y])
+        if self.plan is not None:
+            scale = 1.0 if self.chain.actuator_stiffness == 0 else MM
+            self.plan.set_data([frame.way * scale], [frame.drive * scale])
+            self.state.set_text(f"state {self._state(frame.travels)}")
+        self.halo.set_visible(frame.snap)
+        self.word.set_visible(frame.snap)
+        self.canvas.restore_region(self.still)
+        for artist in self.moving:
+            if artist.get_visible():
+                self.figure.draw_artist(artist)
+        return Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
+
+
+def _palette(pictures: list[Picture]) -> Picture:
+    """A picture in the colours that all frames share."""
+    from PIL import Image
+
+    width, height = pictures[0].size
+    sheet = Image.new("RGB", (width, height * len(pictures)))
+    for k, picture in enumerate(pictures):
+        sheet.paste(picture, (0, k * height))
+    shared = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
+    # Averaging greys the paper, and Pillow tells very light colours apart only roughly.
+    colours = np.array(shared.getpalette()).reshape(-1, 3)
+    colours[colours.min(axis=1) >= 248] = 255
+    shared.putpalette(colours.ravel().tolist())
+    return shared

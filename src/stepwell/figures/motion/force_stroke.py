@@ -1,0 +1,77 @@
+"""Actuator force against stroke."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.figures.common import marks
+from stepwell.figures.common.labels import Label, beside
+from stepwell.figures.common.reading import MM, curve, legs, path_of, snaps_of, vertices
+from stepwell.figures.common.style import (
+    BLACK,
+    COLUMN,
+    PAGE,
+    canvas,
+    direction_colour,
+    keep_inside,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle
+    from stepwell.statics import Path
+
+# Loading lies under unloading, so it is drawn wider where both take the same way.
+_WIDTHS = (2.2, 1.2)
+
+
+@styled
+def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
+    """Actuator force against stroke, loading and unloading, snaps as dashed jumps.
+
+    Args:
+        result: a cycle, or a path over any turning points.
+        ax: axes to draw into; by default a new figure of one column's width, or of two for
+            more than four cells.
+
+    Returns:
+        The figure: force [N] against stroke [mm], with the states between the branches named
+        where there is room for their names.
+    """
+    path = path_of(result)
+    own = ax is None
+    width = COLUMN if len(path.chain) <= 4 else PAGE
+    figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0))
+    stroke, force = path.stroke * MM, path.force
+    ax.set_xlabel("Stroke $u$ [mm]")
+    ax.set_ylabel("Actuator force [N]")
+    marks.zero_line(ax)
+    ways = legs(path)
+    crowded = len(ways) > marks.MOST_HEADS
+    for direction, width in zip((1, -1), _WIDTHS, strict=True):
+        x, y = curve(path, direction, stroke, force)
+        ax.plot(x, y, color=direction_colour(direction), linewidth=width / (1 + crowded))
+    marks.snaps(ax, snaps_of(path), stroke, force)
+    ax.margins(x=0.08, y=0.12)
+    ax.autoscale_view()
+    if own:
+        keep_inside(ax)
+
+    for direction, at in () if crowded else ways:
+        # Not in the middle: where both directions take the same way, one would hide the other.
+        marks.heading(ax, stroke[at], force[at], direction_colour(direction), at=0.4)
+    rests = vertices(path)
+    at = [vertex.sample for vertex in rests]
+    # Names in two rows, one above and one below the curves, a character being 0.6 of 7 pt wide.
+    needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
+    roomy = needed < 1.2 * ax.get_window_extent().width
+    size = 3.4 if len(ways) <= marks.MOST_HEADS else 1.5
+    ax.plot(stroke[at], force[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
+    if roomy:
+        named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
+        beside(ax, named)
+    marks.legend(ax, path, _WIDTHS)
+    return figure

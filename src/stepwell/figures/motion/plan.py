@@ -1,0 +1,133 @@
+"""Where the actuator goes: its strokes one after another, with the windows of its turns."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from stepwell.figures.common import marks
+from stepwell.figures.common.reading import MM, curve, snaps_of
+from stepwell.figures.common.style import INK, direction_colour
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Program
+    from stepwell.statics import Path
+
+Array = NDArray[np.float64]
+
+_WINDOW = "#BDBDBD"
+
+
+class Window(NamedTuple):
+    """Where a stroke may end, in drawn units; `rises` says from which side it comes."""
+
+    way: float
+    low: float
+    high: float
+    rises: bool
+
+
+class Plan(NamedTuple):
+    """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
+
+    path: Path
+    way: Array
+    drive: Array
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """What the drive is, with its unit."""
+        stiffness = self.path.chain.actuator_stiffness
+        what = "Actuator force" if stiffness == 0 else "Actuator"
+        return f"{'Stroke $u$' if math.isinf(stiffness) else what} [{self.unit}]"
+
+
+def plan_of(path: Path) -> Plan:
+    """The plan of a path: mm, or N under force control."""
+    by_force = path.chain.actuator_stiffness == 0
+    drive = path.drive * (1.0 if by_force else MM)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
+    return Plan(path, way, drive, "N" if by_force else "mm")
+
+
+def windows_of(program: Program) -> list[Window]:
+    """One for every turn, and one for the end where that may vary."""
+    scale = 1.0 if program.chain.actuator_stiffness == 0 else MM
+    points = np.array(program.turning_points) * scale
+    ways = np.cumsum(np.abs(np.diff(points)))
+    bounds = [(turn.low, turn.high) for turn in program.turns]
+    if program.strokes and program.high > program.low:
+        bounds.append((program.low, program.high))
+    return [
+        Window(float(ways[k]), low * scale, high * scale, bool(points[k + 1] > points[k]))
+        for k, (low, high) in enumerate(bounds)
+    ]
+
+
+def limits(values: Array, margin: float) -> tuple[float, float]:
+    """From below the lowest to above the highest value, by a share of their range."""
+    low, high = float(np.min(values)), float(np.max(values))
+    more = margin * (high - low) or 1.0
+    return low - more, high + more
+
+
+def draw_plan(ax: Axes, plan: Plan, windows: list[Window], margin: float) -> list[Line2D]:
+    """Strokes, windows and snaps; returns what a legend should list.
+
+    Args:
+        ax: axes, whose y limits are set.
+        plan: what to draw.
+        windows: bars at its turns.
+        margin: above and below, as a share of the range.
+    """
+    path, way, drive = plan.path, plan.way, plan.drive
+    bars = np.array([(window.low, window.high) for window in windows]).ravel()
+    ax.set_ylim(limits(np.concatenate([drive, bars]), margin))
+    handles: list[Line2D] = []
+    for direction, name in ((1, "rising"), (-1, "falling")):
+        if way[-1] > 0 and np.any(path.direction * direction > 0):
+            handles += ax.plot(
+                *curve(path, direction, way, drive),
+                color=direction_colour(direction),
+                zorder=4,
+                label=name,
+                gid="drive",
+            )
+    at = [snap.before for snap in snaps_of(path)]
+    if at:
+        few = len(at) <= marks.MOST_HEADS
+        handles += ax.plot(
+            way[at],
+            drive[at],
+            "o",
+            markersize=5.4 if few else 3.0,
+            markerfacecolor="white",
+            markeredgecolor=INK,
+            markeredgewidth=1.1 if few else 0.7,
+            zorder=6,
+            label="snap",
+            gid="snaps",
+        )
+    for window in windows:
+        ends = [window.low, window.high]
+        ax.plot(
+            [window.way] * 2,
+            ends,
+            color=_WINDOW,
+            linewidth=5.0,
+            solid_capstyle="butt",
+            zorder=2,
+            gid="windows",
+        )
+        ax.plot(
+            [window.way] * 2, ends, "_", markersize=7.0, color=INK, markeredgewidth=0.8, zorder=3
+        )
+    if windows:
+        handles.append(Line2D([], [], color=_WINDOW, linewidth=5.0, label="window"))
+    return handles

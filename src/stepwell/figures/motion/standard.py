@@ -1,0 +1,37 @@
+"""The figures that answer what a mechanism will do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, mechanism
+from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.motion.landscape import landscape
+from stepwell.figures.motion.travel_stroke import MOST_LANES, travel_stroke
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle
+
+
+def standard(cycle: Cycle) -> dict[str, Figure]:
+    """Every figure of a cycle that can be drawn for a chain of its length.
+
+    Args:
+        cycle: a full cycle.
+
+    Returns:
+        By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
+        travel_stroke (up to 60 cells).
+    """
+    chain = cycle.chain
+    found: dict[str, Figure] = {}
+    if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
+        found["mechanism"] = mechanism(chain, cycle.sequence)
+    if len(chain) == 2:
+        found["landscape"] = landscape(cycle)
+    found["force_stroke"] = force_stroke(cycle)
+    if len(chain) <= MOST_LANES:
+        found["travel_stroke"] = travel_stroke(cycle)
+    return found

@@ -1,0 +1,1 @@
+"""Robots and arenas, drawn from their values."""

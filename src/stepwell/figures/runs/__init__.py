@@ -1,0 +1,1 @@
+"""What a robot did, or will do."""

@@ -1,0 +1,223 @@
+"""What statics says about a robot's gait, and how sure it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.reading import MM
+from stepwell.figures.common.style import (
+    FAINT,
+    INK,
+    PAGE,
+    VERMILLION,
+    blank,
+    pale,
+    place,
+    root,
+    styled,
+)
+from stepwell.figures.runs.walk_reading import direction, leg_colours
+
+if TYPE_CHECKING:
+    from stepwell.robot.gait.predict import Prediction
+
+_MN = 1e3  # millinewtons in a newton
+_ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
+_SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
+_WAY = {1: ", forward", -1: ", backward", 0: ""}
+
+
+@styled
+def prediction(prediction: Prediction) -> Figure:
+    """How far each leg is from another gait, what drag its foot overcomes, what flips it.
+
+    Args:
+        prediction: of any robot.
+
+    Returns:
+        A figure of two columns' width: for each leg the margin [mN] beside what the prediction
+        does not know, and the depths of the feet [mm] at which its gait stays; for each push
+        the largest drag [N] beside the floor's; for each antenna that flips a leg the
+        displacement of its anchor [mm], with the range it may lie in.
+    """
+    pushes = [(leg, push) for leg in prediction.legs for push in leg.pushes]
+    panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
+    panels += [(_drags, len(pushes))] if pushes else []
+    panels += [(_flips, len(prediction.flips))] if prediction.flips else []
+    title = [literal(prediction.robot.title)] if prediction.robot.title else []
+    height = _TOP + 4.0 * len(title) + sum(_HEAD + _ROW * rows + _FOOT for _, rows in panels)
+    figure = blank(PAGE, height)
+    # Nothing is ever minus zero.
+    advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
+    says = (
+        f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
+        f"turn {turn:.1f}° per cycle"
+    )
+    figure.text(
+        2.0 / PAGE,
+        1 - 1.5 / height,
+        "\n".join([*title, says.replace("-", "\N{MINUS SIGN}")]),
+        va="top",
+        fontsize=8,
+        weight="bold",
+    )
+    bottom = height - _TOP - 4.0 * len(title)
+    for draw, rows in panels:
+        bottom -= _HEAD + _ROW * rows
+        ax = place(figure, 2.0, bottom, PAGE - 44.0, _ROW * rows)
+        draw(ax, prediction)
+        bottom -= _FOOT
+    # One width of names for all, so that the panels stand in line.
+    dpi = figure.dpi / 25.4
+    boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
+    names = max(box.width / dpi for box in boxes if box is not None)
+    for ax in figure.axes:
+        at = ax.get_position()
+        left = (2.0 + names) / PAGE
+        ax.set_position((left, at.y0, at.x1 - left, at.height))
+    return figure
+
+
+def _margins(ax: Axes, found: Prediction) -> None:
+    legs = found.legs
+    ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
+    most = _limit(ends)
+    for i, (leg, colour) in enumerate(zip(legs, leg_colours(found.robot), strict=True)):
+        ax.barh(
+            i,
+            leg.uncertainty * _MN,
+            height=0.8,
+            color=pale(FAINT, 0.6),
+            zorder=1,
+            gid=f"uncertainty {leg.name}",
+        )
+        reach = leg.margin * _MN
+        if math.isfinite(reach):
+            ax.plot(
+                [reach], [i], "o", color=colour, markersize=5.0, zorder=3, gid=f"margin {leg.name}"
+            )
+            ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
+        else:
+            ax.plot([0.0, most], [i, i], color=colour, linewidth=1.6, zorder=2)
+        other = leg.nearest or "none within 2 N"
+        doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
+        _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
+    _rows(ax, [f"{leg.name}: {leg.gait}{_WAY[direction(leg.gait)]}" for leg in legs], most)
+    ax.set_title("Margin to another gait; shaded: what the prediction does not know", loc="left")
+    ax.set_xlabel("Force on one cell [mN]")
+
+
+def _depths(ax: Axes, found: Prediction) -> None:
+    below, ends = found.robot.foot.below * MM, np.array(found.depths) * MM
+    # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
+    most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
+    for i, (leg, colour) in enumerate(zip(found.legs, leg_colours(found.robot), strict=True)):
+        low, high = ends[i]
+        ax.barh(
+            i,
+            min(high, most) - low,
+            left=low,
+            height=0.5,
+            color=colour,
+            zorder=2,
+            gid=f"depths {leg.name}",
+        )
+        _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
+    ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
+    _rows(ax, [f"{leg.name}: {leg.gait}" for leg in found.legs], most)
+    ax.set_title(
+        "Depths of the feet at which the gait surely stays; line: this robot's", loc="left"
+    )
+    ax.set_xlabel("Feet below the supports [mm]")
+
+
+def _drags(ax: Axes, found: Prediction) -> None:
+    drag = found.robot.floor.drag
+    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
+    pushes = [(leg.name, push) for leg in found.legs for push in leg.pushes]
+    most = _limit([drag, *(push.largest_drag for _, push in pushes)])
+    for i, (name, push) in enumerate(pushes):
+        reach = min(push.largest_drag, most)
+        ax.barh(i, reach, height=0.5, color=colours[name], zorder=2, gid=f"drag {name}")
+        _remark(ax, i, push.limit.value.split(":")[0], doubtful=push.safety < 1)
+    ax.axvline(drag, color=INK, linewidth=1.0, zorder=3, gid="floor")
+    names = [
+        f"{name}, {'out' if push.loading else 'back'}: {push.step * MM:.1f} mm step"
+        for name, push in pushes
+    ]
+    _rows(ax, [name.replace("-", "\N{MINUS SIGN}") for name in names], most)
+    ax.set_title("Largest drag that each push overcomes; line: the floor's drag", loc="left")
+    ax.set_xlabel("Drag of the floor [N]")
+
+
+def _flips(ax: Axes, found: Prediction) -> None:
+    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
+    full = [
+        math.hypot(*antenna.moves) * MM
+        for flip in found.flips
+        for antenna in found.robot.antennas
+        if antenna.name == flip.antenna
+    ]
+    most = _limit(full)
+    for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
+        late = min(flip.latest * MM, most)
+        ax.plot(
+            [flip.earliest * MM, late],
+            [i, i],
+            color=pale(colours[flip.leg], 0.4),
+            linewidth=4.0,
+            solid_capstyle="butt",
+            zorder=2,
+            gid=f"range {flip.antenna}",
+        )
+        ax.plot(
+            [flip.displacement * MM],
+            [i],
+            "o",
+            color=colours[flip.leg],
+            markersize=5.0,
+            zorder=3,
+            gid=f"flip {flip.antenna}",
+        )
+        ax.plot([end, end], [i - 0.4, i + 0.4], color=INK, linewidth=1.0, zorder=3)
+        _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
+    _rows(ax, [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips], most)
+    ax.set_title("Displacement that flips a leg, with its range; bar: full swing", loc="left")
+    ax.set_xlabel("Displacement of the anchor $p$ [mm]")
+
+
+def _limit(values: Sequence[float]) -> float:
+    """The right end of an axis that shows all finite values."""
+    finite = np.array([value for value in values if math.isfinite(value)])
+    return 1.12 * float(finite.max(initial=0.0)) or 1.0
+
+
+def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
+    width = root(ax).bbox.width
+    gap = 2.0 / PAGE * width
+    ax.annotate(
+        text,
+        (1.0, row),
+        (gap / root(ax).dpi * 72.0, 0.0),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        va="center",
+        ha="left",
+        linespacing=0.95,
+        color=VERMILLION if doubtful else INK,
+    )
+
+
+def _rows(ax: Axes, names: Sequence[str], most: float) -> None:
+    ax.set_yticks(range(len(names)), [*map(literal, names)])
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(len(names) - 0.5, -0.5)
+    ax.set_xlim(0.0, most)
+    ax.spines[["top", "right"]].set_visible(False)

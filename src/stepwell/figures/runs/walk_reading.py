@@ -1,0 +1,147 @@
+"""What a figure has to find in a walk: its cycles, when feet stand, which states legs rest in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.figures.common.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    PATHWAY,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    YELLOW,
+)
+from stepwell.sequences import Pathway
+
+if TYPE_CHECKING:
+    from stepwell.robot import Robot
+    from stepwell.simulation import Walk
+
+Array = NDArray[np.float64]
+
+# How the whole robot moves in a cycle, in the order of legends.
+FORWARD, LEFT, RIGHT, BACKWARD, IDLE = (
+    "forward",
+    "turning left",
+    "turning right",
+    "backward",
+    "in place",
+)
+MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
+PRESSED = PURPLE
+
+_LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
+_MORE = (GREEN, BLUE, VERMILLION, INK)
+
+
+class Interval(NamedTuple):
+    """From when to when [s], and what."""
+
+    begin: float
+    end: float
+    what: str = ""
+
+
+def leg_colours(robot: Robot) -> list[str]:
+    """One colour a leg; past six they repeat."""
+    return [_LEGS[i % len(_LEGS)] for i in range(len(robot.legs))]
+
+
+def window(walk: Walk, cycles: float) -> slice:
+    """The samples of the last so many cycles."""
+    if len(walk.time) == 0:
+        return slice(0, 0)
+    begin = walk.time[-1] - cycles * walk.robot.drive.period
+    return slice(int(np.searchsorted(walk.time, begin - 1e-9)), len(walk.time))
+
+
+def span(walk: Walk, some: slice) -> tuple[float, float]:
+    """From when to when these samples are [s]; a tenth of a period at least."""
+    time = walk.time[some]
+    return float(time[0]), float(max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
+
+
+def intervals(time: Array, held: NDArray[np.bool_], what: str = "") -> list[Interval]:
+    """Every stretch of samples in which `held` is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]])))
+    return [
+        Interval(float(time[first]), float(time[end - 1]), what)
+        for first, end in edges.reshape(-1, 2)
+    ]
+
+
+def standing(force: Array) -> NDArray[np.bool_]:
+    """Whether a foot or support that carries these forces [N] stands, of the same shape."""
+    from stepwell.simulation.walk import LOADED
+
+    return force > LOADED
+
+
+def resting(walk: Walk, leg: str, some: slice) -> list[Interval]:
+    """The states that a leg rests in, one after another, as `Walk.gait` counts them."""
+    found: list[Interval] = []
+    for time in walk.time[some].tolist():
+        state = walk.state(leg, time)
+        if state is None:
+            continue
+        if found and found[-1].what == state:
+            found[-1] = found[-1]._replace(end=time)
+        else:
+            found.append(Interval(time, time, state))
+    return found
+
+
+def direction(gait: str) -> int:
+    """+1 for a forward step, -1 for a backward one, 0 for none.
+
+    Forward: the last cell, which lifts the foot, moves last on the way out and last on the
+    way back.
+    """
+    states = gait.split(">")
+    if len(states[0]) < 2:
+        return 0
+    ones = "1" * (len(states[0]) - 1)
+    out, back = ones + "0", "0" * len(ones) + "1"
+    if out not in states or back not in states or ones + "1" not in states:
+        return 0
+    return 1 if states.index(out) < states.index(back) else -1
+
+
+def motions(walk: Walk) -> list[str]:
+    """How the robot as a whole moves in each cycle, from the gaits of its legs."""
+    gaits = walk.gaits
+    found: list[str] = []
+    for cycle in range(walk.cycles):
+        steps: dict[int, list[int]] = {1: [], -1: []}
+        for leg in walk.robot.legs:
+            steps[leg.side].append(direction(gaits[leg.name][cycle]))
+        left, right = (float(np.mean(steps[side])) if steps[side] else 0.0 for side in (1, -1))
+        if left != right:
+            found.append(LEFT if right > left else RIGHT)
+        else:
+            found.append(FORWARD if left > 0 else BACKWARD if left < 0 else IDLE)
+    return found
+
+
+def gait_colours(walk: Walk) -> dict[str, str]:
+    """A colour for every gait string that occurs, directed ones first."""
+    occur = {gait for gaits in walk.gaits.values() for gait in gaits}
+    known = {p.value: PATHWAY[p.name] for p in Pathway if p is not Pathway.OTHER}
+    found = {gait: colour for gait, colour in known.items() if gait in occur}
+    longer = {1: ORANGE, -1: SKY, 0: YELLOW}
+    rest = sorted(
+        occur - set(found), key=lambda gait: (-abs(direction(gait)), -direction(gait), gait)
+    )
+    spare = iter(_MORE * (len(rest) // len(_MORE) + 1))
+    for gait in rest:
+        colour = longer[direction(gait)] if len(gait.split(">")[0]) > 2 else ""
+        found[gait] = colour if colour and colour not in found.values() else next(spare)
+    return found

@@ -1,0 +1,145 @@
+"""A key of a file and the unit in its name: what it means in SI, and how it is written back."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import Any
+
+from stepwell.files.schema.chain import Keys
+from stepwell.files.text import units
+from stepwell.files.text.toml_text import array, quoted
+from stepwell.mechanism import Slip, SlipError
+from stepwell.mechanism.sizes import Size
+
+# The end of a key and what it is called where it is shown; the longer ones first.
+UNITS = {
+    "_N_m_s_per_rad": "N m s/rad",
+    "_N_s_per_m": "N s/m",
+    "_N_per_m": "N/m",
+    "_m_per_s2": "m/s²",
+    "_per_mm2": "1/mm²",
+    "_per_mm": "1/mm",
+    "_mm": "mm",
+    "_deg": "deg",
+    "_g": "g",
+    "_N": "N",
+    "_s": "s",
+}
+# Names that the values give these keys; other keys are called as they are, without the unit.
+_FIELDS = {
+    "stroke_mm": "amplitude",
+    "hook_deg": "hook_angle",
+    "from_mm": "start",
+    "to_mm": "end",
+}
+
+
+def unit_of(key: str, column: int = 0) -> str:
+    """The unit that a key names; "" where it names none. Tables have one for each column."""
+    if key.endswith("_mm_N"):
+        return ("mm", "N")[column]
+    return next((shown for end, shown in UNITS.items() if key.endswith(end)), "")
+
+
+def field_of(key: str) -> str:
+    """What the value calls the key."""
+    if key in _FIELDS:
+        return _FIELDS[key]
+    return key.removesuffix(next((end for end in UNITS if key.endswith(end)), ""))
+
+
+def fields(keys: Keys, left_out: Iterable[str] = ()) -> dict[str, Any]:
+    """What stands in a table of the file, in SI and by the names of the value's fields."""
+    given = keys.given()
+    return {field_of(key): si(key, given[key]) for key in given if key not in left_out}
+
+
+def si(key: str, value: Any) -> Any:
+    """A value of the file in SI; rows and points number by number."""
+    if isinstance(value, tuple):
+        return tuple(si(key, part) for part in value)
+    if key == "cell" and isinstance(value, int):
+        return value - 1  # people count from 1
+    if not isinstance(value, Decimal):
+        return value
+    unit = unit_of(key)
+    if unit in ("mm", "g"):
+        return units.moved(value, -3)
+    return units.radians(value) if unit == "deg" else float(value)
+
+
+def written(key: str, value: Any) -> str:
+    """A value in SI as the file writes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return quoted(str(value))
+    if isinstance(value, tuple):
+        return array(written(key, part) for part in value)
+    if key == "cell":
+        return str(value + 1)
+    unit = unit_of(key)
+    if unit in ("mm", "g"):
+        return units.toml(units.shortest(value, 3))
+    return units.toml(units.degrees(value) if unit == "deg" else Decimal(repr(float(value))))
+
+
+def slips_text(error: SlipError) -> str:
+    """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
+    lines = [told(slip, slip.name, name_unit=True) for slip in error.slips]
+    way = (
+        "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
+    )
+    return "\n".join([*lines, way] if error.way else lines)
+
+
+def slip_lines(error: SlipError) -> list[str]:
+    """Slips of unit in a file whose keys are the fields of a robot or an arena, one line each."""
+    keys = {field: key for key, field in _FIELDS.items()}
+    lines: list[str] = []
+    for slip in error.slips:
+        place, dot, name = slip.name.rpartition(".")
+        end = _SHOWN.get(slip.unit, ("", f"_{slip.unit}", 0))[1]
+        key = slip.name if " " in slip.name else place + dot + keys.get(name, name + end)
+        way = "If it is meant so, set unusual = true at the top of the file."
+        lines.append(f"{told(slip, key)} {way}")
+    return lines
+
+
+def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
+    """A slip of unit by the key of the file that holds it, in the unit of files."""
+    unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
+
+    def shown(size: Size) -> str:
+        if isinstance(size, tuple):
+            return array(shown(part) for part in size)
+        number = Decimal(written(end, size)) if end else units.shortest(size, places)
+        return units.toml(Decimal(f"{number:.6g}"))
+
+    # A row of a table holds two units, and is called by the one that is wrong.
+    rows = key.endswith("_mm_N") or key == "shape_mm"
+    what = f"{key}, {slip.name.removeprefix('load.')}" if rows else key
+    probably = "" if slip.meant is None else f" Did you mean {shown(slip.meant)} {unit}?"
+    return f"{what} = {shown(slip.value)}{f' {unit}' * name_unit}: {slip.why}.{probably}"
+
+
+# What files call an SI unit: the unit shown, the end of a key in it, or decimal places to it.
+_SHOWN = {
+    "m": ("mm", "_mm", 3),
+    "kg": ("g", "_g", 3),
+    "rad": ("deg", "_deg", 0),
+    "1/m": ("1/mm", "", -3),
+    "1/m²": ("1/mm²", "", -6),
+}
+
+
+def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:
+    """Every key of a table with what the value holds under it."""
+    names = {field.name for field in dataclasses.fields(value)}
+    return [
+        f"{key} = {written(key, getattr(value, field_of(key)))}"
+        for key in table.model_fields
+        if key not in left_out and field_of(key) in names
+    ]

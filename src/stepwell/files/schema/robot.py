@@ -1,0 +1,238 @@
+"""The keys of a robot's design file: what each may hold, and in which unit."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from itertools import islice
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, model_validator
+
+from stepwell.files.schema import chain as schema
+from stepwell.files.schema.chain import (
+    Friction,
+    Keys,
+    Line,
+    Point,
+    Stiffness,
+    Switch,
+    numbers,
+    refuse,
+)
+from stepwell.files.text.errors import did_you_mean, nearest
+from stepwell.robot import Profile
+
+
+def _positive(least: str, most: str) -> PlainValidator:
+    return PlainValidator(numbers(least, most, f"> 0 ({least} to {most})"))
+
+
+def _centre(value: Any) -> tuple[Decimal, ...]:
+    try:
+        x, y, z = (schema.number(v, *schema.LENGTH, "") for v in value)
+    except (TypeError, ValueError):
+        refuse("must be three numbers from -1e6 to 1e6, in mm, as in [24, 0, 12].")
+    return x, y, z
+
+
+def _supports(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+    schema.few("supports", value)
+    try:
+        if not isinstance(value, list) or len(value) < 3:
+            raise ValueError
+        return tuple(schema.point(v) for v in value)
+    except (TypeError, ValueError):
+        refuse(
+            "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
+            "[38, -45]]."
+        )
+
+
+def _profile(value: Any) -> str:
+    known = [str(profile) for profile in Profile]
+    if value not in known:
+        near = f" {did_you_mean(value, known)}" if isinstance(value, str) else ""
+        refuse(f"must be one of {', '.join(map(repr, known))}.{near}")
+    return value
+
+
+def _cell(value: Any) -> int | str:
+    number = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10**6
+    if not (number or isinstance(value, str)):
+        refuse(
+            "must be the name of a cell in quotes, or its number, 1 for the innermost, as in "
+            '"inner" or 1.'
+        )
+    return value
+
+
+def _paths(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(path, str) for path in value):
+        refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
+    return tuple(schema.few("sources", value))
+
+
+Size = Annotated[Decimal, _positive("1e-6", "1e6")]
+Mass = Annotated[Decimal, _positive("1e-6", "1e9")]
+Damping = Annotated[Decimal, _positive("1e-12", "1e9")]
+Time = Annotated[Decimal, _positive("1e-6", "1e6")]
+Grip = Annotated[Decimal, _positive("1e-6", "1e6")]
+Swing = Annotated[Decimal, _positive("1e-3", "360")]
+Turned = Annotated[Decimal, PlainValidator(numbers("-360", "360", "from -360 to 360"))]
+Centre = Annotated[tuple[Decimal, ...], PlainValidator(_centre)]
+Supports = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_supports)]
+ProfileName = Annotated[str, PlainValidator(_profile)]
+CellName = Annotated[int | str, PlainValidator(_cell)]
+Paths = Annotated[tuple[str, ...], PlainValidator(_paths)]
+
+
+class LegChainKeys(schema.SharedKeys):
+    """A leg's chain, or what the chains of all legs share."""
+
+    title: Line = ""
+    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), schema.at_most("cells")] = ()
+
+    @model_validator(mode="after")
+    def _some_cell(self) -> LegChainKeys:
+        if "cell" in self.model_fields_set and not self.cell:
+            refuse("must hold two cells or more, inner first.", "cell")
+        return self
+
+
+class BodyKeys(Keys):
+    """The body and the T-foot on which it rests."""
+
+    mass_g: Mass | None = None
+    centre_mm: Centre | None = None
+    supports_mm: Supports | None = None
+    length_mm: Size | None = None
+    width_mm: Size | None = None
+    wall_friction: Friction | None = None
+
+
+class FootKeys(Keys):
+    """The V and the foot of every leg."""
+
+    link_mm: Size | None = None
+    span_mm: Size | None = None
+    mass_g: Mass | None = None
+    below_mm: Friction | None = None
+    radius_mm: Size | None = None
+
+
+class BlocksKeys(Keys):
+    """The moving blocks of every leg."""
+
+    mass_g: Mass | None = None
+    carriage_g: Mass | None = None
+    damping_N_s_per_m: Damping | None = None
+    width_mm: Size | None = None
+    length_mm: Size | None = None
+
+
+class FloorKeys(Keys):
+    """The floor."""
+
+    drag_N: Friction | None = None
+    foot_friction: Grip | None = None
+    gravity_m_per_s2: Friction | None = None
+
+
+class DriveKeys(Keys):
+    """The one actuator."""
+
+    stroke_mm: Size | None = None
+    period_s: Time | None = None
+    profile: ProfileName | None = None
+    stiffness_N_per_m: Stiffness | None = None
+
+
+class LegKeys(Keys):
+    """A leg."""
+
+    name: Line
+    at_mm: Point
+    chain: LegChainKeys = LegChainKeys()
+
+
+class AntennaKeys(Keys):
+    """An antenna."""
+
+    name: Line
+    pivot_mm: Point
+    length_mm: Size
+    angle_deg: Turned
+    leg: Line
+    cell: CellName | None = None
+    moves_mm: Point
+    swing_deg: Swing | None = None
+    hook_mm: Friction | None = None
+    hook_deg: Turned | None = None
+    mass_g: Mass | None = None
+    damping_N_m_s_per_rad: Damping | None = None
+    friction: Friction | None = None
+    connected: Switch | None = None
+
+
+# Where a number can come from; the first is what is said of a number that no list names.
+ASSUMED = "assumed"
+SOURCES = ("paper", "authors' notes", "measured", ASSUMED)
+
+
+class SourceKeys(Keys):
+    """Where the numbers come from."""
+
+    paper: Paths = ()
+    authors_notes: Paths = Field(default=(), alias="authors' notes")
+    measured: Paths = ()
+    assumed: Paths = ()
+
+    def lists(self) -> dict[str, tuple[str, ...]]:
+        """The key paths under each source."""
+        lists = (self.paper, self.authors_notes, self.measured, self.assumed)
+        return dict(zip(SOURCES, lists, strict=True))
+
+
+class RobotKeys(Keys):
+    """A robot's whole design file."""
+
+    title: Line = ""
+    chain: LegChainKeys = LegChainKeys()
+    body: BodyKeys = BodyKeys()
+    foot: FootKeys = FootKeys()
+    blocks: BlocksKeys = BlocksKeys()
+    floor: FloorKeys = FloorKeys()
+    drive: DriveKeys = DriveKeys()
+    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), schema.at_most("legs")]
+    antenna: Annotated[
+        tuple[AntennaKeys, ...], Field(strict=False), schema.at_most("antennas")
+    ] = ()
+    source: SourceKeys = SourceKeys()
+    unusual: schema.Switch = False
+
+
+# Where a reader may come from when a path holds one of these keys.
+TABLES: schema.Tables = {
+    "": RobotKeys,
+    "chain": LegChainKeys,
+    **schema.CHAIN_TABLES,
+    "body": BodyKeys,
+    "foot": FootKeys,
+    "blocks": BlocksKeys,
+    "floor": FloorKeys,
+    "drive": DriveKeys,
+    "leg": LegKeys,
+    "leg.chain": LegChainKeys,
+    **{f"leg.{path}": table for path, table in schema.CHAIN_TABLES.items()},
+    "antenna": AntennaKeys,
+    "source": SourceKeys,
+}
+_LOOKED_AT = 100  # keys of a file that may be misspelt ones
+_ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
+
+
+def is_robot(tables: dict[str, Any]) -> bool:
+    """Whether these are a robot's tables; a chain with a key of a robot is one without legs."""
+    if any(key in _ONLY_ROBOTS for key in tables):
+        return True
+    return any(nearest(key, ["leg"]) for key in islice(tables, _LOOKED_AT))

@@ -1,0 +1,1 @@
+"""The tables of a design file as values, and back."""

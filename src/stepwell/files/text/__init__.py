@@ -1,0 +1,1 @@
+"""The text of design files: TOML, key paths, units, errors."""

@@ -1,0 +1,181 @@
+"""Key paths: how a number of a design file is called by name.
+
+    foot.link_mm                            a key of a table
+    leg.left.at_mm[0]                       the first number of a list
+    leg.left.chain.cell.inner.q_mm[0]       a leg, a cell, an antenna by its name ...
+    leg[0].chain.cell[0].q_mm[0]            ... or by its number from 0
+    leg.*.chain.cell.*.friction_N           all of them
+    chain.cell.inner                        chain in front is short for leg.*.chain
+    chain.band.stiffness_N_per_m            what cells share, short for leg.*.chain.cell.*.band
+    leg."hind left"                         other characters than letters, digits, - and _
+
+A path that stops early means everything below it.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from stepwell.files.text.errors import nearest
+
+
+@dataclass(frozen=True)
+class Item:
+    """One of several: its number from 0, and its name where it has one of its own."""
+
+    index: int
+    name: str | None = None
+
+
+Steps = tuple[str | Item, ...]
+
+
+class _All:
+    """What stands for every item of a list."""
+
+
+ALL = _All()
+Token = str | int | _All
+
+_TOKEN = re.compile(
+    r"""
+    (?: \.? (?: (?P<all>\*) | "(?P<quoted>(?:[^"\\]|\\.)*)" | (?P<key>[^][."*\s]+) ) )
+    | \[ (?: (?P<index>\d{1,6}) | (?P<each>\*) ) \]
+    """,
+    re.X,
+)
+_NO_PATH = (
+    "is no key path; one looks like foot.link_mm, leg.left.at_mm[0] or chain.cell.inner.q_mm[0]."
+)
+_NONE = "means none of this robot's numbers"
+# Keys that a chain may give once for all its cells.
+_OF_EVERY_CELL = ("lever_mm", "limit_deg", "band")
+
+
+def spelled(steps: Iterable[str | Item]) -> str:
+    """The path of a number as `parameters` lists it."""
+    path = ""
+    for step in steps:
+        if isinstance(step, Item) and step.name is None:
+            path += f"[{step.index}]"
+        else:
+            word = str(step.name if isinstance(step, Item) else step)
+            path += ("." if path else "") + _word(word)
+    return path
+
+
+def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
+    """The known numbers that a path means, each with what is left below the path.
+
+    Raises:
+        ValueError: the path means none of them; the text says what was probably meant.
+    """
+    known = list(known)
+    tokens = _tokens(path)
+    found = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
+    if not found:
+        raise ValueError(_advice(tokens, known))
+    return found
+
+
+def _tokens(path: str) -> list[Token]:
+    tokens: list[Token] = []
+    place = 0
+    while place < len(path):
+        match = _TOKEN.match(path, place)
+        first_dot = place == 0 and path.startswith(".")
+        if match is None or first_dot or (match[0][0] not in ".[" and place > 0):
+            raise ValueError(_NO_PATH)
+        if match["quoted"] is not None:
+            tokens.append(_unquoted(match["quoted"]))
+        elif match["key"] is not None:
+            tokens.append(match["key"])
+        else:
+            tokens.append(int(match["index"]) if match["index"] else ALL)
+        place = match.end()
+    if not tokens:
+        raise ValueError(_NO_PATH)
+    if tokens[:1] == ["chain"]:
+        tokens = ["leg", ALL, *tokens]
+    in_chain = tokens[:1] == ["leg"] and tokens[2:3] == ["chain"]
+    if in_chain and _get(tokens, 3) in _OF_EVERY_CELL:
+        tokens[3:3] = ["cell", ALL]
+    return tokens
+
+
+def _unquoted(text: str) -> str:
+    try:
+        return json.loads(f'"{text}"', strict=False)
+    except ValueError:
+        return text
+
+
+def _below(tokens: list[Token], steps: Steps) -> Steps | None:
+    """What is left of `steps` below the tokens; None where they mean something else."""
+    at = 0
+    for k, token in enumerate(tokens):
+        if at == len(steps):
+            return None
+        step = steps[at]
+        at += 1
+        if isinstance(step, Item):
+            if token is not ALL and token not in (step.index, step.name):
+                return None
+        elif (
+            token == "band" and step == "bands" and not isinstance(_get(tokens, k + 1), int | _All)
+        ):
+            at += 1  # what a cell's bands share
+        elif token != step:
+            return None
+    return steps[at:]
+
+
+def _get(tokens: list[Token], index: int) -> Token | None:
+    return tokens[index] if index < len(tokens) else None
+
+
+def _advice(tokens: list[Token], known: list[Steps]) -> str:
+    """Where a path leaves the known ones, and how it could go on."""
+    for k in range(len(tokens) - 1, -1, -1):
+        rests = [rest for steps in known if (rest := _below(tokens[:k], steps)) is not None]
+        if rests:
+            break
+    else:
+        return f"{_NONE}: it has none."
+    before, wrong = tokens[:k], _shown(tokens[k : k + 1])
+    heads = [rest[0] for rest in rests if rest]
+    if not heads:
+        return f"{_NONE}: {_shown(before)} is one number, leave out what follows."
+    options: dict[str, Token] = {}
+    for head in heads:
+        token = head if isinstance(head, str) else head.index if head.name is None else head.name
+        options[_shown([token])] = token
+    more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
+    options |= {key: key for key in more}
+    near = nearest(wrong.strip(".[]"), options)
+    if near:
+        meant = [*before, options[near], *tokens[k + 1 :]]
+        if not any(_below(meant, steps) is not None for steps in known):
+            meant = meant[: k + 1]
+        return f"{_NONE}. Did you mean {_shown(meant)}?"
+    after = f" after {_shown(before)}" if before else ""
+    return f"{_NONE}. Known{after}: {', '.join(options)}."
+
+
+def _shown(tokens: list[Token]) -> str:
+    path = ""
+    for token in tokens:
+        if isinstance(token, int):
+            path += f"[{token}]"
+        else:
+            path += ("." if path else "") + ("*" if isinstance(token, _All) else _word(token))
+    return path
+
+
+def _word(text: str) -> str:
+    if re.fullmatch(r"[A-Za-z0-9_-]+", text):
+        return text
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,125 @@
+"""The process that compiles: beside the one that asks, so that this one never waits in vain."""
+
+import atexit
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
+
+from stepwell.kernels import store
+
+# A background compiler that has not been heard of for so long is gone.
+_SILENT_AFTER = 60.0  # s
+_START = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from stepwell.kernels.child import main; main()"
+)
+_working: "list[subprocess.Popen[bytes]]" = []
+# The compiler itself, and a program without one, compile where they are.
+here = False
+
+
+def busy() -> bool:
+    """Whether a background compiler is at work, of whatever process."""
+    place = store.folder()
+    with suppress(OSError):
+        return place is not None and time.time() - sign_in(place).stat().st_mtime < _SILENT_AFTER
+    return False
+
+
+def begin(function: FunctionType, kinds: bytes) -> bool:
+    """Have a kernel compiled for a kind of arguments, in the background; whether that began.
+
+    Whoever asks may end meanwhile; what is compiled next time is what is still missing.
+    """
+    for process in _working:
+        process.poll()
+    if not _possible() or busy():
+        return False
+    process = _started(function, kinds, background=True)
+    if process is not None:
+        _working.append(process)
+    return process is not None
+
+
+@atexit.register
+def _let_go() -> None:
+    """Leave compilers to themselves: they are not reported as forgotten."""
+    for process in _working:
+        process.returncode = process.poll() or 0
+
+
+def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
+    """Have one kernel compiled for one kind of arguments, and wait; whether that was done."""
+    global here
+    if not _possible():
+        return False
+    process = _started(function, kinds, background=False)
+    if process is None:
+        here = True
+        return False
+    try:
+        try:
+            process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            store.say(f"compiling {function.__name__.strip('_')}, once; kept in {store.folder()}")
+            while True:
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(0.1)
+                    break
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
+    if process.returncode == -signal.SIGINT:
+        raise KeyboardInterrupt
+    # Where it cannot be done elsewhere, it is done here.
+    here = process.returncode != 0
+    return not here
+
+
+def _possible() -> bool:
+    frozen = getattr(sys, "frozen", False)
+    return not here and bool(sys.executable) and not frozen and store.folder() is not None
+
+
+def _started(
+    function: FunctionType, kinds: bytes, *, background: bool
+) -> "subprocess.Popen[bytes] | None":
+    place = store.folder()
+    assert place is not None
+    order = pickle.dumps((str(place), background, function.__module__, function.__name__, kinds))
+    # It finds what this process finds, however this one came to find it.
+    path = json.dumps([str(folder) or os.getcwd() for folder in sys.path])
+    # In the background it does not hear the Ctrl-C that ends its parent.
+    apart = 0
+    if background and sys.platform == "win32":
+        apart = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.DETACHED_PROCESS
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-c", _START, path],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            cwd=place,
+            start_new_session=background,
+            creationflags=apart,
+        )
+    except OSError:
+        return None
+    assert process.stdin is not None
+    # One that has ended already says why by how it ended.
+    with suppress(OSError), process.stdin:
+        process.stdin.write(order)
+    return process
+
+
+def sign_in(place: Path) -> Path:
+    """The file that a background compiler keeps fresh while it works."""
+    return place / "compiling"

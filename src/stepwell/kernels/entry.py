@@ -1,0 +1,168 @@
+"""Kernels that the rest of the program calls: interpreted at first, machine code when it pays."""
+
+import functools
+import os
+import pickle
+from collections.abc import Callable
+from time import monotonic, perf_counter
+from types import FunctionType
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import numpy as np
+
+from stepwell.base.setting import SettingError
+from stepwell.kernels.fingerprint import kernel, kernel_of, stem
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+# An entry that has been interpreted for so long goes over to machine code that is on disk ...
+_WORTH_LOADING = 0.1  # s
+# ... for so long has it compiled in the background ...
+_WORTH_COMPILING = 1.0  # s
+# ... and one call that would take longer than this waits for the compiler instead.
+_WORTH_WAITING = 5.0  # s
+_LOOK_AGAIN = 0.25  # s
+
+AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
+
+
+def _wanted() -> str:
+    named = os.environ.get("STEPWELL_KERNELS", AUTO)
+    if named not in (AUTO, INTERPRETED, COMPILED):
+        raise SettingError(
+            f"STEPWELL_KERNELS = {named!r}: must be auto (the default), interpreted or compiled."
+        )
+    return INTERPRETED if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0") else named
+
+
+class Entry(Generic[P, R]):
+    """A kernel that the rest of the program calls; see `entry`."""
+
+    def __init__(self, function: Callable[P, R], seconds: float, of: tuple[str, ...]) -> None:
+        functools.update_wrapper(self, function)
+        self.function = kernel(function)
+        names = _function(self).__code__.co_varnames
+        self._seconds = seconds
+        self._sized = [(names.index(a), b) for a, _, b in (name.partition(".") for name in of)]
+        self._spent = 0.0
+        self._machine: Callable[P, R] | None = None
+        self._looked = self._asked = -np.inf
+        self._tries = 3
+        self._ready = False
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """What the function says of these numbers and arrays."""
+        if self._machine is not None:
+            return self._machine(*args, **kwargs)
+        if self._pays(*args):
+            return self.compiled()(*args, **kwargs)
+        begun = perf_counter()
+        try:
+            # Machine code divides by zero as IEEE arithmetic does, without a word.
+            with np.errstate(all="ignore"):
+                return _plain(self.function(*args, **kwargs))
+        finally:
+            self._spent += perf_counter() - begun
+
+    @property
+    def interpreted(self) -> bool:
+        """Whether it has not gone over to machine code."""
+        return self._machine is None
+
+    def compiled(self) -> Callable[P, R]:
+        """Its machine code, which is loaded or made when it is called."""
+        if self._machine is None:
+            from stepwell.kernels.machine import machine
+
+            self._machine = made = machine(_function(self))
+            return made
+        return self._machine
+
+    def block(self, size: int, *args: Any) -> int:
+        """How many of `size` things to take at a time where these arguments go in block by block.
+
+        All of them where it is machine code, or becomes it because the whole is worth it; a
+        fortieth where it is interpreted, which takes turns and has to hear Ctrl-C.
+        """
+        if self._machine is None and self._pays(*args):
+            self.compiled()
+        return size if self._machine is not None else max(1, size // 40)
+
+    def ready(self) -> bool:
+        """Whether its machine code is on disk."""
+        if not self._ready and monotonic() - self._looked > _LOOK_AGAIN:
+            from stepwell.kernels import store
+
+            self._looked = monotonic()
+            self._ready = store.holds(stem(_function(self)))
+        return self._ready
+
+    def ask_for_machine_code(self, *args: Any) -> None:
+        """Have it compiled for arguments like these, in the background."""
+        from stepwell.kernels import compiler as _compiler
+
+        if self._tries == 0 or monotonic() - self._asked < _LOOK_AGAIN:
+            return
+        self._asked = monotonic()
+        kinds = pickle.dumps(tuple(_example(value) for value in args))
+        self._tries -= _compiler.begin(_function(self), kinds)
+
+    def _pays(self, *args: Any) -> bool:
+        wanted = _wanted()
+        if wanted != AUTO:
+            return wanted == COMPILED
+        price = self._seconds
+        for place, field in self._sized:
+            array = args[place]
+            price *= (getattr(array, field) if field else array).size
+        if self._spent + price < _WORTH_LOADING:
+            return False
+        if price > _WORTH_WAITING or self.ready():
+            return True
+        if self._spent > _WORTH_COMPILING:
+            self.ask_for_machine_code(*args)
+        return False
+
+
+def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P, R]]:
+    """Mark a kernel as one that the rest of the program calls.
+
+    Its first calls are interpreted. It goes over to machine code when it has been interpreted
+    for a tenth of a second and the code is on disk, and asks for it to be compiled in the
+    background after a second. Interpreted and compiled, it gives the same bits.
+
+    Args:
+        seconds: how long the interpreter takes for each element of the arrays named [s], where
+            one call can be long; a call of more than a few seconds waits for the compiler.
+        of: arguments, or fields of them as in "laws.lever"; the product of their sizes counts.
+    """
+    return lambda function: Entry(function, seconds, of)
+
+
+def _function(value: Any) -> FunctionType:
+    function = kernel_of(value)
+    assert function is not None
+    return function
+
+
+def _plain(result: Any) -> Any:
+    """Numbers of Python in place of NumPy's, as machine code returns them."""
+    if isinstance(result, np.generic):
+        return result.item()
+    if type(result) is tuple:
+        return tuple(_plain(value) for value in result)
+    if result is None or isinstance(result, (bool, int, float)):
+        return result
+    # Machine code makes anything else by running Python: Ctrl-C just then would be its end.
+    raise TypeError(f"an entry returns numbers and fills arrays, and not {type(result).__name__}.")
+
+
+def _example(value: Any) -> Any:
+    """A small value of the same kind."""
+    if isinstance(value, np.ndarray):
+        return np.empty((0,) * value.ndim, value.dtype)
+    if isinstance(value, tuple):
+        values = [_example(item) for item in value]
+        return type(value)(*values) if hasattr(value, "_fields") else tuple(values)
+    return value

@@ -1,0 +1,115 @@
+"""What a kernel is made of, as one number: its own code and that of all it calls, and constants."""
+
+import hashlib
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from platform import machine, processor
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, TypeVar, cast
+
+import numpy as np
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_KERNELS: set[FunctionType] = set()
+
+
+def kernel(function: F) -> F:
+    """Mark a function as one that can be compiled into those that call it; it stays as it is."""
+    _KERNELS.add(cast(FunctionType, function))
+    return function
+
+
+def kernel_of(value: Any) -> FunctionType | None:
+    """The function behind a kernel or an entry, or None for anything else."""
+    function = getattr(value, "function", value)
+    return function if isinstance(function, FunctionType) and function in _KERNELS else None
+
+
+def names_of(code: CodeType) -> set[str]:
+    """Every name that a function looks up outside itself, those of its inner functions too."""
+    names = set(code.co_names)
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            names |= names_of(inner)
+    return names
+
+
+def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = None) -> str:
+    """A hash of all that decides what the machine code of a kernel does, as 32 hex digits.
+
+    Its byte code and constants, those of every kernel that it calls, the values of the globals
+    that they read, and the versions of Python, Numba and NumPy and the kind of processor. No
+    times and no places: the same formulas have the same fingerprint wherever they are installed.
+
+    Raises:
+        TypeError: it uses something that is neither a kernel nor a constant.
+    """
+    known = {} if known is None else known
+    if function not in known:
+        known[function] = "itself"
+        names = names_of(function.__code__)
+        # The machine code names the modules of what it was made from.
+        parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
+        parts += [_code(function.__code__), repr(function.__defaults__)]
+        for name in sorted(names & function.__globals__.keys()):
+            parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
+        known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
+    return known[function]
+
+
+def stem(function: FunctionType) -> str:
+    """How the names of a kernel's files begin."""
+    return f"{function.__name__.strip('_')}-{fingerprint(function)}"
+
+
+def _code(code: CodeType) -> str:
+    constants = [_code(c) if isinstance(c, CodeType) else _constant(c) for c in code.co_consts]
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    return f"{code.co_name} {code.co_argcount} {code.co_code.hex()} {names} {constants}"
+
+
+def _constant(value: Any) -> str:
+    return repr(sorted(map(repr, value))) if isinstance(value, frozenset) else repr(value)
+
+
+def _value(value: Any, names: set[str], known: dict[FunctionType, str]) -> str:
+    function = kernel_of(value)
+    if function is not None:
+        return fingerprint(function, known)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if isinstance(value, ModuleType):
+        if value.__name__.partition(".")[0] != __name__.partition(".")[0]:
+            return value.__name__
+        used = sorted(names & vars(value).keys())
+        return str([(name, _value(getattr(value, name), names, known)) for name in used])
+    if isinstance(value, type):
+        return f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}"
+    if isinstance(value, (bool, int, float, str, tuple, type(None))):
+        return repr(value)
+    if not isinstance(value, FunctionType) and hasattr(value, "__name__"):
+        return str(value.__name__)  # something built into Python or NumPy
+    raise TypeError(
+        f"a kernel uses {value!r}: it may use kernels, entries, numbers, arrays and named tuples."
+    )
+
+
+@cache
+def _surroundings() -> str:
+    from stepwell.base.version import __version__
+
+    versions = [f"{name} {version(name)}" for name in ("numba", "llvmlite", "numpy")]
+    return f"stepwell {__version__} {sys.implementation.cache_tag} {versions} {_processor()}"
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8", errors="replace").splitlines()
+        told = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
+        return f"{machine()} {sorted(set(told))}"
+    except OSError:
+        return f"{machine()} {processor()}"

@@ -1,0 +1,80 @@
+"""Machine code of kernels: looked up on disk, else made by a process of its own."""
+
+import builtins
+import hashlib
+import pickle
+from types import FunctionType
+from typing import Any
+
+import numba
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from stepwell.kernels import compiler, store
+from stepwell.kernels.fingerprint import kernel_of, names_of, stem
+
+_MADE: dict[FunctionType, Any] = {}
+
+
+def machine(function: FunctionType) -> Any:
+    """Numba's dispatcher of a kernel, with dispatchers in place of the kernels that it calls."""
+    if function not in _MADE:
+        names = names_of(function.__code__) & function.__globals__.keys()
+        scope: dict[str, Any] = {"__builtins__": builtins, "__name__": function.__module__}
+        for name in names:
+            value = function.__globals__[name]
+            inner = kernel_of(value)
+            scope[name] = value if inner is None else machine(inner)
+        bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+        bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
+        dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(bound)
+        if hasattr(dispatcher, "_cache"):  # not where Numba itself is switched off
+            dispatcher._cache = _Kept(function)
+        _MADE[function] = dispatcher
+    return _MADE[function]
+
+
+class _Kept:
+    """What Numba asks for compiled code before it compiles, and hands it to afterwards."""
+
+    cache_path = None
+
+    def __init__(self, function: FunctionType) -> None:
+        self.function = function
+
+    def _name(self, sig: Any, context: Any) -> str:
+        told = f"{_kinds(sig)} {context.codegen().magic_tuple()}".encode()
+        return f"{stem(self.function)}-{hashlib.sha256(told).hexdigest()[:16]}"
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        target_context.refresh()
+        name = self._name(sig, target_context)
+        payload = store.read(name)
+        if payload is None and compiler.compile_elsewhere(self.function, dumps(_kinds(sig))):
+            payload = store.read(name)
+        if payload is None:
+            return None
+        try:
+            return CompileResult._rebuild(target_context, *pickle.loads(payload))
+        except Exception as error:
+            # Whole, and yet not what this Numba can read.
+            store.say(f"the compiled kernel {name} cannot be used ({error}); it is made again.")
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        if not data.library.has_dynamic_globals and not data.lifted:
+            store.write(self._name(sig, data.target_context), dumps(data._reduce()))
+
+    def enable(self) -> None:
+        pass
+
+    def disable(self) -> None:
+        pass
+
+    def flush(self) -> None:
+        pass
+
+
+def _kinds(sig: Any) -> tuple[Any, ...]:
+    """The types of the arguments; Numba hands them over with the result's type or without."""
+    return tuple(getattr(sig, "args", sig))

@@ -1,0 +1,214 @@
+"""Force laws of rubber: tension of a band against the displacement of its grips."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+
+Array = NDArray[np.float64]
+
+# Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
+# so long at rest [m].
+_ONSET = 0.060
+_LENGTH = (0.002, 0.300)
+_SLACK = 0.05  # of the strokes that are fitted, where a band may still be slack
+_EDGE = 1e-4  # of a bound's range
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLaw(ByValue):
+    """A family of tension curves, T = Σ c_j φ_j, its coefficients entering linearly.
+
+    Attributes:
+        name: linear, cubic, neo-Hookean, Yeoh or Ogden.
+        coefficients: what the c_j are, with units.
+        basis: φ (n, m) of extension e [m], rest length L [m] and exponent [1].
+        needs_length: whether L shapes the curve.
+        exponents: bounds of an exponent, for Ogden's law.
+        source: where the law comes from.
+    """
+
+    name: str
+    coefficients: tuple[tuple[str, str], ...]
+    basis: Callable[[Array, float, float], Array]
+    needs_length: bool = False
+    exponents: tuple[float, float] | None = None
+    source: str = ""
+
+    def count(self, gauge: float | None) -> int:
+        """How many numbers are fitted; the rest length is one where the gauge is not known."""
+        length = self.needs_length and gauge is None
+        return len(self.coefficients) + 1 + length + (self.exponents is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted(ByValue):
+    """A law with its numbers.
+
+    Attributes:
+        law: the family.
+        onset: stroke at which its tension is zero [m].
+        length: rest length L that shapes the curve [m]; NaN for laws that have none.
+        exponent: Ogden's α; NaN for the others.
+        coefficients: (m,) in the units of the law.
+        rmse: root mean square of what it leaves [N].
+        at_bound: numbers that ran into the limit of what is searched, so that the data do not
+            tell them.
+    """
+
+    law: ForceLaw
+    onset: float
+    length: float
+    exponent: float
+    coefficients: Array
+    rmse: float
+    at_bound: tuple[str, ...] = ()
+
+    def tension(self, stroke: Array) -> Array:
+        """Tension [N] at strokes [m]; zero before the onset."""
+        e = np.maximum(np.asarray(stroke, float) - self.onset, 0.0)
+        return self.law.basis(e, self.length, self.exponent) @ self.coefficients
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Every fitted number by its name with its unit, SI."""
+        found = {"onset [m]": self.onset}
+        if self.law.needs_length:
+            found["rest length [m]"] = self.length
+        if self.law.exponents is not None:
+            found["exponent [1]"] = self.exponent
+        names = (f"{name} [{unit}]" for name, unit in self.law.coefficients)
+        return found | dict(zip(names, self.coefficients.tolist(), strict=True))
+
+    def __repr__(self):
+        numbers = ", ".join(f"{name} {value:.4g}" for name, value in self.values.items())
+        return f"Fitted({self.law.name}: {numbers}; leaves {self.rmse * 1e3:.3g} mN)"
+
+
+def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) -> Fitted:
+    """The law that comes nearest to a tension curve, by least squares.
+
+    The coefficients follow from a linear problem for every onset, length and exponent, which
+    alone are searched for (variable projection, Golub and Pereyra 1973).
+
+    Args:
+        law: one of LAWS.
+        stroke: (n,) [m].
+        force: (n,) [N].
+        gauge: length of the band at stroke 0 [m], where it is known.
+
+    Returns:
+        The fitted law.
+
+    Raises:
+        ValueError: fewer samples than the law has numbers.
+    """
+    from scipy.optimize import least_squares
+
+    stroke, force = np.asarray(stroke, float), np.asarray(force, float)
+    if len(stroke) < law.count(gauge):
+        raise ValueError(
+            f"{len(stroke)} samples for the {law.count(gauge)} numbers of the {law.name} law: "
+            f"must be as many or more."
+        )
+    # A law is zero up to its onset, so nearly all that is fitted lies beyond it.
+    latest = float(np.min(stroke)) + _SLACK * float(np.ptp(stroke))
+    earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
+    low, high, starts = [min(earliest, latest - _LENGTH[0])], [latest], [(0.3,), (0.9,)]
+    if law.needs_length and gauge is None:
+        low, high = [*low, _LENGTH[0]], [*high, _LENGTH[1]]
+        starts = [(a, b) for (a,) in starts for b in (0.05, 0.3)]
+    if law.exponents is not None:
+        low, high = [*low, law.exponents[0]], [*high, law.exponents[1]]
+        starts = [(*a, b) for a in starts for b in (0.2, 0.7)]
+
+    def made(x: Array) -> Fitted:
+        onset = float(x[0])
+        length, exponent = np.nan, np.nan
+        if law.needs_length:
+            length = max(gauge + onset, _LENGTH[0]) if gauge is not None else float(x[1])
+        if law.exponents is not None:
+            exponent = float(x[-1])
+        basis = law.basis(np.maximum(stroke - onset, 0.0), length, exponent)
+        scale = np.linalg.norm(basis, axis=0)
+        scale[scale == 0] = 1.0
+        coefficients = np.linalg.lstsq(basis / scale, force, rcond=1e-10)[0] / scale
+        rmse = float(np.sqrt(np.mean((basis @ coefficients - force) ** 2)))
+        return Fitted(law, onset, length, exponent, coefficients, rmse)
+
+    def left(x: Array) -> Array:
+        return made(x).tension(stroke) - force
+
+    span = np.array(high) - np.array(low)
+    tries = [
+        least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
+        for start in starts
+    ]
+    x = min(tries, key=lambda found: found.cost).x
+    names = ["onset [m]"]
+    if law.needs_length and gauge is None:
+        names.append("rest length [m]")
+    if law.exponents is not None:
+        names.append("exponent [1]")
+    edge = np.minimum(x - low, high - x) < _EDGE * span
+    bound = tuple(name for name, there in zip(names, edge, strict=True) if there)
+    return replace(made(x), at_bound=bound)
+
+
+def _stretch(e: Array, length: float) -> Array:
+    return 1.0 + e / length
+
+
+def _neo_hooke(e: Array, length: float, _: float) -> Array:
+    x = _stretch(e, length)
+    return (x - x**-2)[:, None]
+
+
+def _yeoh(e: Array, length: float, _: float) -> Array:
+    x = _stretch(e, length)
+    over = x**2 + 2 / x - 3  # I1 - 3 in uniaxial tension
+    return np.stack([(x - x**-2) * over**j for j in range(3)], axis=1)
+
+
+def _ogden(e: Array, length: float, exponent: float) -> Array:
+    x = _stretch(e, length)
+    return (x ** (exponent - 1) - x ** (-exponent / 2 - 1))[:, None]
+
+
+LAWS: tuple[ForceLaw, ...] = (
+    ForceLaw("linear", (("stiffness", "N/m"),), lambda e, _l, _a: e[:, None], source="Hooke's law"),
+    ForceLaw(
+        "neo-Hookean",
+        (("modulus times area", "N"),),
+        _neo_hooke,
+        needs_length=True,
+        source="Treloar 1943",
+    ),
+    ForceLaw(
+        "cubic",
+        (("stiffness", "N/m"), ("quadratic", "N/m²"), ("cubic", "N/m³")),
+        lambda e, _l, _a: np.stack([e, e**2, e**3], axis=1),
+        source="a polynomial",
+    ),
+    ForceLaw(
+        "Ogden",
+        (("modulus times area", "N"),),
+        _ogden,
+        needs_length=True,
+        exponents=(1.01, 12.0),
+        source="Ogden 1972, one term",
+    ),
+    ForceLaw(
+        "Yeoh",
+        (("first modulus", "N"), ("second modulus", "N"), ("third modulus", "N")),
+        _yeoh,
+        needs_length=True,
+        source="Yeoh 1993",
+    ),
+)
+BY_NAME = {law.name: law for law in LAWS}

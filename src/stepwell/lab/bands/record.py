@@ -1,0 +1,86 @@
+"""What tension tests show, as JSON can hold it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stepwell.base.version import __version__, versions
+from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
+from stepwell.lab.bands.choice import Choice
+from stepwell.lab.bands.spread import Estimate, of_samples
+
+
+def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
+    """Stiffness, its dependence on the window, losses and force laws of a band test.
+
+    Args:
+        test: the tension tests.
+        choice: their force laws.
+        table: what `band_table` returns for them.
+
+    Returns:
+        Names as docs/commands.md describes them.
+    """
+    windows, loss = stiffness_by_window(test), hysteresis(test)
+    return {
+        "schema": "stepwell.lab.band/1",
+        "stepwell": __version__,
+        "versions": versions(),
+        "window_mm": [1e3 * edge for edge in test.window],
+        "cycles": list(test.cycles),
+        "samples": list(test.samples),
+        "told": list(test.told),
+        "stiffness_N_per_m": _estimate(stiffness(test)),
+        "windows": [
+            {"from_mm": 1e3 * float(low), "to_mm": 1e3 * float(high), "k_N_per_m": float(value)}
+            for low, row in zip(windows["start"].values, windows.values, strict=True)
+            for high, value in zip(windows["end"].values, row, strict=True)
+            if not math.isnan(value)
+        ],
+        "loss": [
+            {"sample": int(sample), "cycle": int(cycle), "loss": float(value)}
+            for sample, row in zip(loss["sample"].values, loss.values, strict=True)
+            for cycle, value in zip(loss["cycle"].values, row, strict=True)
+            if not math.isnan(value)
+        ],
+        "loss_used": _loss_used(test),
+        "laws": [
+            {
+                "law": candidate.law.name,
+                "numbers": candidate.parameters,
+                "leaves_N": candidate.fitted.rmse,
+                "predicts_N": candidate.score,
+                "values": {name: _estimate(e) for name, e in candidate.estimates.items()},
+                "at_bound": list(candidate.fitted.at_bound),
+            }
+            for candidate in choice.candidates
+        ],
+        "law_best": choice.best.law.name,
+        "law_chosen": choice.chosen.law.name,
+        "left_out": choice.folds,
+        "law_told": choice.told,
+        "rest_length_mm": None if choice.rest_length is None else 1e3 * choice.rest_length,
+        "rest_length_told": choice.rest_length_told(),
+        "table": table,
+    }
+
+
+def _loss_used(test: BandTest) -> dict[str, Any] | None:
+    """Loss of the cycles that are used, a mean for each sample first."""
+    each: dict[int, list[float]] = {}
+    for loop in test.used:
+        if not math.isnan(loop.loss):
+            each.setdefault(loop.sample, []).append(loop.loss)
+    return _estimate(of_samples({s: sum(v) / len(v) for s, v in each.items()})) if each else None
+
+
+def _estimate(estimate: Estimate) -> dict[str, Any]:
+    numbers = {
+        name: getattr(estimate, name)
+        for name in ("value", "low", "high", "next_low", "next_high", "spread")
+    }
+    return {
+        **{name: None if math.isnan(number) else number for name, number in numbers.items()},
+        "each": {str(sample): value for sample, value in estimate.each.items()},
+    }

@@ -1,0 +1,98 @@
+"""A band as a table of a design file, its provenance in comments."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepwell.base.version import __version__
+from stepwell.lab.bands.band import BandTest
+from stepwell.lab.bands.choice import NOTHING, Candidate, Choice
+from stepwell.lab.bands.spread import Estimate
+
+_ROWS = 13
+
+
+def band_table(
+    test: BandTest, estimate: Estimate, choice: Choice, law: str | None = None, source: str = ""
+) -> str:
+    """The `band` line of a design file, and above it in comments where it comes from.
+
+    Args:
+        test: the tension tests.
+        estimate: their stiffness.
+        choice: their force laws.
+        law: the law to write; by default the chosen one.
+        source: what the recordings are called.
+
+    Returns:
+        TOML to paste into [chain] or [[chain.cell]]; the rest length is left out where it is not
+        known, and a comment says so.
+
+    Raises:
+        ValueError: a law that is not known.
+    """
+    known = [candidate.law.name for candidate in choice.candidates]
+    if law is not None and law not in known:
+        raise ValueError(f"law = {law!r}: must be one of {', '.join(known)}.")
+    candidate = choice.chosen if law is None else choice.named(law)
+    keys = _keys(candidate, test, estimate)
+    if choice.gauge is not None:
+        rest = choice.gauge + candidate.fitted.onset
+        keys = {"rest_length_mm": _digits(rest * 1e3)} | keys
+    comments = [*_provenance(test, estimate, choice, candidate, source)]
+    if choice.gauge is None:
+        comments += [
+            "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
+            "10 mm; measure the length at which your band begins to pull, and write it in.",
+        ]
+    body = ", ".join(f"{key} = {value}" for key, value in keys.items())
+    return "".join(f"# {line}\n" for line in comments) + f"band = {{ {body} }}\n"
+
+
+def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str, str]:
+    fitted = candidate.fitted
+    if candidate.law.name == "linear":
+        return {"stiffness_N_per_m": _digits(estimate.value)}
+    if candidate.law.name == "cubic":
+        k, quadratic, cubic = (float(c) for c in fitted.coefficients)
+        return {
+            "stiffness_N_per_m": _digits(k),
+            "quadratic_per_mm": _digits(quadratic / k * 1e-3),
+            "cubic_per_mm2": _digits(cubic / k * 1e-6),
+        }
+    e = np.linspace(0.0, test.window[1] - fitted.onset, _ROWS)
+    tension = fitted.tension(fitted.onset + e)
+    rows = ", ".join(f"[{_digits(x * 1e3)}, {_digits(t)}]" for x, t in zip(e, tension, strict=True))
+    return {"table_mm_N": f"[{rows}]"}
+
+
+def _provenance(
+    test: BandTest, estimate: Estimate, choice: Choice, candidate: Candidate, source: str
+) -> list[str]:
+    low, high = (edge * 1e3 for edge in test.window)
+    interval = (
+        f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
+        f"{estimate.spread:.3g}"
+        if len(estimate.each) > 1
+        else "one sample, so its uncertainty is not known"
+    )
+    ends = f"extensions of {low - candidate.fitted.onset * 1e3:.3g}"
+    return [
+        *([f"From {source}, by stepwell {__version__}."] if source else []),
+        f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
+        f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
+        f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
+        f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
+        f"{_predicted(choice, candidate)}.",
+        f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
+    ]
+
+
+def _predicted(choice: Choice, candidate: Candidate) -> str:
+    if choice.folds == NOTHING:
+        return "and was tried on no other curve"
+    return f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
+
+
+def _digits(value: float) -> str:
+    return f"{value:.5g}"

@@ -1,0 +1,1 @@
+"""Cells and pairs on the test machine beside their model."""

@@ -1,0 +1,254 @@
+"""A unit cell on the test machine beside its model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.series import Series
+from stepwell.lab.mechanisms.windows import judged, quiet_zones
+from stepwell.mechanism import Cell
+
+Array = NDArray[np.float64]
+
+# Agreement as this room uses the word: the class is right and the force within this of the
+# model's, in k r. F0 of the paper's cell of reference is 0.967 k r.
+CLOSE = 0.15
+_ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolated
+_POINTS = 401
+_RISE = 0.005  # k r by which a force must rise to be called an exception
+_SMOOTH = 11  # samples of the mean curve, half a millimetre
+
+
+@dataclass(frozen=True, eq=False)
+class Reading(ByValue):
+    """A measured force on the block, against the lever angle.
+
+    Attributes:
+        theta: (n,) from stop to stop [rad].
+        force: (n,) F [N]; beyond the window extrapolated by a parabola.
+        energy: (n,) E from state 0 on [J].
+        inside: (n,) where the force was measured.
+    """
+
+    theta: Array = field(repr=False)
+    force: Array = field(repr=False)
+    energy: Array = field(repr=False)
+    inside: NDArray[np.bool_] = field(repr=False)
+
+    @property
+    def force_0(self) -> float:
+        """F0 [N]."""
+        return float(self.force[0])
+
+    @property
+    def force_1(self) -> float:
+        """F1 [N]."""
+        return float(self.force[-1])
+
+    @property
+    def barrier(self) -> float:
+        """Energy from state 0 up to the highest point [J]."""
+        return float(np.max(self.energy) - self.energy[0])
+
+    @property
+    def is_bistable(self) -> bool:
+        """Whether the energy has its highest point between the stops."""
+        top = int(np.argmax(self.energy))
+        return 0 < top < len(self.energy) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class CellTest(ByValue):
+    """What a series of a unit cell shows.
+
+    Attributes:
+        series: the recordings and their model.
+        plain, corrected: the measured force, without and with the correction for the rig's bar.
+        model: (n,) force of the model at `plain.theta` [N].
+        spread: mean standard deviation between repeats [N].
+        rises: strokes from and to [m] and height [N] where the force rises though it should fall.
+    """
+
+    series: Series
+    plain: Reading
+    corrected: Reading
+    model: Array = field(repr=False)
+    spread: float
+    rises: tuple[tuple[float, float, float], ...]
+
+    @property
+    def cell(self) -> Cell:
+        """The model."""
+        return self.series.chain.cells[0]
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square of measured less model, in k r."""
+        return self._apart(self.plain)[0]
+
+    @property
+    def worst(self) -> float:
+        """Largest difference, in k r."""
+        return self._apart(self.plain)[1]
+
+    @property
+    def rmse_corrected(self) -> float:
+        """The same as `rmse`, the rig's bar being corrected for."""
+        return self._apart(self.corrected)[0]
+
+    @property
+    def rmse_energy(self) -> float:
+        """Root mean square of measured less model energy from state 0 on, in k r²."""
+        model = self.cell.energy(self.plain.theta)
+        gap = (self.plain.energy - (model - model[0]))[self.plain.inside]
+        return float(np.sqrt(np.mean(gap**2))) / (self.series.scale * self.cell.lever)
+
+    @property
+    def right_class(self) -> bool:
+        """Whether measurement and model agree on bistable or monostable."""
+        return self.plain.is_bistable == self.cell.is_bistable
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the class is right and the force within `CLOSE` k r."""
+        return self.right_class and self.rmse <= CLOSE
+
+    @property
+    def verdict(self) -> str:
+        """A word, and the reason where it is not agreement."""
+        kind = "bistable" if self.plain.is_bistable else "monostable"
+        if not self.right_class:
+            return f"differs: measured {kind}, the model is not"
+        if self.agrees:
+            return f"agrees: {kind}, force within {self.rmse:.3f} k r"
+        size = np.abs(self.plain.force) - np.abs(self.model)
+        way = "below" if float(np.sum(size[self.plain.inside])) < 0 else "above"
+        return (
+            f"differs: {kind} as predicted, but the force is {self.rmse:.3f} k r from the model, "
+            f"mostly {way} it in size"
+        )
+
+    def record(self) -> dict[str, Any]:
+        """The result as JSON can hold it; docs/commands.md describes the names."""
+        one, model = self.plain, self.cell
+        return {
+            "series": self.series.name,
+            "kind": "cell",
+            "runs": [run.source for run in self.series.recordings],
+            "baseline": [run.source for run in self.series.baseline],
+            "told": list(self.series.told),
+            "k_r_N": self.series.scale,
+            "rmse_over_kr": self.rmse,
+            "rmse_bar_corrected_over_kr": self.rmse_corrected,
+            "max_over_kr": self.worst,
+            "rmse_energy_over_kr2": self.rmse_energy,
+            "spread_over_kr": self.spread / self.series.scale,
+            "F0_N": {"measured": one.force_0, "model": model.force_0},
+            "F1_N": {"measured": one.force_1, "model": model.force_1},
+            "barrier_mJ": {"measured": one.barrier * 1e3, "model": model.barrier * 1e3},
+            "bistable": {"measured": one.is_bistable, "model": model.is_bistable},
+            "rises": [
+                {"from_mm": a * 1e3, "to_mm": b * 1e3, "by_N": height}
+                for a, b, height in self.rises
+            ],
+            "verdict": self.verdict,
+        }
+
+    def _gap(self, reading: Reading) -> Array:
+        return (reading.force - self.cell.force(reading.theta))[reading.inside]
+
+    def _apart(self, reading: Reading) -> tuple[float, float]:
+        gap = self._gap(reading) / self.series.scale
+        return float(np.sqrt(np.mean(gap**2))), float(np.max(np.abs(gap)))
+
+    def __repr__(self):
+        return f"CellTest({self.series.name}: {self.verdict})"
+
+
+def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
+    """Compare a series of a unit cell with its model.
+
+    The baseline is subtracted and repeats are averaged. The first 0.5 mm of stroke, where a rig
+    takes up its slack, and the last 0.25 mm, where blocks may touch, are not judged; forces at
+    the stops are extrapolated from the 2 mm beside them.
+
+    Args:
+        series: of one cell.
+        rig: for the correction that is reported beside the plain result.
+
+    Returns:
+        The comparison.
+    """
+    curve, base = series.curve, series.baseline_curve
+    cell = series.chain.cells[0]
+    net = curve.force - (0.0 if base is None else base.at(curve.stroke))
+    zones = quiet_zones(cell.full_travel, series.unloading)
+    use = judged(curve.stroke, zones)
+    plain = _reading(cell, curve.stroke[use], net[use], Rig())
+    corrected = _reading(cell, curve.stroke[use], net[use], rig)
+    return CellTest(
+        series,
+        plain,
+        corrected,
+        cell.force(plain.theta),
+        float(np.mean(curve.spread[use])),
+        _rises(curve.stroke[use], net[use], _RISE * series.scale),
+    )
+
+
+def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> Reading:
+    theta = rig.angle(cell, stroke)
+    travel, block = cell.travel(theta), force / rig.factor(cell, theta)
+    s = np.linspace(0.0, cell.full_travel, _POINTS)
+    inside = (s >= travel[0]) & (s <= travel[-1])
+    full = np.interp(s, travel, block)
+    full = np.where(s < travel[0], _beyond(travel, block, travel[0], s), full)
+    full = np.where(s > travel[-1], _beyond(travel, block, travel[-1], s), full)
+    steps = 0.5 * (full[1:] + full[:-1]) * np.diff(s)
+    energy = np.concatenate([[0.0], np.cumsum(steps)])
+    return Reading(cell.angle(s), full, energy, inside)
+
+
+def _beyond(travel: Array, force: Array, edge: float, s: Array) -> Array:
+    near = np.abs(travel - edge) <= _ENDS
+    course = np.polyfit(travel[near] - edge, force[near], 2)
+    return np.asarray(np.polyval(course, s - edge), float)
+
+
+def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, float, float], ...]:
+    """Where the force climbs by more than `least` above its lowest value so far."""
+    edge = _SMOOTH // 2
+    force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
+    stroke = stroke[edge:-edge]
+    found: list[tuple[float, float, float]] = []
+    low = np.minimum.accumulate(force)
+    over = force - low
+    start = 0
+    while start < len(force):
+        climbing = np.flatnonzero(over[start:] > least)
+        if not len(climbing):
+            break
+        at = start + int(climbing[0])
+        foot = int(np.flatnonzero(force[: at + 1] == low[at])[-1])
+        back = np.flatnonzero(force[at:] <= force[foot])
+        end = at + int(back[0]) if len(back) else len(force) - 1
+        top = foot + int(np.argmax(force[foot : end + 1]))
+        found.append((float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
+        start = end + 1
+    return tuple(found)
+
+
+def mean_rmse(tests: list[CellTest]) -> float:
+    """Mean of the RMSE over different geometries d = q - p, in k r; NaN for none."""
+    each: dict[tuple[float, float], list[float]] = {}
+    for test in tests:
+        dx, dy = test.cell.bands[0].d
+        each.setdefault((round(dx, 9), round(dy, 9)), []).append(test.rmse)
+    return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan

@@ -1,0 +1,143 @@
+"""Measured against model: every unit cell and every pair of a batch, with a verdict each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepwell.base.value import ByValue
+from stepwell.base.version import __version__, versions
+from stepwell.base.write import csv_text
+from stepwell.lab.mechanisms.cell_test import CellTest, cell_test, mean_rmse
+from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
+from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.series import sort_series
+from stepwell.lab.recordings.errors import LabError
+from stepwell.lab.recordings.recording import Recording
+from stepwell.mechanism import Chain
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(ByValue):
+    """What a batch of recordings shows.
+
+    Attributes:
+        cells: unit cells.
+        pairs: two-cell mechanisms.
+        told: what became of recordings that are in no series.
+        rig: the rig that the corrected numbers are for.
+    """
+
+    cells: tuple[CellTest, ...]
+    pairs: tuple[PairTest, ...]
+    told: tuple[str, ...]
+    rig: Rig
+
+    @property
+    def tests(self) -> tuple[CellTest | PairTest, ...]:
+        """All of them."""
+        return (*self.cells, *self.pairs)
+
+    def mean_rmse(self, bands: int) -> float:
+        """Mean over the geometries of unit cells with so many bands of the RMSE, in k r."""
+        return mean_rmse([test for test in self.cells if test.series.bands == bands])
+
+    def to_xarray(self) -> xr.Dataset:
+        """Measured and model force over "row", a row for every stroke of every series."""
+        import xarray as xr
+
+        rows = [_rows(test) for test in self.tests]
+        series = np.concatenate([np.full(len(u), k) for k, (u, _, _, _) in enumerate(rows)])
+        stroke, force, model, inside = (
+            np.concatenate(column) for column in zip(*rows, strict=True)
+        )
+        return xr.Dataset(
+            {
+                "of": ("row", series, {"units": "1", "long_name": "number of the series"}),
+                "stroke": ("row", stroke, {"units": "m", "long_name": "from state 0 on"}),
+                "force": ("row", force, {"units": "N", "long_name": "measured, less baseline"}),
+                "model": ("row", model, {"units": "N"}),
+                "judged": ("row", inside, {"long_name": "whether it counts"}),
+            },
+            {"series": [test.series.name for test in self.tests]},
+            {"source": f"stepwell {__version__}, lab.compare"},
+        )
+
+    def to_csv(self) -> str:
+        """The same rows as CSV text, units in the column names (mm, N)."""
+        data = self.to_xarray()
+        names = data["series"].values
+        head = ("series", "stroke_mm", "measured_N", "model_N", "judged")
+        columns = (data[name].values for name in ("of", "stroke", "force", "model", "judged"))
+        rows = (
+            (str(names[of]), f"{u * 1e3:.6g}", f"{force:.6g}", f"{model:.6g}", str(int(inside)))
+            for of, u, force, model, inside in zip(*columns, strict=True)
+        )
+        return csv_text(head, rows)
+
+    def __repr__(self):
+        return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs)"
+
+
+def compare(
+    recordings: Sequence[Recording],
+    designs: Sequence[Chain] = (),
+    *,
+    baseline: Sequence[Recording] | None = None,
+    as_designed: bool = False,
+    rig: Rig = PAPER_RIG,
+) -> Comparison:
+    """Compare recordings with the mechanisms that they show.
+
+    Args:
+        recordings: tests of unit cells and pairs, baselines among them.
+        designs: what file names leave open; see `sort_series`.
+        baseline: runs without a band; by default found by name, empty for none.
+        as_designed: take the design as it is, whatever names say.
+        rig: for the correction that is reported beside the plain result.
+
+    Returns:
+        A verdict for every series.
+
+    Raises:
+        LabError: nothing to compare, or a chain of more than two cells.
+    """
+    found = sort_series(recordings, designs, baseline=baseline, as_designed=as_designed)
+    longer = [one for one in found.series if len(one.chain) > 2]
+    if longer:
+        raise LabError(
+            longer[0].code,
+            f"its design has {len(longer[0].chain)} cells: one or two can be compared.",
+        )
+    cells = tuple(cell_test(one, rig) for one in found.series if len(one.chain) == 1)
+    pairs = tuple(pair_tests([one for one in found.series if len(one.chain) == 2], rig))
+    return Comparison(cells, pairs, found.told, rig)
+
+
+def comparison_record(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as JSON can hold it; docs/commands.md describes the names."""
+    counts = sorted({test.series.bands for test in comparison.cells})
+    return {
+        "schema": "stepwell.lab.compare/1",
+        "stepwell": __version__,
+        "versions": versions(),
+        "bar_mm": None if np.isinf(comparison.rig.bar) else comparison.rig.bar * 1e3,
+        "mean_rmse_over_kr": [
+            {"bands": n, "rmse_over_kr": comparison.mean_rmse(n)} for n in counts
+        ],
+        "series": [test.record() for test in comparison.tests],
+        "told": list(comparison.told),
+    }
+
+
+def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:
+    if isinstance(test, PairTest):
+        return test.stroke, test.force, test.model, test.inside
+    reading = test.plain
+    return test.cell.travel(reading.theta), reading.force, test.model, reading.inside

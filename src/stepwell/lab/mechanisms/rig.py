@@ -1,0 +1,69 @@
+"""The rig of a test: a bar between machine and outer block that tilts as the block goes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.mechanism import Cell
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Rig(ByValue):
+    """What lies between the machine and the outermost block.
+
+    The levers carry the block sideways by r (cos θ - cos θc); the bar, upright at both stops,
+    follows by tilting. Virtual work makes of the block's F the machine's F / (1 + b tan θ), b being
+    the tangent of the tilt.
+
+    Attributes:
+        bar: length of the bar [m]; infinite for a machine that moves with the block.
+
+    Raises:
+        ValueError: a length that is not above zero.
+
+    Source: theory page, "The tilting bar"; the paper's rig has a bar of 70 mm.
+    """
+
+    bar: float = math.inf
+
+    def __post_init__(self):
+        if not self.bar > 0:
+            raise ValueError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
+
+    def tilt(self, cell: Cell, theta: ArrayLike) -> Array:
+        """b = tan φ [1] of the bar at lever angles θ [rad] of any shape."""
+        theta = np.asarray(theta, float)
+        sine = cell.lever * (np.cos(theta) - math.cos(cell.limit)) / self.bar
+        return sine / np.sqrt(1.0 - sine**2)
+
+    def factor(self, cell: Cell, theta: ArrayLike) -> Array:
+        """Force at the machine over force at the block [1] at angles θ [rad] of any shape."""
+        theta = np.asarray(theta, float)
+        return 1.0 / (1.0 + self.tilt(cell, theta) * np.tan(theta))
+
+    def stroke(self, cell: Cell, theta: ArrayLike) -> Array:
+        """Way of the machine [m] from state 0 on, at angles θ [rad] of any shape."""
+        theta = np.asarray(theta, float)
+        if math.isinf(self.bar):
+            return cell.travel(theta)
+        # φ = 0 at the stops, so the bar is L (1 - cos φ) shorter in height in between.
+        return cell.travel(theta) - self.bar * (1.0 - np.cos(np.arctan(self.tilt(cell, theta))))
+
+    def angle(self, cell: Cell, stroke: ArrayLike) -> Array:
+        """Lever angle θ [rad] at ways of the machine [m] of any shape, between the stops."""
+        stroke = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
+        travel = stroke
+        if math.isfinite(self.bar):
+            theta = np.linspace(-cell.limit, cell.limit, 2001)
+            travel = np.interp(stroke, self.stroke(cell, theta), cell.travel(theta))
+        return cell.angle(np.clip(travel, 0.0, cell.full_travel))
+
+
+PAPER_RIG = Rig(bar=0.070)

@@ -1,0 +1,318 @@
+"""Recordings sorted into series: repeats of one mechanism, with their friction baseline."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import PurePath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.lab.mechanisms.predict import predicted_force
+from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve
+from stepwell.lab.recordings.errors import LabError
+from stepwell.lab.recordings.names import Setup, is_baseline, setup_of, stem_of
+from stepwell.lab.recordings.oddities import missing, oddities, unlike
+from stepwell.lab.recordings.read import natural
+from stepwell.lab.recordings.recording import Recording
+from stepwell.mechanism import Band, Cell, Chain
+
+Array = NDArray[np.float64]
+
+# Strokes that a baseline must cover, in those of the series.
+_COVER = (0.97, 1.1)
+# Ratio of forces that repeats do not have and one more band does; distance from a whole number
+# that is told.
+_JUMP, _DOUBT = 1.3, 0.35
+_TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
+_NAMED_CELLS = re.compile(r"([12])unit")
+
+
+@dataclass(frozen=True, eq=False)
+class Series(ByValue):
+    """Repeats of one test.
+
+    Attributes:
+        name: configuration, number of bands, direction.
+        code: the configuration as its files call it.
+        chain: the model of what was tested, one cell or two.
+        bands: how many bands each cell carried, where names leave it open; 1 for a design as it is.
+        unloading: whether the stroke falls.
+        recordings: the repeats.
+        baseline: runs of the same rig without a band; empty where there is none.
+        told: what was used, dropped or odd.
+    """
+
+    name: str
+    code: str
+    chain: Chain
+    bands: int
+    unloading: bool
+    recordings: tuple[Recording, ...] = field(repr=False)
+    baseline: tuple[Recording, ...] = field(repr=False)
+    told: tuple[str, ...] = field(repr=False)
+
+    @property
+    def curve(self) -> Curve:
+        """Mean of the repeats, strokes counted from state 0."""
+        return mean_curve(self.recordings, self.chain.full_stroke)
+
+    @property
+    def baseline_curve(self) -> Curve | None:
+        """Mean of the baseline; None where there is none."""
+        return mean_curve(self.baseline, self.chain.full_stroke) if self.baseline else None
+
+    @property
+    def scale(self) -> float:
+        """k r [N]: stiffness of all bands of the innermost cell, times its lever."""
+        cell = self.chain.cells[0]
+        return sum(band.stiffness for band in cell.bands) * cell.lever
+
+    def __repr__(self):
+        return f"Series({self.name}: {len(self.recordings)} runs)"
+
+
+@dataclass(frozen=True, eq=False)
+class Sorted(ByValue):
+    """All series of a batch, and what became of every other recording.
+
+    Attributes:
+        series: in the order of their files.
+        told: a line for whatever is in no series.
+    """
+
+    series: tuple[Series, ...]
+    told: tuple[str, ...]
+
+
+def paper_cell(bands: int = 1) -> Cell:
+    """The paper's unit cell with its published stiffness and rest length."""
+    return Cell(Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5 * bands))
+
+
+def sort_series(
+    recordings: Sequence[Recording],
+    designs: Sequence[Chain] = (),
+    *,
+    baseline: Sequence[Recording] | None = None,
+    as_designed: bool = False,
+) -> Sorted:
+    """Sort recordings into series.
+
+    A name such as 1unit_MLT_3 or 2unit_TMTBM_5 gives the anchors; the design of as many cells gives
+    all else, or the paper's cell where there is no such design. How many bands were on is not in
+    the names: it is judged from the force, against that of one band and of the other runs. A name
+    that says nothing needs one design, which then holds as it is.
+
+    Args:
+        recordings: loading or unloading tests, baselines and others among them.
+        designs: what was tested, or what the names leave open.
+        baseline: runs without a band; by default those whose name says so, from the same folder
+            where possible, with about the same stroke and the same direction. Empty for none.
+        as_designed: take the design as it is, whatever names say.
+
+    Returns:
+        The series.
+
+    Raises:
+        LabError: there is no series, or more than one design for recordings that do not say which.
+    """
+    own = [r for r in recordings if is_baseline(r.name)] if baseline is None else list(baseline)
+    own = [part for recording in own for part in _parts(recording)]
+    used = {recording.source for recording in own}
+    gaps = missing(recordings)
+    groups: dict[tuple[str, str, bool], list[Recording]] = defaultdict(list)
+    told: list[str] = []
+    tension: dict[str, int] = defaultdict(int)
+    for recording in recordings:
+        setup = setup_of(recording.name)
+        if recording.source in used or is_baseline(recording.name):
+            continue
+        if not as_designed and setup is None and _TENSION_TEST.search(recording.name):
+            tension[recording.group] += 1
+        elif not as_designed and setup is None and _NAMED_CELLS.match(recording.name):
+            told.append(f"{recording.source}: left out, the letters of its name are not known")
+        elif not as_designed and setup is None and not designs:
+            told.append(
+                f"{recording.source}: left out, its name tells no configuration: give a design"
+            )
+        elif not as_designed and setup is not None and setup.marked:
+            told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
+        else:
+            for part in _parts(recording):
+                way = part.direction == "unloading"
+                groups[recording.group, stem_of(recording.name), way].append(part)
+    told += [
+        f"{group}: {count} tension tests left out; `stepwell lab band` reads them"
+        for group, count in tension.items()
+    ]
+    series: list[Series] = []
+    for (_, stem, unloading), runs in groups.items():
+        setup = None if as_designed else setup_of(stem + "_1")
+        series += _series(stem, setup, unloading, runs, own, designs, gaps)
+    if not series:
+        lines = "; ".join(told[:3]) or "no recording in it"
+        raise LabError("data", f"no series to compare: {lines}.")
+    families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
+    told += [f"baseline {line}" for runs in families.values() for line in _strange(runs, gaps)]
+    taken = {recording.source for one in series for recording in one.baseline}
+    told += [
+        f"{source}: a baseline that no series uses (other stroke or direction)"
+        for source in dict.fromkeys(r.source for r in own if r.source not in taken)
+    ]
+    return Sorted(tuple(series), tuple(told))
+
+
+def net_force(series: Series, recording: Recording) -> tuple[Array, Array]:
+    """Stroke [m] from state 0 and force less baseline [N] of a run, as it was sampled."""
+    stroke = from_zero(recording, series.chain.full_stroke)
+    base = series.baseline_curve
+    return stroke, recording.force - (0.0 if base is None else base.at(stroke))
+
+
+def _series(
+    stem: str,
+    setup: Setup | None,
+    unloading: bool,
+    runs: list[Recording],
+    baselines: list[Recording],
+    designs: Sequence[Chain],
+    gaps: dict[str, str],
+) -> list[Series]:
+    way = "unloading" if unloading else "loading"
+    base = _matching(runs[0], unloading, baselines)
+    if setup is None:
+        chain = _one_design(runs[0], designs)
+        told = (*_told(runs, base, gaps), "configuration: as the design says")
+        return [Series(f"{stem}, {way}", stem, chain, 1, unloading, tuple(runs), tuple(base), told)]
+    cells = [
+        cell.with_anchors(p, q)
+        for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
+    ]
+    single = Series("", setup.code, Chain(cells), 1, unloading, tuple(runs), tuple(base), ())
+    found: list[Series] = []
+    for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
+        chain = Chain([_with_bands(cell, bands) for cell in cells])
+        told = (
+            *_told(mine, base, gaps),
+            f"{_bands(bands)}, judged from the force: {ratio:.2f} times that of one",
+        )
+        if abs(ratio / bands - 1) > _DOUBT:
+            told += ("that is far from a whole number: check how many bands were on",)
+        name = f"{setup.code}, {_bands(bands)}, {way}"
+        found.append(
+            Series(name, setup.code, chain, bands, unloading, tuple(mine), tuple(base), told)
+        )
+    return found
+
+
+def _ratio(series: Series, run: Recording) -> float:
+    """How many times the force of the model a run shows, by least squares."""
+    stroke, force = net_force(series, run)
+    model = predicted_force(series.chain, series.unloading, stroke)
+    size = float(model @ model)
+    return float(model @ force) / size if size > 0 else 1.0
+
+
+def _by_bands(
+    runs: list[tuple[float, Recording]],
+) -> list[tuple[int, list[Recording], float]]:
+    """Runs sorted by how many bands they show: the count, the runs, their mean ratio.
+
+    Rubber is no exact multiple of the model, but repeats are alike: runs are cut into groups where
+    the ratio jumps. The weakest group has the nearest whole number, each other one band more.
+    """
+    ordered = sorted(((max(ratio, 1e-9), run) for ratio, run in runs), key=lambda pair: pair[0])
+    groups: list[list[tuple[float, Recording]]] = [[ordered[0]]]
+    for pair in ordered[1:]:
+        if pair[0] > _JUMP * groups[-1][-1][0]:
+            groups.append([])
+        groups[-1].append(pair)
+    found: list[tuple[int, list[Recording], float]] = []
+    count = 0
+    for group in groups:
+        mean = float(np.mean([ratio for ratio, _ in group]))
+        count = count + 1 if found else max(1, round(mean))
+        mine = sorted((run for _, run in group), key=lambda run: natural(run.source))
+        found.append((count, mine, mean))
+    return found
+
+
+def _with_bands(cell: Cell, count: int) -> Cell:
+    bands = tuple(replace(band, stiffness=band.stiffness * count) for band in cell.bands)
+    return replace(cell, band=bands)
+
+
+def _bands(count: int) -> str:
+    return "1 band" if count == 1 else f"{count} bands"
+
+
+def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
+    fitting = [chain for chain in designs if len(chain) == count]
+    if len(fitting) > 1:
+        raise LabError(
+            "designs",
+            f"{len(fitting)} of them have {count} cell{'s' * (count > 1)}: give one, and file "
+            f"names say the anchors; or compare each design with its own recordings.",
+        )
+    return tuple(fitting[0].cells) if fitting else (paper_cell(),) * count
+
+
+def _one_design(run: Recording, designs: Sequence[Chain]) -> Chain:
+    if len(designs) != 1:
+        raise LabError(
+            run.source,
+            f"its name tells no configuration, and {len(designs)} designs are given: give the one "
+            f"that was tested.",
+        )
+    return designs[0]
+
+
+def _parts(recording: Recording) -> list[Recording]:
+    """The recording, cut at its turning points."""
+    if not recording.turns:
+        return [recording]
+    return [
+        Recording(recording.source, recording.time[h], recording.stroke[h], recording.force[h])
+        for h in recording.halves
+    ]
+
+
+def _matching(run: Recording, unloading: bool, baselines: list[Recording]) -> list[Recording]:
+    """The family of baselines that fits best: same direction, about the same stroke, nearest."""
+    span = float(np.ptp(run.stroke))
+    families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
+    for other in baselines:
+        ratio = float(np.ptp(other.stroke)) / span if span else 0.0
+        if (other.direction == "unloading") == unloading and _COVER[0] <= ratio <= _COVER[1]:
+            families[other.group, stem_of(other.name)].append(other)
+
+    def far(family: list[Recording]) -> tuple[bool, float]:
+        elsewhere = PurePath(family[0].group).parent != PurePath(run.group).parent
+        return elsewhere, abs(float(np.mean([np.ptp(r.stroke) for r in family])) / span - 1)
+
+    return min(families.values(), key=far) if families else []
+
+
+def _told(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> tuple[str, ...]:
+    lines = [f"runs: {', '.join(run.name for run in runs)}"]
+    if base:
+        lines.append(f"baseline: {', '.join(run.name for run in base)}")
+    else:
+        lines.append("baseline: none found, so friction is not subtracted")
+    return (*lines, *_strange(runs, gaps))
+
+
+def _strange(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
+    """What is odd about repeats, a line for each thing with the names it is true of."""
+    told: dict[str, list[str]] = defaultdict(list)
+    beside = unlike(repeats)
+    for run in repeats:
+        gap = [gaps[run.source]] if run.source in gaps else []
+        for line in (*oddities(run), *gap, *beside.get(run.source, ())):
+            told[line].append(run.name)
+    return [f"{', '.join(names)}: {line}" for line, names in told.items()]

@@ -1,0 +1,1 @@
+"""Recordings of test machines: read, named, looked at for oddities, averaged."""

@@ -1,0 +1,125 @@
+"""One recording of a test machine: time, stroke and force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from pathlib import PurePath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+
+Array = NDArray[np.float64]
+
+# A reversal smaller than this share of the stroke is the machine settling, not a turning point.
+_TURN = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Recording(ByValue):
+    """One recording of a test machine, in SI.
+
+    Attributes:
+        source: the file, as the user called it.
+        time: (n,) [s]; NaN where it was not recorded.
+        stroke: (n,) displacement of the machine [m].
+        force: (n,) [N], positive where the machine pulls.
+        remarks: what the reader had to leave out.
+        sha256: of the file; "" where there is none.
+
+    Raises:
+        ValueError: arrays that are not as long as each other, or fewer than two samples.
+    """
+
+    source: str
+    time: Array = field(repr=False)
+    stroke: Array = field(repr=False)
+    force: Array = field(repr=False)
+    remarks: tuple[str, ...] = ()
+    sha256: str = field(default="", repr=False)
+
+    def __post_init__(self):
+        lengths = len(self.time), len(self.stroke), len(self.force)
+        if len(set(lengths)) > 1 or lengths[0] < 2:
+            raise ValueError(
+                f"time, stroke and force have {lengths} samples: must be as many each, 2 or more."
+            )
+
+    def __len__(self) -> int:
+        return len(self.stroke)
+
+    @property
+    def name(self) -> str:
+        """The file's name without folder and suffix."""
+        return PurePath(self.source).stem
+
+    @property
+    def group(self) -> str:
+        """The folder it lies in: recordings of one folder are one batch."""
+        return str(PurePath(self.source).parent)
+
+    @property
+    def rate(self) -> float:
+        """Samples a second [Hz]; NaN without time."""
+        step = float(np.median(np.diff(self.time)))
+        return 1.0 / step if step > 0 else float("nan")
+
+    @property
+    def speed(self) -> float:
+        """Median speed of the stroke [m/s]; NaN without time."""
+        steps = np.diff(self.time)
+        moving = steps > 0
+        if not np.any(moving):
+            return float("nan")
+        return float(np.median(np.abs(np.diff(self.stroke)[moving] / steps[moving])))
+
+    @cached_property
+    def turns(self) -> tuple[int, ...]:
+        """Samples where the stroke turns back, between its first and its last."""
+        return _turning_points(self.stroke)
+
+    @property
+    def halves(self) -> tuple[slice, ...]:
+        """The samples between turning points: loading and unloading halves, in order."""
+        ends = [0, *self.turns, len(self) - 1]
+        return tuple(slice(a, b + 1) for a, b in pairwise(ends))
+
+    @property
+    def direction(self) -> str:
+        """What it shows: loading, unloading, or both in turn."""
+        return " and ".join(dict.fromkeys(self.direction_of(half) for half in self.halves))
+
+    def direction_of(self, half: slice) -> str:
+        """Whether the stroke rises (loading) or falls (unloading) over these samples."""
+        moved = self.stroke[half]
+        return "loading" if moved[-1] >= moved[0] else "unloading"
+
+    def __repr__(self):
+        return (
+            f"Recording({self.name!r}, {len(self)} samples, {self.stroke[0] * 1e3:.4g} to "
+            f"{self.stroke[-1] * 1e3:.4g} mm, {self.direction})"
+        )
+
+
+def _turning_points(stroke: Array) -> tuple[int, ...]:
+    threshold = _TURN * float(np.ptp(stroke))
+    turns: list[int] = []
+    low = high = 0
+    rising: bool | None = None
+    for i, u in enumerate(stroke.tolist()):
+        if u > stroke[high]:
+            high = i
+        if u < stroke[low]:
+            low = i
+        if rising is not False and stroke[high] - u > threshold:
+            if rising:
+                turns.append(high)
+            rising, low = False, i
+        elif rising is not True and u - stroke[low] > threshold:
+            if rising is False:
+                turns.append(low)
+            rising, high = True, i
+    return tuple(turns)

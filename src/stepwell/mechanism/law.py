@@ -1,0 +1,123 @@
+"""Force, slope, curvature and energy of one cell at one travel, compiled."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.kernels import kernel
+from stepwell.mechanism import geometry
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+band_length = kernel(geometry.band_length)
+length_slopes = kernel(geometry.length_slopes)
+
+
+class Laws(NamedTuple):
+    """The cells of a chain as flat arrays; N cells, B bands, M curve rows."""
+
+    lever: Floats  # (N,)
+    sin_limit: Floats  # (N,)
+    full: Floats  # (N,) full travel S
+    friction: Floats  # (N,)
+    band_first: Ints  # (N + 1,) bands of cell i are band_first[i] .. band_first[i + 1]
+    band: Floats  # (B, 4) d_x, d_y, k, ℓ0
+    two_sided: Ints  # (B,)
+    band_rows: Ints  # (B + 1,) rows of band b
+    load_rows: Ints  # (N, 2) rows of the load of cell i
+    rows: Floats  # (M, 6) piecewise cubics, see mechanism/curves.py
+
+
+@kernel
+def summed(values: Floats) -> float:
+    """The sum of (N,) numbers from first to last, where NumPy's own order hangs on its version."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
+
+
+@kernel
+def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
+    """Which row every band (and last the load) of `cell` is on at `travel`; -1 for none.
+
+    Fixing the rows on a whole stretch makes the law smooth there, past its ends too, so
+    nothing downstream has to ask on which side of a kink a rounding error fell.
+    """
+    sin = travel / laws.lever[cell] - laws.sin_limit[cell]
+    cos = np.sqrt(1.0 - sin * sin)
+    slot = 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        dx, dy, _, rest = laws.band[b]
+        extension = band_length(sin, cos, dx, dy, laws.lever[cell]) - rest
+        row = laws.band_rows[b]
+        while row + 1 < laws.band_rows[b + 1] and laws.rows[row + 1, 0] <= extension:
+            row += 1
+        out[slot] = row if laws.two_sided[b] or extension > 0.0 else -1
+        slot += 1
+    first, last = laws.load_rows[cell]
+    row = first
+    while row + 1 < last and laws.rows[row + 1, 0] <= travel:
+        row += 1
+    out[slot] = row if last > first else -1
+
+
+@kernel
+def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
+    """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
+    r = laws.lever[cell]
+    sin = travel / r - laws.sin_limit[cell]
+    cos = np.sqrt(1.0 - sin * sin)
+    force, slope, bend = 0.0, 0.0, 0.0
+    slot = 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        row = picked[slot]
+        slot += 1
+        if row < 0:
+            continue
+        dx, dy, k, rest = laws.band[b]
+        length = band_length(sin, cos, dx, dy, r)
+        l1, l2, l3 = length_slopes(sin, cos, length, dx, dy, r)
+        x = length - rest - laws.rows[row, 0]
+        c0, c1, c2, c3 = laws.rows[row, 1:5]
+        t0 = k * (c0 + x * (c1 + x * (c2 + x * c3)))
+        t1 = k * (c1 + x * (2.0 * c2 + x * 3.0 * c3))
+        t2 = k * (2.0 * c2 + 6.0 * c3 * x)
+        force += t0 * l1
+        slope += t1 * l1 * l1 + t0 * l2
+        bend += t2 * l1 * l1 * l1 + 3.0 * t1 * l1 * l2 + t0 * l3
+    row = picked[slot]
+    if row >= 0:
+        x = travel - laws.rows[row, 0]
+        c0, c1, c2, c3 = laws.rows[row, 1:5]
+        force += c0 + x * (c1 + x * (c2 + x * c3))
+        slope += c1 + x * (2.0 * c2 + x * 3.0 * c3)
+        bend += 2.0 * c2 + 6.0 * c3 * x
+    return force, slope, bend
+
+
+@kernel
+def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
+    """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
+    r = laws.lever[cell]
+    sin = travel / r - laws.sin_limit[cell]
+    cos = np.sqrt(1.0 - sin * sin)
+    energy = 0.0
+    slot = 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        row = picked[slot]
+        slot += 1
+        if row < 0:
+            continue
+        dx, dy, k, rest = laws.band[b]
+        x = band_length(sin, cos, dx, dy, r) - rest - laws.rows[row, 0]
+        c0, c1, c2, c3, area = laws.rows[row, 1:6]
+        energy += k * (area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0))))
+    row = picked[slot]
+    if row >= 0:
+        x = travel - laws.rows[row, 0]
+        c0, c1, c2, c3, area = laws.rows[row, 1:6]
+        energy += area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
+    return energy

@@ -1,0 +1,1 @@
+"""A claim, and the table of verdicts."""

@@ -1,0 +1,60 @@
+"""The verdicts as a table in a page of text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from stepwell.paper.claims.claim import Judgement, Verdict
+
+BEGIN = "<!-- claims: written by `python -m stepwell.paper`, not by hand -->"
+END = "<!-- end of claims -->"
+
+
+def markdown(verdicts: Iterable[Verdict]) -> str:
+    """The verdicts as a Markdown table, reasons and notes below it.
+
+    Args:
+        verdicts: what `run` returns.
+    """
+    verdicts = tuple(verdicts)
+    lines = ["| Claim | Where | Paper | Stepwell | Within | Verdict |", "|---|---|---|---|---|---|"]
+    for verdict in verdicts:
+        claim = verdict.claim
+        row = (claim.claim, claim.where, claim.paper_value, verdict.ours, claim.tolerance)
+        lines.append(f"| {' | '.join(map(_cell, row))} | **{verdict.verdict}** |")
+    lines += ["", _count(verdicts), ""]
+    lines += [f"- {v.claim.claim} *{v.verdict}*: {v.reason}" for v in verdicts if v.reason]
+    return "\n".join(lines)
+
+
+def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str = "claims") -> str:
+    """A page with the text between its two markers replaced; `what` it is, for who forgot them.
+
+    Raises:
+        ValueError: a marker is missing.
+    """
+    before, first, rest = page.partition(begin)
+    _, last, after = rest.partition(end)
+    if not (first and last):
+        raise ValueError(f"the page has no place for the {what}: put in {begin} and {end}.")
+    return f"{before}{begin}\n\n{text}\n\n{end}{after}"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _count(verdicts: tuple[Verdict, ...]) -> str:
+    found = [verdict.verdict for verdict in verdicts]
+    words = {
+        Judgement.AGREES: "agree",
+        Judgement.DIFFERS: "differ",
+        Judgement.UNDETERMINED: "are undetermined",
+        Judgement.NEEDS_DATA: "need data",
+    }
+    if Judgement.UNDETERMINED not in found:
+        del words[Judgement.UNDETERMINED]
+    if Judgement.NEEDS_MUJOCO in found:
+        words[Judgement.NEEDS_MUJOCO] = "need MuJoCo"
+    parts = [f"{found.count(judgement)} {word}" for judgement, word in words.items()]
+    return f"Of {len(found)} claims {', '.join(parts)}."

@@ -1,0 +1,1 @@
+"""Claims about unit cells and chains."""

@@ -1,0 +1,1 @@
+"""Claims about the robot, each found by simulating it."""

@@ -1,0 +1,1 @@
+"""Folders of results: figures, tables, numbers and pages that belong together."""

@@ -1,0 +1,198 @@
+"""Everything about one result in one folder: figures, data, report, the design itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from stepwell.base.write import write_atomic
+from stepwell.files.folder import staged_folder
+from stepwell.files.write import dumps
+from stepwell.reports.page import report
+from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json, write_netcdf
+from stepwell.results.map import parameter_boundary_rows, parameter_map_record
+from stepwell.results.run import boundary_rows, map_record, run_record
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from stepwell.design import Boundary, Margin, ParameterBoundary
+    from stepwell.sequences import Cycle
+
+# Beyond this a drawing is too small to see, and the figures room refuses it.
+_DRAWABLE_CELLS, _DRAWABLE_STATES = 12, 30
+
+
+def write_run(
+    cycle: Cycle,
+    margin: Margin,
+    folder: str | os.PathLike[str],
+    *,
+    design: str | None = None,
+    source: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write what a design does into a folder, all of it or nothing.
+
+    Args:
+        cycle: the design's cycle.
+        margin: how far the design is from doing something else.
+        folder: made if missing; what the same function wrote there before is replaced.
+        design: text of the design file, to keep beside the results; written anew by default.
+        source: the design file's name, for the report.
+        progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
+
+    Returns:
+        The names of the files: design.toml, path.csv, result.json, report.html, and for each
+        figure a .png and a .svg.
+
+    Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
+        OSError: the folder cannot be written.
+    """
+    text = design or dumps(cycle.chain)
+    record = run_record(cycle, margin, design=text)
+    with staged_folder(folder, "run", record, force=force) as draft:
+        drawn = _figures(cycle)
+        steps = Steps(progress, 4 + 2 * len(drawn))
+        write_atomic(draft / "design.toml", text)
+        steps.next()
+        cycle.path.to_csv(draft / "path.csv")
+        steps.next()
+        write_json(draft / "result.json", record)
+        steps.next()
+        captions = dict(drawn.values())
+        write_atomic(draft / "report.html", report(cycle, margin, captions, source))
+        steps.next()
+        save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
+        return names(draft)
+
+
+def write_map(
+    dataset: xarray.Dataset,
+    boundaries: tuple[Boundary, ...],
+    folder: str | os.PathLike[str],
+    *,
+    designs: Mapping[str, tuple[float, float]] | None = None,
+    text: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write a transition map into a folder, all of it or nothing.
+
+    Args:
+        dataset: what `design.transition_map` returns.
+        boundaries: what `design.boundaries` returns for the same chain and cell.
+        folder: made if missing; what the same function wrote there before is replaced.
+        designs: anchor q [m] of each design to be marked, by name.
+        text: of the design file, for the hash of it in map.json.
+        progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
+
+    Returns:
+        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+
+    Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    q = next(iter(designs.values()), None) if designs else None
+    return _write_map(
+        dataset,
+        map_record(dataset, boundaries, q, text=text),
+        boundary_rows(boundaries),
+        lambda: figures.transition_map(dataset, boundaries, designs),
+        folder,
+        progress,
+        force,
+    )
+
+
+def write_parameter_map(
+    dataset: xarray.Dataset,
+    boundaries: tuple[ParameterBoundary, ...],
+    folder: str | os.PathLike[str],
+    *,
+    design: tuple[float, float] | None = None,
+    text: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write a map over two parameters into a folder, all of it or nothing.
+
+    Args:
+        dataset: what `design.parameter_map` returns.
+        boundaries: what `design.parameter_boundaries` returns for the same parameters.
+        folder: made if missing; what the same function wrote there before is replaced.
+        design: the two parameters of the design itself, in SI, to be marked.
+        text: of the design file, for the hash of it in map.json.
+        progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
+
+    Returns:
+        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+
+    Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    inside = {"this design": design} if design and _shows(dataset, design) else None
+    return _write_map(
+        dataset,
+        parameter_map_record(dataset, boundaries, design, text=text),
+        parameter_boundary_rows(boundaries),
+        lambda: figures.parameter_map(dataset, boundaries, inside),
+        folder,
+        progress,
+        force,
+    )
+
+
+def _write_map(
+    dataset: xarray.Dataset,
+    record: dict[str, Any],
+    rows: str,
+    draw: Callable[[], Figure],
+    folder: str | os.PathLike[str],
+    progress: Progress | None,
+    force: bool,
+) -> tuple[str, ...]:
+    with staged_folder(folder, "map", record, force=force) as draft:
+        steps = Steps(progress, 5)
+        write_netcdf(draft / "map.nc", dataset)
+        steps.next()
+        write_json(draft / "map.json", record)
+        steps.next()
+        write_atomic(draft / "boundaries.csv", rows)
+        steps.next()
+        save_figures({"map": draw()}, draft, steps)
+        return names(draft)
+
+
+def _shows(dataset: xarray.Dataset, design: tuple[float, float]) -> bool:
+    """Whether a map holds a design."""
+    axes = zip((dataset["x"], dataset["y"]), design, strict=True)
+    return all(float(axis[0]) <= value <= float(axis[-1]) for axis, value in axes)
+
+
+def _figures(cycle: Cycle) -> dict[str, tuple[str, Figure]]:
+    """File name without suffix: caption and figure."""
+    from stepwell import figures
+
+    chain, drawn = cycle.chain, {}
+    if len(chain) <= _DRAWABLE_CELLS and len(cycle.sequence) <= _DRAWABLE_STATES:
+        caption = "The mechanism in the states of its cycle"
+        drawn["mechanism"] = caption, figures.mechanism(chain, cycle.sequence)
+    if len(chain) == 2:
+        drawn["landscape"] = "The energy landscape and the way through it", figures.landscape(cycle)
+    drawn["force-stroke"] = "Actuator force against stroke", figures.force_stroke(cycle)
+    drawn["travel-stroke"] = "Travel of each cell against stroke", figures.travel_stroke(cycle)
+    return drawn

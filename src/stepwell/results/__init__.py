@@ -1,0 +1,1 @@
+"""Results as plain numbers with the unit in every name."""

@@ -1,0 +1,1 @@
+"""What a robot will do, from statics alone."""

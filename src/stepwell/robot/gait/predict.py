@@ -1,0 +1,512 @@
+"""What a robot will do, from statics alone: gait, advance, drag and antenna limits, and doubts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base.value import ByValue
+from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
+from stepwell.robot.gait.search import changes, first_change
+from stepwell.robot.gait.slide import STEPS, Slide, slide
+from stepwell.robot.parts.antenna import Antenna
+from stepwell.robot.parts.leg import Leg
+from stepwell.robot.parts.robot import Robot
+from stepwell.statics import StaticsError
+
+Array = NDArray[np.float64]
+# Margin, what the gait then becomes, and alternatives.
+Doubt = tuple[float, str, tuple[str, ...]]
+
+# A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
+WALKS = 0.1
+TURNS = math.radians(3.0)
+# A push shorter than this share of the largest step is none.
+PUSHES = 0.1
+# Tolerances on the states beside the usual one, which the gait must not depend on.
+TOLERANCES = (0.15, 0.25)
+# Steps in which an antenna's swing is looked at before its threshold is closed in on.
+LOOKS = 17
+# Forces [N] at which the margin is looked for: no cell of a robot that walks needs more.
+FORCES = (0.0, *np.geomspace(0.004, 2.0, 10).tolist())
+
+# How much deeper the feet are put in looking for where the gait changes [m], and how often the last
+# of these stretches is halved: close to the feet to a hundredth of a millimetre.
+DEEPER = tuple(1e-4 * 2.0**k for k in range(7))
+DEPTH_HALVINGS = 4
+
+ASSUMPTIONS = (
+    "The drive is slow: no inertia. Damping enters as a lag at the drive's mean speed.",
+    "Links, levers, blocks and floor are rigid; supports and feet touch in points.",
+    "Feet share the weight with the supports by the lever rule at every step.",
+    "Friction is Coulomb's, the same at rest and in motion, and decides by least dissipation "
+    "which feet stick and how the body turns.",
+    "A snap is overdamped and takes no time, and a foot grips at once; really the stroke goes on "
+    "meanwhile, so that a forward step is shorter and a backward one longer than is said here.",
+    "The robot starts every cycle from rest with every cell at 0, far from walls.",
+)
+
+
+class Motion(Enum):
+    """Where a cycle takes a robot."""
+
+    FORWARD = "walks forward"
+    BACKWARD = "walks backward"
+    LEFT = "turns left"
+    RIGHT = "turns right"
+    NONE = "stays where it is"
+
+
+class Limit(Enum):
+    """What ends a push when the floor drags more."""
+
+    SLIP = "the foot slips"
+    GAIT = "the gait changes"
+    NOTHING = "nothing: this foot never has to hold against the drag"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Push(ByValue):
+    """A foot that pushes the body over the floor, in one way of the actuator.
+
+    Attributes:
+        loading: True on the way out, False on the way back.
+        step: how far the foot goes back under the body while it stands [m]; negative for a
+            step that takes the body backwards.
+        gain: how far the body goes over it [m].
+        slip: how far the foot slides [m].
+        load: what the foot carries while it pushes, on average [N].
+        drag: of the floor on the whole robot [N], as given.
+        largest_drag: up to which this push goes on [N], in the terms of `Floor.drag` and at
+            that average load; infinite where nothing ends it.
+        limit: what then happens.
+    """
+
+    loading: bool
+    step: float
+    gain: float
+    slip: float
+    load: float
+    drag: float
+    largest_drag: float
+    limit: Limit
+
+    @property
+    def safety(self) -> float:
+        """Largest over given drag [1]; below 1 the foot slips already."""
+        return self.largest_drag / self.drag if self.drag > 0 else math.inf
+
+    def __repr__(self):
+        way = "forward" if self.step > 0 else "backward"
+        return (
+            f"Push({way} while {'loading' if self.loading else 'unloading'}: gains "
+            f"{self.gain * 1e3:.3g} of {self.step * 1e3:.3g} mm, up to a drag of "
+            f"{self.largest_drag:.3g} N)"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flip(ByValue):
+    """A displacement of an antenna that changes the gait of its leg.
+
+    Attributes:
+        antenna, leg: names.
+        displacement: of the anchor [m] along the antenna's `moves`.
+        earliest, latest: between which displacements [m] the change comes, given what the
+            prediction cannot know; `latest` is infinite where it may not come at all.
+        swing: of the antenna [rad] at `displacement`.
+        before, gait: the gait up to there and past it.
+    """
+
+    antenna: str
+    leg: str
+    displacement: float
+    earliest: float
+    latest: float
+    swing: float
+    before: str
+    gait: str
+
+    def __repr__(self):
+        return (
+            f"Flip({self.antenna} at {self.displacement * 1e3:.3g} mm ("
+            f"{self.earliest * 1e3:.3g}..{self.latest * 1e3:.3g}), "
+            f"{math.degrees(self.swing):.3g}°: {self.leg} {self.before} → {self.gait})"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LegPrediction(ByValue):
+    """What one leg will do.
+
+    Attributes:
+        name: of the leg.
+        gait: states as "00>10>11>01>00", a cell within a fifth of its travel from a stop
+            counting as there.
+        advance: how far a cycle takes the body over this leg's foot while it stands, over
+            u_max, the leg's largest step [1].
+        slip: how far the foot slides on the floor in a cycle [m].
+        margin: the smallest constant force [N] that, added to the travel of one cell, in one
+            sense or the other, changes the gait; infinite where 2 N do not.
+        nearest: what it then becomes, or "".
+        uncertainty: force [N] that this prediction does not know: damping at the drive's speed
+            and what the middle blocks lag behind where the drive turns.
+        alternatives: gaits that come out where what is assumed is changed within reason: no
+            drag, other feet in the air, a cell within 0.15 or 0.25 of its stop counting as there.
+        pushes: of its foot, on the way out and back.
+        flips: what its antennas do to it, in the order in which they come.
+    """
+
+    name: str
+    gait: str
+    advance: float
+    slip: float
+    margin: float
+    nearest: str
+    uncertainty: float
+    alternatives: tuple[str, ...]
+    pushes: tuple[Push, ...]
+    flips: tuple[Flip, ...]
+
+    @property
+    def near_boundary(self) -> bool:
+        """Whether the gait may be another: margin below uncertainty, or an alternative."""
+        return self.margin < self.uncertainty or bool(self.alternatives)
+
+    @property
+    def confident(self) -> bool:
+        """Not near a boundary."""
+        return not self.near_boundary
+
+    def __repr__(self):
+        near = f", near {self.nearest or self.alternatives[0]}" if self.near_boundary else ""
+        return (
+            f"LegPrediction({self.name} {self.gait}{near}: d/u_max {self.advance:.2f}, margin "
+            f"{self.margin * 1e3:.3g} ± {self.uncertainty * 1e3:.3g} mN)"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction(ByValue):
+    """What a robot will do in a cycle, said without simulation.
+
+    Attributes:
+        robot: which.
+        legs: for each leg.
+        advance: displacement forward in a cycle over u_max, the legs' largest step [1].
+        sideways: displacement to the left over u_max [1].
+        turn: rotation to the left in a cycle [rad].
+        assumptions: what all of this rests on.
+    """
+
+    robot: Robot
+    legs: tuple[LegPrediction, ...]
+    advance: float
+    sideways: float
+    turn: float
+    assumptions: tuple[str, ...] = ASSUMPTIONS
+
+    @property
+    def depths(self) -> tuple[tuple[float, float], ...]:
+        """For each leg the depths of the feet [m] between which it surely keeps its gait.
+
+        Worked out when it is first asked for, in as long as the prediction took.
+        """
+        return depths(self.robot)
+
+    @property
+    def motion(self) -> Motion:
+        """In a word; a robot that turns by 3° or more in a cycle turns, however far it goes."""
+        if abs(self.turn) >= TURNS:
+            return Motion.LEFT if self.turn > 0 else Motion.RIGHT
+        if abs(self.advance) >= WALKS:
+            return Motion.FORWARD if self.advance > 0 else Motion.BACKWARD
+        return Motion.NONE
+
+    @property
+    def gaits(self) -> dict[str, str]:
+        """For each leg its gait."""
+        return {leg.name: leg.gait for leg in self.legs}
+
+    @property
+    def near_boundary(self) -> bool:
+        """Whether any leg may do otherwise."""
+        return any(leg.near_boundary for leg in self.legs)
+
+    @property
+    def confident(self) -> bool:
+        """Not near a boundary."""
+        return not self.near_boundary
+
+    @property
+    def flips(self) -> tuple[Flip, ...]:
+        """What the antennas change, over all legs."""
+        return tuple(flip for leg in self.legs for flip in leg.flips)
+
+    def leg(self, name: str) -> LegPrediction:
+        """The leg of that name.
+
+        Raises:
+            ValueError: no such leg.
+        """
+        return self.legs[self.robot.legs.index(self.robot.leg(name))]
+
+    def __repr__(self):
+        legs = ", ".join(f"{leg.name} {leg.gait}" for leg in self.legs)
+        near = [leg.name for leg in self.legs if leg.near_boundary]
+        doubt = f"; near a boundary: {', '.join(near)}" if near else ""
+        # Nothing is ever minus zero.
+        advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
+        least, most = (1e3 * end for end in common(self.depths))
+        return (
+            f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
+            f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
+        )
+
+
+def predict(robot: Robot) -> Prediction:
+    """Say what a robot will do in a cycle, without simulation.
+
+    Every leg is followed exactly through its equilibria, with the weight on its foot and the
+    floor's drag as loads; then friction decides how the body slides. The theory of the robot
+    derives both.
+
+    Args:
+        robot: any robot.
+
+    Returns:
+        Gait, advance, drag limits and antenna thresholds of every leg, and where it may be wrong.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found = rounds(robot)
+    moved = slide(robot, found)
+    x, y, turn = moved.displacement()
+    most = max(leg.stroke for leg in robot.legs)
+    doubts: dict[Hashable, Doubt] = {}
+    legs = tuple(_leg(robot, i, found, moved, doubts) for i in range(len(found)))
+    return Prediction(robot, legs, x / most, y / most, turn)
+
+
+@lru_cache(maxsize=32)
+def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
+    """Between which depths of the feet each leg surely keeps the gait that is predicted.
+
+    Args:
+        robot: any robot.
+
+    Returns:
+        For each leg the least and the largest depth of the feet below the supports [m] at which
+        its gait is the same whatever the force that the prediction does not know, all else as it
+        is; twice their own depth where it may be another already.
+
+    Raises:
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    found = rounds(robot)
+    known: dict[Hashable, tuple[float, float]] = {}
+    for i, one in enumerate(found):
+        if _alike(one) not in known:
+            known[_alike(one)] = _depths(robot, i, found)
+    return tuple(known[_alike(one)] for one in found)
+
+
+def common(depths: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Depths of the feet [m] at which all legs keep their gaits."""
+    least, most = zip(*depths, strict=True)
+    return max(least), min(most)
+
+
+def _alike(one: Round) -> Hashable:
+    """What two legs share that are the same in a mirror: so is what can be doubted of them."""
+    return one.leg.chain, *(np.round([*f.load, *f.sharing], 9).tobytes() for f in one.stances)
+
+
+def _leg(
+    robot: Robot, index: int, found: Sequence[Round], moved: Slide, doubts: dict[Hashable, Doubt]
+) -> LegPrediction:
+    one = found[index]
+    leg, gait = one.leg, one.gait()
+    unknown = _uncertainty(robot, leg)
+    alike = _alike(one)
+    if alike not in doubts:
+        others = {one.gait(tolerance) for tolerance in TOLERANCES} | set(_otherwise(robot, one))
+        doubts[alike] = (*_margin(robot, one), tuple(sorted(others - {gait})))
+    margin, nearest, others = doubts[alike]
+    flips = tuple(
+        flip
+        for antenna in robot.antennas
+        if antenna.leg == leg.name and antenna.connected
+        for flip in _flip(robot, one, antenna, unknown)
+    )
+    return LegPrediction(
+        leg.name,
+        gait,
+        float(moved.gain[:, index].sum()) / leg.stroke,
+        float(moved.slip[:, index].sum()),
+        margin,
+        nearest,
+        unknown,
+        others,
+        tuple(_pushes(robot, index, one, moved)),
+        flips,
+    )
+
+
+def _uncertainty(robot: Robot, leg: Leg) -> float:
+    """Force [N] between two cells that the drive's speed may add or take."""
+    speed = 2.0 * robot.drive.amplitude / robot.drive.period
+    damping = robot.blocks.damping
+    # Half of the damping is the lag that the round has as friction: which of two cells bears it
+    # depends on how they start. A block follows its neighbour m/2c late, and meanwhile the
+    # cells' forces fall at this rate.
+    late = robot.blocks.mass / (2.0 * damping)
+    falls = max(abs(c.force_0 - c.force_1) / c.full_travel for c in leg.chain.cells)
+    return damping * speed / 2.0 + falls * speed * late
+
+
+def _margin(robot: Robot, one: Round) -> tuple[float, str]:
+    """Smallest force [N] on one cell that changes the gait, and what it becomes."""
+    cells = len(one.leg.chain)
+    # At a given stroke a force on one of two cells does what its opposite does on the other.
+    tried = (cells - 1,) if cells == 2 else range(cells)
+    best, nearest = math.inf, ""
+    for cell in tried:
+        for sense in (1.0, -1.0):
+
+            def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
+                extra = np.zeros(cells)
+                extra[cell] = sense * force
+                return go_round(robot, one.leg, one.stances, extra).gait()
+
+            nearer = [force for force in FORCES if force < best]
+            change = first_change(pushed, [*nearer, best] if math.isfinite(best) else nearer)
+            if change is not None and change[0] < best:
+                best, nearest = change
+    return best, nearest
+
+
+def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, float]:
+    """Depths of the feet [m] between which a leg keeps its gait, whatever is not known."""
+    foot, leg = robot.foot, robot.legs[index]
+    unknown, gait = _uncertainty(robot, leg), found[index].gait()
+    # No robot's feet stand deeper than its cells can lift them.
+    deepest = 0.999 * float(foot.depth(0.0) - foot.depth(leg.chain.cells[-1].full_travel))
+
+    def deep(below: float) -> str:
+        other = replace(robot, foot=replace(foot, below=below))
+        stances = stances_beside(other, index, found)
+        for force in (unknown, -unknown):
+            extra = np.zeros(len(leg.chain))
+            extra[-1] = force
+            try:
+                after = go_round(other, leg, stances, extra).gait()
+            except StaticsError:
+                return "not followed"  # so it is not sure
+            if after != gait:
+                return after
+        return gait
+
+    def until(looks: list[float]) -> float:
+        change = first_change(deep, [foot.below, *looks], DEPTH_HALVINGS)
+        return looks[-1] if change is None else change[0]
+
+    if deep(foot.below) != gait:
+        return foot.below, foot.below
+    deeper = [foot.below + more for more in DEEPER if foot.below + more < deepest]
+    return until([foot.below / 2, 0.0]), until([*deeper, max(deepest, foot.below)])
+
+
+def _otherwise(robot: Robot, one: Round) -> list[str]:
+    """Gaits of the leg where what the floor does to its foot is another."""
+    variants = (
+        tuple(replace(foot, drags=False) for foot in one.stances),
+        tuple(replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances),
+    )
+    return [go_round(robot, one.leg, (a, b)).gait() for a, b in variants]
+
+
+def _flip(robot: Robot, one: Round, antenna: Antenna, unknown: float) -> list[Flip]:
+    leg, cells = one.leg, len(one.leg.chain)
+    cell = leg.cell_index(antenna.cell)
+    p, moves = leg.chain.cells[cell].bands[0].p, antenna.moves
+
+    def thresholds(force: float) -> list[tuple[float, str]]:
+        extra = np.zeros(cells)
+        extra[-1] = force
+
+        def pressed(share: float) -> str:
+            moved = leg.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
+            return go_round(robot, moved, one.stances, extra).gait()
+
+        return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
+
+    length, before = math.hypot(*moves), one.gait()
+    nominal, around = thresholds(0.0), [thresholds(force) for force in (unknown, -unknown)]
+    flips: list[Flip] = []
+    for share, after in nominal:
+        # The same change where the unknown force is added and taken.
+        same = [next((s for s, g in found if g == after), math.inf) for found in around]
+        early, late = min(share, *same) * length, max(share, *same) * length
+        swing = share * antenna.swing
+        flips.append(
+            Flip(antenna.name, leg.name, share * length, early, late, swing, before, after)
+        )
+        before = after
+    return flips
+
+
+def _pushes(robot: Robot, index: int, one: Round, moved: Slide) -> list[Push]:
+    pushes: list[Push] = []
+    for half in (0, 1):
+        rows = slice(half * STEPS, (half + 1) * STEPS)
+        step, load = moved.push[rows, index], moved.load[rows, index]
+        total = float(step.sum())
+        if abs(total) < PUSHES * one.leg.stroke:
+            continue
+        # While it pushes the way it ends up going, and not while the weight passes over.
+        way = np.maximum(np.sign(total) * step, 0.0)
+        carries = float(way @ load / way.sum())
+        feet = (moved.load[rows] > 0.0).sum(axis=1)
+        sharing = float(way @ feet / way.sum())
+        largest, limit = _largest_drag(robot, one, carries, sharing)
+        pushes.append(
+            Push(
+                not half,
+                total,
+                float(moved.gain[rows, index].sum()),
+                float(moved.slip[rows, index].sum()),
+                carries,
+                robot.floor.drag,
+                largest,
+                limit,
+            )
+        )
+    return pushes
+
+
+def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, Limit]:
+    """The floor's drag [N] at which a foot slips or its leg steps otherwise."""
+    left = robot.weight - sharing * load
+    if left <= 0.0 or robot.floor.gravity == 0.0:
+        return math.inf, Limit.NOTHING
+    slips = robot.mass * 9.81 * sharing * robot.floor.foot_friction * load / left
+
+    def dragged(drag: float) -> str:
+        other = replace(robot, floor=replace(robot.floor, drag=drag))
+        feet = tuple(replace(foot, robot=other) for foot in one.stances)
+        return go_round(other, one.leg, (feet[0], feet[1])).gait()
+
+    start = robot.floor.drag
+    if slips > start:
+        change = first_change(dragged, np.linspace(start, slips, 9).tolist())
+        if change is not None:
+            return change[0], Limit.GAIT
+    return slips, Limit.SLIP

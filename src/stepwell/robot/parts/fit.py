@@ -1,0 +1,152 @@
+"""What keeps a robot from walking before it takes a step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from stepwell.robot.parts.antenna import Antenna
+    from stepwell.robot.parts.leg import Leg
+    from stepwell.robot.parts.robot import Robot
+
+# Strokes that differ by less than this [m] are the same stroke.
+SAME = 1e-7
+
+
+def problems(robot: Robot) -> list[str]:
+    """Every reason why this robot cannot be built or cannot stand, one line each."""
+    return [*_legs(robot), *_reach(robot), *_strokes(robot), *_standing(robot), *_antennas(robot)]
+
+
+def _legs(robot: Robot) -> Iterator[str]:
+    if len(robot.legs) < 2:
+        yield f"legs: {len(robot.legs)} given: a robot has 2 or more."
+    names = [leg.name for leg in robot.legs]
+    for name in {name for name in names if names.count(name) > 1}:
+        yield f"legs: two are called {name!r}: give each leg a name of its own."
+    for a, b in combinations(robot.legs, 2):
+        apart = abs(a.at[1] - b.at[1])
+        length = _length(robot, a) + robot.blocks.length
+        if apart < robot.blocks.width and abs(a.at[0] - b.at[0]) < length:
+            yield (
+                f"legs {a.name!r} and {b.name!r} collide: their feet are {apart * 1e3:.6g} mm "
+                f"apart sideways and their blocks {robot.blocks.width * 1e3:.6g} mm wide; move "
+                f"one of them sideways."
+            )
+    for leg in robot.legs:
+        for point in robot.body.supports:
+            swept = leg.chain.full_stroke
+            near = robot.foot.radius
+            across = abs(point[1] - leg.at[1])
+            if across < near and leg.at[0] - swept - near < point[0] < leg.at[0] + near:
+                yield (
+                    f"leg {leg.name!r}: its foot runs into the support at ({point[0] * 1e3:.6g}, "
+                    f"{point[1] * 1e3:.6g}) mm; move either sideways by {near * 1e3:.6g} mm."
+                )
+
+
+def _length(robot: Robot, leg: Leg) -> float:
+    """From a leg's first moving block to its last, fully open."""
+    return robot.foot.span + leg.chain.full_stroke
+
+
+def _reach(robot: Robot) -> Iterator[str]:
+    for leg in robot.legs:
+        widest = robot.foot.span + leg.chain.cells[-1].full_travel
+        if widest >= 2 * robot.foot.link:
+            yield (
+                f"leg {leg.name!r}: its pivots open to {widest * 1e3:.6g} mm and two links of "
+                f"{robot.foot.link * 1e3:.6g} mm reach {2e3 * robot.foot.link:.6g} mm; use longer "
+                f"links, a smaller span or a shorter lever."
+            )
+        elif robot.foot.below >= float(
+            robot.foot.depth(0.0) - robot.foot.depth(widest - robot.foot.span)
+        ):
+            yield (
+                f"leg {leg.name!r}: its foot stands {robot.foot.below * 1e3:.6g} mm below the "
+                f"supports and cannot be lifted off the floor; let the feet stand less deep."
+            )
+    if robot.pivot_height <= 0:
+        yield (
+            f"foot.below = {robot.foot.below * 1e3:.6g} mm: puts the supports above the pivots; "
+            f"must be < {float(robot.foot.depth(0.0)) * 1e3:.6g} mm."
+        )
+
+
+def _strokes(robot: Robot) -> Iterator[str]:
+    strokes = {leg.name: leg.chain.full_stroke for leg in robot.legs}
+    if not strokes:
+        return
+    least = min(strokes.values())
+    if max(strokes.values()) - least > SAME:
+        each = ", ".join(f"{name!r} {stroke * 1e3:.6g} mm" for name, stroke in strokes.items())
+        yield f"legs share one actuator but not one full stroke: {each}; make them equal."
+    if robot.drive.amplitude > least + SAME:
+        yield (
+            f"drive.amplitude = {robot.drive.amplitude * 1e3:.6g} mm: must be <= {least * 1e3:.6g} "
+            f"mm, the full stroke of the legs' chains; a longer one pushes against their stops."
+        )
+
+
+def _standing(robot: Robot) -> Iterator[str]:
+    supports = np.asarray(robot.body.supports)
+    for x, y in supports:
+        corner = np.asarray([x, y])
+        others = supports[~np.all(supports == corner, axis=1)]
+        if len(others) < len(supports) - 1:
+            yield f"body.supports: ({x * 1e3:.6g}, {y * 1e3:.6g}) mm stands there twice."
+            return
+    centre = np.asarray(robot.body.centre[:2])
+    gap = _inside(supports, centre)
+    if gap <= 0:
+        yield (
+            f"body.centre = ({centre[0] * 1e3:.6g}, {centre[1] * 1e3:.6g}) mm lies "
+            f"{-gap * 1e3:.3g} mm outside its supports: it falls over when the feet lift; move "
+            f"the mass or a support."
+        )
+
+
+def _inside(points: np.ndarray, point: np.ndarray) -> float:
+    """Distance from `point` to the edge of the hull of `points`, negative outside."""
+    angles = np.linspace(0.0, 2.0 * math.pi, 721)
+    normals = np.stack([np.cos(angles), np.sin(angles)])
+    return float(((points - point) @ normals).max(axis=0).min())
+
+
+def _antennas(robot: Robot) -> Iterator[str]:
+    names = [leg.name for leg in robot.legs]
+    for antenna in robot.antennas:
+        if antenna.leg not in names:
+            allowed = ", ".join(map(repr, names))
+            yield f"antenna {antenna.name!r}: leg = {antenna.leg!r}: must be one of {allowed}."
+            continue
+        leg = robot.leg(antenna.leg)
+        try:
+            cell = leg.cell_index(antenna.cell)
+            p = leg.chain.cells[cell].bands[0].p
+            if len(leg.chain.cells[cell].bands) > 1:
+                yield (
+                    f"antenna {antenna.name!r}: its cell has several bands: an antenna moves the "
+                    f"anchor of one; split the cell's bands or give it one."
+                )
+                continue
+            leg.with_anchors(cell, p=(p[0] + antenna.moves[0], p[1] + antenna.moves[1]))
+        except ValueError as error:
+            yield f"antenna {antenna.name!r}: {error}"
+    moved = [_moved(robot, antenna) for antenna in robot.antennas if antenna.leg in names]
+    for leg, cell in {each for each in moved if moved.count(each) > 1}:
+        yield f"antennas: two move the anchor of {cell} of leg {leg!r}: give it one."
+
+
+def _moved(robot: Robot, antenna: Antenna) -> tuple[str, str]:
+    """The leg and the cell whose anchor an antenna moves, by what both are called."""
+    leg = robot.leg(antenna.leg)
+    try:
+        return leg.name, leg.chain.names[leg.cell_index(antenna.cell)]
+    except ValueError:
+        return leg.name, f"{antenna.cell!r}, which is no cell,"

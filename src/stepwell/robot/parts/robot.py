@@ -1,0 +1,239 @@
+"""A robot as a value: legs, body, floor, drive, antennas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from stepwell.base.check import Vec2
+from stepwell.base.limits import require
+from stepwell.base.value import ByValue
+from stepwell.mechanism import SlipError
+from stepwell.robot.parts.antenna import Antenna
+from stepwell.robot.parts.arena import Arena
+from stepwell.robot.parts.blocks import Blocks
+from stepwell.robot.parts.body import Body
+from stepwell.robot.parts.drive import Drive
+from stepwell.robot.parts.fit import problems
+from stepwell.robot.parts.floor import Floor
+from stepwell.robot.parts.foot import Foot
+from stepwell.robot.parts.leg import Leg
+from stepwell.robot.parts.slips import WAY, of_robot
+
+if TYPE_CHECKING:
+    from stepwell.robot.gait.predict import Prediction
+    from stepwell.simulation import Maze, Settings, Walk
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Robot(ByValue):
+    """Legs on one actuator, under a body that rests on a T-foot.
+
+    Args:
+        legs: two or more, all with the same full stroke.
+        body: what they carry.
+        foot: the V and the foot of every leg.
+        blocks: the moving blocks of every leg.
+        floor: where it stands.
+        drive: the command that all legs share.
+        antennas: none or several.
+        title: what reports call it.
+        sources: where numbers come from: keys of its design file, "paper", "authors' notes",
+            "measured" or "assumed" each. Keys that are not in it are assumed.
+        unusual: True where sizes far off the legs' stroke and bands are meant, as for a Cell.
+
+    Raises:
+        ValueError: a geometry that cannot walk, with every reason found: strokes that do not
+            match the drive, legs or supports that collide, a centre of mass outside the
+            supports, links that do not reach, an antenna on no leg; or sizes that are probably
+            in another unit.
+
+    Source: Kamp et al. 2024, Figs. 3 and 4.
+    """
+
+    legs: Sequence[Leg]
+    body: Body = Body()
+    foot: Foot = Foot()
+    blocks: Blocks = Blocks()
+    floor: Floor = Floor()
+    drive: Drive = Drive()
+    antennas: Sequence[Antenna] = ()
+    title: str = ""
+    sources: Mapping[str, str] = field(default_factory=dict, hash=False, repr=False)
+    unusual: bool = field(default=False, compare=False)
+    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
+
+    def __post_init__(self):
+        object.__setattr__(self, "legs", tuple(self.legs))
+        object.__setattr__(self, "antennas", tuple(self.antennas))
+        object.__setattr__(self, "sources", dict(self.sources))
+        require("legs", len(self.legs), "the robot has")
+        require("antennas", len(self.antennas), "the robot has")
+        if not (self.unusual or self._asked):
+            slips = of_robot(self)
+            if slips:
+                raise SlipError(slips, WAY)
+        object.__setattr__(self, "_asked", True)
+        found = problems(self)
+        if found:
+            raise ValueError("\n".join(found))
+
+    @property
+    def mass(self) -> float:
+        """Of everything together [kg]."""
+        blocks = sum(self.blocks.mass * len(leg.chain) + self.foot.mass for leg in self.legs)
+        antennas = sum(antenna.mass for antenna in self.antennas)
+        return self.body.mass + self.blocks.carriage + blocks + antennas
+
+    @property
+    def weight(self) -> float:
+        """Mass times gravity [N]."""
+        return self.mass * self.floor.gravity
+
+    @property
+    def support_friction(self) -> float:
+        """Coulomb's coefficient [1] under the T-foot that gives the floor's drag."""
+        return self.floor.drag / (self.mass * 9.81)
+
+    @property
+    def pivot_height(self) -> float:
+        """Height of the legs' pivots above the plane of the supports [m]."""
+        return float(self.foot.depth(0.0)) - self.foot.below
+
+    def leg(self, name: str) -> Leg:
+        """The leg of that name.
+
+        Raises:
+            ValueError: no such leg.
+        """
+        for leg in self.legs:
+            if leg.name == name:
+                return leg
+        names = ", ".join(repr(leg.name) for leg in self.legs)
+        raise ValueError(f"leg = {name!r}: must be one of {names}.")
+
+    def with_anchors(
+        self, leg: str, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None
+    ) -> Robot:
+        """The same robot with the anchors of one cell of one leg moved.
+
+        Args:
+            leg: its name.
+            cell: index, 0 for the innermost, or a name.
+            p, q: anchors [m]; None leaves them.
+
+        Returns:
+            The new robot.
+
+        Raises:
+            ValueError: no such leg or cell, or anchors that no cell can have.
+        """
+        moved = self.leg(leg).with_anchors(cell, p, q)
+        return replace(self, legs=tuple(moved if one.name == leg else one for one in self.legs))
+
+    def pressed(self, swings: Mapping[str, float]) -> Robot:
+        """The same robot with antennas held back, as anchors that have moved.
+
+        Args:
+            swings: antenna name to rotation [rad], 0 .. its `swing`.
+
+        Returns:
+            A robot whose anchors are where these antennas would put them.
+
+        Raises:
+            ValueError: no such antenna, or a rotation out of range.
+        """
+        robot = self
+        names = [antenna.name for antenna in self.antennas]
+        for name, swing in swings.items():
+            if name not in names:
+                allowed = ", ".join(map(repr, names)) or "none: this robot has no antennas"
+                raise ValueError(f"antenna = {name!r}: must be one of {allowed}.")
+            antenna = self.antennas[names.index(name)]
+            if not 0 <= swing <= antenna.swing:
+                raise ValueError(
+                    f"swing = {math.degrees(swing):.6g} deg of antenna {name!r}: must be from 0 "
+                    f"to {math.degrees(antenna.swing):.6g} deg."
+                )
+            if not antenna.connected:
+                continue
+            leg = robot.leg(antenna.leg)
+            index = leg.cell_index(antenna.cell)
+            p = leg.chain.cells[index].bands[0].p
+            share = swing / antenna.swing
+            moved = (p[0] + share * antenna.moves[0], p[1] + share * antenna.moves[1])
+            robot = robot.with_anchors(antenna.leg, index, p=moved)
+        return robot
+
+    def predict(self) -> Prediction:
+        """What statics alone says about the gait, without simulation.
+
+        Returns:
+            Gait, advance, drag limits and antenna thresholds of every leg.
+        """
+        from stepwell.robot.gait.predict import predict
+
+        return predict(self)
+
+    def walk(
+        self,
+        cycles: float = 8,
+        *,
+        arena: Arena | None = None,
+        settings: Settings | None = None,
+        start: Walk | None = None,
+        progress: Progress | None = None,
+    ) -> Walk:
+        """Walk in simulation.
+
+        Args:
+            cycles, arena, settings, start, progress: as for `stepwell.simulation.walk`.
+
+        Returns:
+            The walk.
+
+        Raises:
+            ValueError: no cycles, or a robot that the simulator has no terms for.
+            ModuleNotFoundError: MuJoCo is not installed.
+        """
+        from stepwell.simulation import walk
+
+        return walk(self, cycles, arena=arena, settings=settings, start=start, progress=progress)
+
+    def maze(
+        self,
+        arena: Arena,
+        *,
+        limit: float = 600.0,
+        settings: Settings | None = None,
+        progress: Progress | None = None,
+    ) -> Maze:
+        """Find a way through an arena in simulation.
+
+        Args:
+            arena, limit, settings, progress: as for `stepwell.simulation.maze`.
+
+        Returns:
+            Its way.
+
+        Raises:
+            ValueError: no time, or a robot that the simulator has no terms for.
+            ModuleNotFoundError: MuJoCo is not installed.
+        """
+        from stepwell.simulation import maze
+
+        return maze(self, arena, limit=limit, settings=settings, progress=progress)
+
+    def __repr__(self):
+        title = f"{self.title!r}, " if self.title else ""
+        legs = ", ".join(leg.name for leg in self.legs)
+        antennas = f", {len(self.antennas)} antennas" if self.antennas else ""
+        return (
+            f"Robot({title}legs {legs}{antennas}, {self.mass * 1e3:.0f} g, "
+            f"{self.drive.amplitude * 1e3:g} mm in {self.drive.period:g} s)"
+        )

@@ -1,0 +1,252 @@
+"""The branches that a chain without friction can stand on, found by driving it up and down.
+
+A *branch* is a stretch of stable equilibria along which the chain goes to and fro with the
+drive; at either end it snaps, or the drive ends. Turning back within a branch does nothing
+new. So whatever an actuator can do to the chain is known once the two ends of every branch
+are, and each costs one run of the engine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stepwell.base.limits import most, problem
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches.legs import Leg, Part, legs_of, state_of
+from stepwell.statics import Path, Stretch, Tie, drive_range, path
+
+# Two places are one when they differ by less than this share of what there is to travel.
+_SAME = 1e-7
+# Below this share of a drive's range its rounding begins.
+_ROUNDING = 1e-14
+# How far past the last event a drive without stops is looked at, as a share of its range.
+_BEYOND = 0.1
+
+Travels = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Exit:
+    """The snap at an end of a branch, and the branch that it leads to."""
+
+    snap: Stretch
+    travel: Travels  # after it
+    branch: int
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Parts in rising order of the drive."""
+
+    parts: tuple[Part, ...]
+
+    @property
+    def low(self) -> float:
+        """Drive at the lower end [m], or [N] under force control."""
+        return self.parts[0].drive[0]
+
+    @property
+    def high(self) -> float:
+        """Drive at the upper end."""
+        return self.parts[-1].drive[1]
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """States on it with all cells at a stop, by rising drive."""
+        return tuple(part.state for part in self.parts if "-" not in part.state)
+
+    def find(self, state: str, drive: float) -> int:
+        """Number of the part with this state at this drive, or the nearest to it."""
+        outside = {
+            max(part.drive[0] - drive, drive - part.drive[1], 0.0): k
+            for k, part in reversed(list(enumerate(self.parts)))
+            if part.state == state
+        }
+        return outside[min(outside)]
+
+
+def reach(chain: Chain) -> tuple[float, float]:
+    """The drives between which a chain is looked at [m], or [N] under force control.
+
+    A rigid actuator ends at the stops; any other can pull further and nothing changes.
+    """
+    low, high = drive_range(chain)
+    more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
+    return low - more, high + more
+
+
+def drive_slip(span: float, stroke: float) -> float:
+    """Drives closer than this are one place.
+
+    Behind a soft spring the drive goes far to change the force a little, and what tells one
+    place from another is still no more than a stroke.
+
+    Args:
+        span: of all drives [m], or [N] under force control.
+        stroke: with every cell at 1 [m], as far as the drive contains it; 0 under force control.
+    """
+    return max(_SAME * (stroke or span), _ROUNDING * span)
+
+
+class Branches:
+    """The branches of one chain, each followed when it is first asked for.
+
+    Args:
+        chain: no friction: with it a chain that turns back does not go the way it came.
+    """
+
+    def __init__(self, chain: Chain):
+        self.chain = chain
+        self._rigid = math.isinf(chain.actuator_stiffness)
+        self.range = reach(chain)
+        stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
+        self.slip = drive_slip(self.range[1] - self.range[0], stroke)
+        self.ties: dict[Tie, None] = {}
+        self._full = tuple(cell.full_travel for cell in chain.cells)
+        self._branches: list[Branch] = []
+        self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
+        self._where: dict[str, list[int]] = {}
+        self._legs: dict[tuple[int, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
+
+    def __getitem__(self, number: int) -> Branch:
+        return self._branches[number]
+
+    def __len__(self) -> int:
+        return len(self._branches)
+
+    def at(self, travels: Travels, drive: float) -> int:
+        """Number of the branch on which the chain stands there."""
+        state = state_of(travels, self._full)
+        known = self._known(state, drive)
+        if known is not None:
+            return known
+        up, after_up = self._leg(travels, drive, +1)
+        down, after_down = self._leg(travels, drive, -1)
+        back = [part.reversed for part in reversed(down.parts)]
+        first = up.parts[0]
+        # Both runs begin with the part that the chain stands on.
+        middle = back[-1].until(first.drive[1], first.force[1], first.travel[1])
+        branch = Branch((*back[:-1], middle, *up.parts[1:]))
+        number = self._same(branch)
+        if number is None:
+            number = len(self._branches)
+            self._branches.append(branch)
+            for part in branch.parts:
+                self._where.setdefault(part.state, []).append(number)
+            self._landings[number, +1] = after_up
+            self._landings[number, -1] = after_down
+        return number
+
+    def exit(self, number: int, direction: int) -> Exit | None:
+        """The snap at the upper (+1) or lower (-1) end of a branch; None where the drive ends."""
+        landing = self._landings[number, direction]
+        if landing is None:
+            return None
+        snap, travels, drive = landing
+        return Exit(snap, travels, self.at(travels, drive))
+
+    def vertex(self, state: str) -> tuple[Travels, float] | None:
+        """Travels and drive of a state such as "010", or None where it is no equilibrium."""
+        cells = list(zip(self.chain.cells, state, strict=True))
+        low = max((c.force_1 - c.friction for c, s in cells if s == "1"), default=-math.inf)
+        high = min((c.force_0 + c.friction for c, s in cells if s == "0"), default=math.inf)
+        travels = tuple(f if s == "1" else 0.0 for f, s in zip(self._full, state, strict=True))
+        stroke = math.fsum(travels)
+        if low > high:
+            return None
+        if self._rigid:
+            return travels, stroke
+        # Nearest to no force at all.
+        force = min(max(0.0, low), high)
+        stiffness = self.chain.actuator_stiffness
+        return travels, force if stiffness == 0 else stroke + force / stiffness
+
+    def all_from(
+        self, numbers: list[int], progress: Callable[[int, int], None] | None = None
+    ) -> set[int]:
+        """Every branch that can be reached from these, themselves included.
+
+        `progress` is called with (followed, known) branches.
+
+        Raises:
+            ValueError: more branches than the limit.
+        """
+        seen, waiting, limit = set(numbers), list(numbers), most("branches")
+        while waiting:
+            if len(seen) > limit:
+                found = problem("branches", len(seen), "there are", so_far=True)
+                raise ValueError(
+                    f"{found} Or look at a shorter chain, or ask chain.program(to=...) for one way."
+                )
+            if progress is not None:
+                progress(max(0, len(seen) - len(waiting)), len(seen))
+            number = waiting.pop()
+            for direction in (+1, -1):
+                way = self.exit(number, direction)
+                if way is not None and way.branch not in seen:
+                    seen.add(way.branch)
+                    waiting.append(way.branch)
+        return seen
+
+    def _known(self, state: str, drive: float) -> int | None:
+        """The branch known to hold this place, where state and drive tell it.
+
+        A vertex that the actuator can press stands at all forces between two, so that there is
+        one of each state. A rigid one tells more: where a single cell is in transit, its travel
+        is what is left of the stroke.
+        """
+        if not self._rigid:
+            vertices = self._where.get(state, ()) if "-" not in state else ()
+            return next(iter(vertices), None)
+        if state.count("-") > 1:
+            return None
+        for number in self._where.get(state, ()):
+            for part in self._branches[number].parts:
+                low, high = part.drive
+                if part.state == state and low - self.slip <= drive <= high + self.slip:
+                    return number
+        return None
+
+    def _same(self, branch: Branch) -> int | None:
+        states = [part.state for part in branch.parts]
+        for number in self._where.get(states[0], ()):
+            other = self._branches[number]
+            # Slack cells that share a motion differ in nothing but the places within a branch.
+            if states == [p.state for p in other.parts] and all(
+                abs(a - b) <= self.slip
+                for part, like in zip(branch.parts, other.parts, strict=True)
+                for a, b in zip(part.drive, like.drive, strict=True)
+            ):
+                return number
+        return None
+
+    def _key(self, travels: Travels, drive: float, direction: int) -> tuple[int, ...]:
+        least = _SAME * self.chain.full_stroke
+        return (*(round(s / least) for s in travels), round(drive / self.slip), direction)
+
+    def _leg(
+        self, travels: Travels, drive: float, direction: int
+    ) -> tuple[Leg, tuple[Stretch, Travels, float] | None]:
+        key = self._key(travels, drive, direction)
+        if key not in self._legs:
+            end = self.range[1] if direction > 0 else self.range[0]
+            found = path(self.chain, [drive, end], start=travels)
+            self._keep(found, direction)
+        return self._legs[key]
+
+    def _keep(self, found: Path, direction: int) -> None:
+        """Write down every smooth part of a run: the later ones begin where a snap ended."""
+        for tie in found.degenerate:
+            self.ties.setdefault(tie)
+        legs = legs_of(found)
+        for leg, following in zip(legs, [*legs[1:], None], strict=True):
+            first = leg.parts[0]
+            travels, drive = first.travel[0], first.drive[0]
+            key = self._key(travels, drive, direction)
+            landing = None
+            if leg.snap is not None and following is not None:
+                after = following.parts[0]
+                landing = (leg.snap, after.travel[0], after.drive[0])
+            self._legs.setdefault(key, (leg, landing))

@@ -1,0 +1,1 @@
+"""States, sequences, pathways, and the full cycle of a chain."""

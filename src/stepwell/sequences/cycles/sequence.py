@@ -1,0 +1,91 @@
+"""The vertices a chain visits, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from stepwell.base.value import ByValue
+
+
+@dataclass(frozen=True, eq=False)
+class Sequence(ByValue):
+    """States with every cell at a stop, in the order of the visit, such as 00>10>11>01>00.
+
+    Kept as what flips from one vertex to the next, so that it stays small for long chains.
+
+    Attributes:
+        first: state at the first vertex, one character 0 or 1 a cell, inner first.
+        flips: for every later vertex the cells that have changed since the one before.
+    """
+
+    first: str
+    flips: tuple[tuple[int, ...], ...]
+
+    @classmethod
+    def parse(cls, text: str) -> Sequence:
+        """The sequence that a text such as "00>10>11>01>00" says; spaces do not count.
+
+        Raises:
+            ValueError: states that are not equally many characters 0 or 1.
+        """
+        states = text.replace(" ", "").split(">")
+        if any(len(s) != len(states[0]) or not s or set(s) - {"0", "1"} for s in states):
+            raise ValueError(
+                f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
+                f"are cells, as in 00>10>11>01>00."
+            )
+        flips = tuple(
+            tuple(i for i, (was, now) in enumerate(zip(a, b, strict=True)) if was != now)
+            for a, b in pairwise(states)
+        )
+        return cls(states[0], flips)
+
+    @property
+    def orders(self) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+        """Cells in order of loading and of unloading; None unless each goes once, one by one."""
+        cells = len(self.first)
+        order = tuple(cell for flip in self.flips for cell in flip)
+        if len(self.flips) != 2 * cells or len(order) != 2 * cells or "1" in self.first:
+            return None
+        loading, unloading = order[:cells], order[cells:]
+        if len(set(loading)) < cells or len(set(unloading)) < cells:
+            return None
+        return loading, unloading
+
+    @cached_property
+    def states(self) -> tuple[str, ...]:
+        """All vertices as strings."""
+        state = list(self.first)
+        found = [self.first]
+        for flip in self.flips:
+            for cell in flip:
+                state[cell] = "1" if state[cell] == "0" else "0"
+            found.append("".join(state))
+        return tuple(found)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.states)
+
+    def __len__(self) -> int:
+        return len(self.flips) + 1
+
+    def __getitem__(self, index: int) -> str:
+        return self.states[index]
+
+    def __str__(self) -> str:
+        return ">".join(self.states)
+
+    def __eq__(self, other: object) -> bool:
+        return str(self) == other if isinstance(other, str) else super().__eq__(other)
+
+    # It equals its text, so the two are one key.
+    def __hash__(self) -> int:
+        return hash(str(self))
+
+    def __repr__(self) -> str:
+        if len(self.first) * len(self) > 2000:
+            return f"Sequence({len(self.first)} cells, {len(self)} vertices)"
+        return f"Sequence({str(self)!r})"

@@ -1,0 +1,1 @@
+"""The transition graph of a chain, and graphs as files of other programs."""

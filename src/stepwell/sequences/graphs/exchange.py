@@ -1,0 +1,165 @@
+"""Transition graphs as text that other programs read: JSON, GraphML."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import networkx as nx
+
+from stepwell.sequences.graphs.rows import (
+    Row,
+    edge_row,
+    graph_of,
+    node_row,
+    suffix,
+    tie_row,
+    transitions,
+)
+from stepwell.sequences.graphs.transition_graph import TransitionGraph
+
+_FORMAT = "stepwell transition graph 1"
+
+
+def record(graph: TransitionGraph) -> Row:
+    """The graph as JSON can hold it; `to_json` tells what is in it."""
+    x = suffix(graph)
+    found = {
+        "format": _FORMAT,
+        "cells": list(graph.names),
+        "actuator": graph.actuator,
+        "drive_unit": graph.unit,
+        "start": graph.graph["start"],
+        "method": graph.method,
+        "ties": [tie_row(tie, x) for tie in graph.ties],
+        "nodes": [node_row(graph.node(label), x) for label in graph],
+        "edges": [edge_row(*edge, x) for edge in transitions(graph)],
+    }
+    if "fields" in graph.graph:
+        found["switching_fields"] = graph.graph["fields"].tolist()
+    return _without_nan(found)
+
+
+def to_json(graph: TransitionGraph) -> str:
+    """The graph as JSON, from which `from_json` makes the same nodes and edges again.
+
+    One object, all numbers in SI:
+
+        format      "stepwell transition graph 1"
+        cells       names of the cells, inner first
+        actuator    "stroke", "force", "spring of 53 N/m" or "field"
+        drive_unit  "m", "N", or "" for bare numbers; below, _X stands for _m, _N or nothing
+        start       the state that the graph began with, or null for all
+        method      how it was found
+        ties        list of {drive_X, cells, advice}
+        nodes       list of {label, state, low_X, high_X, force_low_N, force_high_N,
+                    travel_low_m, travel_high_m, branch}; travels are lists, one number a cell
+        edges       list of {from, to, kind, direction, drive_X, cells, released_J, tie}, one for
+                    each transition; kind is "snap" or "switch", direction 1 or -1, cells are
+                    counted from 0
+        switching_fields   only in graphs made of them: a list of 2^N lists
+
+    A number that is not known is null.
+    """
+    return json.dumps(record(graph), indent=1, allow_nan=False)
+
+
+def from_json(text: str) -> TransitionGraph:
+    """The graph that `to_json` wrote; it knows no chain.
+
+    Raises:
+        ValueError: other text, with what is wrong and where.
+    """
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"graph: is not JSON: {error}.") from None
+    return graph_of_record(data, "to_json")
+
+
+def graph_of_record(data: Any, writer: str) -> TransitionGraph:
+    """The graph of what `record` returned; `writer` is what wrote it, for messages.
+
+    Raises:
+        ValueError: something else, with what is wrong and where.
+    """
+    if not isinstance(data, dict) or data.get("format") != _FORMAT:
+        given = data.get("format") if isinstance(data, dict) else type(data).__name__
+        raise ValueError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
+    return graph_of(data)
+
+
+def to_graphml(graph: TransitionGraph) -> str:
+    """The graph as GraphML, for Gephi, yEd, igraph and others.
+
+    Keys are those of `to_json`, one edge for each transition. Lists are text: travels and cells
+    with spaces between, names and ties as JSON.
+    """
+    x = suffix(graph)
+    found = nx.MultiDiGraph(
+        format=_FORMAT,
+        cells=json.dumps(graph.names),
+        actuator=graph.actuator,
+        drive_unit=graph.unit,
+        start=graph.graph["start"] or "",
+        method=graph.method,
+        ties=json.dumps([tie_row(tie, x) for tie in graph.ties]),
+    )
+    if "fields" in graph.graph:
+        found.graph["switching_fields"] = json.dumps(graph.graph["fields"].tolist())
+    for label in graph:
+        row = node_row(graph.node(label), x)
+        found.add_node(row.pop("label"), **_flat(row))
+    for edge in transitions(graph):
+        row = edge_row(*edge, x)
+        found.add_edge(row.pop("from"), row.pop("to"), **_flat(row))
+    return "\n".join(nx.generate_graphml(found)) + "\n"
+
+
+def from_graphml(text: str) -> TransitionGraph:
+    """The graph that `to_graphml` wrote; it knows no chain.
+
+    Raises:
+        ValueError: other text, with what is wrong and where.
+    """
+    try:
+        found = nx.parse_graphml(text, force_multigraph=True)
+    except (nx.NetworkXError, SyntaxError) as error:
+        raise ValueError(f"graph: is not GraphML: {error}.") from None
+    if found.graph.get("format") != _FORMAT:
+        raise ValueError(
+            f"graph: format = {found.graph.get('format')!r}: must be {_FORMAT!r}, as to_graphml "
+            f"writes it."
+        )
+    data: Row = dict(found.graph)
+    for key in ("cells", "ties", "switching_fields"):
+        if key in data:
+            data[key] = json.loads(data[key])
+    data["start"] = data.get("start") or None
+    data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
+    data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]
+    return graph_of(data)
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _flat(row: Row) -> Row:
+    return {
+        key: " ".join(map(repr, value)) if isinstance(value, list) else value
+        for key, value in row.items()
+    }
+
+
+def _listed(row: Row) -> Row:
+    lists = {"travel_low_m": float, "travel_high_m": float, "cells": int}
+    return {
+        key: [lists[key](word) for word in str(value).split()] if key in lists else value
+        for key, value in row.items()
+    }

@@ -1,0 +1,74 @@
+"""What a transition graph is made of: where a chain can stand, and ways from there to elsewhere."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from stepwell.base.value import ByValue
+
+
+class TransitionKind(Enum):
+    """How a chain gets from one node to the next."""
+
+    SWITCH = "a cell arrives at a stop or leaves it; turning back undoes it"
+    SNAP = "the chain jumps; turning back does not undo it"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Node(ByValue):
+    """Stable equilibria with the same cells at 0, at 1 and in transit, one after another.
+
+    A node with no cell in transit is a *vertex*. Under a rigid actuator it has one stroke and a
+    range of forces; all others have a range of strokes.
+
+    Attributes:
+        label: its name in the graph: `state`, numbered where several nodes share it.
+        state: one character a cell, inner first: 0, 1, or - for one in transit.
+        low, high: the drives between which it exists [m], or [N] under force control.
+        force_low, force_high: the actuator's force λ there [N].
+        travel_low, travel_high: (N,) travels there [m].
+        branch: number of the branch it lies on; nodes of one branch lead to each other and
+            back without a snap.
+    """
+
+    label: str
+    state: str
+    low: float
+    high: float
+    force_low: float
+    force_high: float
+    travel_low: tuple[float, ...]
+    travel_high: tuple[float, ...]
+    branch: int
+
+    @property
+    def is_vertex(self) -> bool:
+        """Whether every cell stands at a stop."""
+        return "-" not in self.state
+
+    def __repr__(self):
+        return f"Node({self.label}: drive {self.low:.6g} to {self.high:.6g}, branch {self.branch})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transition(ByValue):
+    """What happens where a node ends.
+
+    Attributes:
+        kind: a switch or a snap.
+        direction: +1 where the drive rises, -1 where it falls.
+        drive: where [m], or [N] under force control.
+        cells: those that differ before and after, or are in transit on either side of a snap.
+        released: energy that a snap turns into heat [J].
+        tie: whether another outcome was closer than the tolerance.
+    """
+
+    kind: TransitionKind
+    direction: int
+    drive: float
+    cells: tuple[int, ...]
+    released: float = 0.0
+    tie: bool = False
+
+    def __repr__(self):
+        way = "up" if self.direction > 0 else "down"
+        return f"Transition({self.kind.name} {way} at {self.drive:.6g}, cells {self.cells})"

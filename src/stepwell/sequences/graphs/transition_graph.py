@@ -1,0 +1,285 @@
+"""The transition graph: everything that one actuator can do to a chain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+from itertools import pairwise, product
+from typing import TYPE_CHECKING
+
+import networkx as nx
+
+from stepwell.base.limits import most, problem
+from stepwell.base.value import same
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches.branches import Branches
+from stepwell.sequences.branches.checks import Drive, checked_state, driven, refuse_friction
+from stepwell.sequences.branches.legs import state_of
+from stepwell.sequences.branches.relays import relays
+from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
+from stepwell.statics import Tie
+
+if TYPE_CHECKING:
+    from stepwell.sequences.memory.reading import Reading
+
+
+class TransitionGraph(nx.DiGraph):
+    """Where a chain can stand, and how it gets from there to elsewhere.
+
+    A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with all cells at a
+    stop, or one such as "0-1" with cells in transit. `graph.nodes[label]["node"]` is a Node,
+    `graph.edges[a, b]["transitions"]` a tuple of Transition, one for each direction of the
+    drive that leads from a to b.
+
+    Every node has one way up and one way down, except where the drive ends. Its branches are
+    what the engine followed, so the graph is exact for any cells without friction.
+
+    Source: Mungan and Terzi, 2019; van Hecke, 2021; nodes with strokes and cells in transit
+    are ours (theory page, "Transition graphs").
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or all(
+            same(getattr(self, part), getattr(other, part)) for part in ("graph", "_node", "_adj")
+        )
+
+    # A DiGraph can be changed, so it is no key.
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def chain(self) -> Chain | None:
+        """What it is the graph of, with the actuator that drives it.
+
+        None where the graph was read from a file or made from switching fields.
+        """
+        return self.graph["chain"]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each cell is called, inner first."""
+        return self.graph["names"]
+
+    @property
+    def cells(self) -> int:
+        """How many cells there are."""
+        return len(self.names)
+
+    @property
+    def actuator(self) -> str:
+        """What drives it: "stroke", "force", "spring of 53 N/m" or "field"."""
+        return self.graph["actuator"]
+
+    @property
+    def ties(self) -> tuple[Tie, ...]:
+        """Where the model cannot tell two outcomes apart, with advice; empty if nowhere."""
+        return self.graph["ties"]
+
+    @property
+    def method(self) -> str:
+        """How it was found, in words."""
+        return self.graph["method"]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it began with every vertex, not only with one."""
+        return self.graph["start"] is None
+
+    @property
+    def unit(self) -> str:
+        """Unit of drives: N under force control, m under others, "" for bare numbers."""
+        return self.graph["unit"]
+
+    @cached_property
+    def reading(self) -> Reading:
+        """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
+        from stepwell.sequences.memory.reading import read
+
+        return read(self)
+
+    def node(self, label: str) -> Node:
+        """The node of that label."""
+        return self.nodes[label]["node"]
+
+    def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
+        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends."""
+        for _, target, transitions in self.out_edges(label, data="transitions"):
+            for transition in transitions:
+                if transition.direction == direction:
+                    return target, transition
+        return None
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """Labels of the nodes with every cell at a stop, by number of cells at 1."""
+        found = [label for label in self if "-" not in label]
+        return tuple(sorted(found, key=lambda state: (state.count("1"), state[::-1])))
+
+    @property
+    def zero(self) -> str:
+        """Label of the node with all cells at 0.
+
+        Several nodes share that state only where slack cells share a motion; then the first.
+        """
+        state = "0" * self.cells
+        return state if state in self else f"{state}#1"
+
+    def reachable(self, start: str | None = None) -> frozenset[str]:
+        """Labels of all nodes that the actuator can bring the chain to from a node.
+
+        Args:
+            start: its label; all cells at 0 by default.
+        """
+        start = self.zero if start is None else start
+        if start not in self:
+            return frozenset()
+        return frozenset(nx.descendants(self, start) | {start})
+
+    def __str__(self):
+        return repr(self)
+
+    def __repr__(self):
+        snaps = sum(
+            t.kind is TransitionKind.SNAP
+            for _, _, transitions in self.edges(data="transitions")
+            for t in transitions
+        )
+        return (
+            f"TransitionGraph({self.cells} cells, {len(self.vertices)} vertices, "
+            f"{len(self)} nodes, {snaps} snaps)"
+        )
+
+
+def graph(
+    chain: Chain,
+    drive: Drive = None,
+    *,
+    start: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> TransitionGraph:
+    """The transition graph of a chain.
+
+    Args:
+        chain: its cells have no friction.
+        drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain by
+            default.
+        start: a state such as "000", to see only what can be reached from it; by default every
+            state in which the chain can stand is a start, those set by hand included.
+        progress: called with (done, total) starts, then with (followed, known) branches.
+
+    Returns:
+        The graph.
+
+    Raises:
+        ValueError: friction, a start that is no equilibrium, too many cells to look at all 2^N
+            states, or too many branches.
+        StaticsError: the engine could not go on; its text says what to do.
+    """
+    chain = driven(chain, drive)
+    refuse_friction(chain)
+    fields = relays(chain)
+    if fields is not None and chain.actuator_stiffness == 0 and start is None:
+        _require("relays", chain)
+        from stepwell.sequences.graphs.preisach import preisach
+
+        return preisach(chain, fields)
+    if start is None:
+        _require("graph_cells", chain)
+    branches = Branches(chain)
+    states = (
+        ["".join(bits) for bits in product("01", repeat=len(chain))] if start is None else [start]
+    )
+    first: list[int] = []
+    for done, state in enumerate(states):
+        if progress is not None:
+            progress(done, len(states))
+        place = branches.vertex(checked_state(chain, "start", state))
+        if place is not None:
+            first.append(branches.at(*place))
+        elif start is not None:
+            raise ValueError(
+                f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
+                f"holds. Start from another state, or leave start out to see all."
+            )
+    found = sorted(branches.all_from(first, progress))
+    if progress is not None:
+        progress(len(found), len(found))
+    return _assembled(branches, found, start)
+
+
+def _require(limit: str, chain: Chain) -> None:
+    if len(chain) > most(limit):
+        raise ValueError(
+            f"{problem(limit, len(chain), 'the chain has')} Or pass start= to see what can be "
+            f"reached from one state, or ask chain.program(to=...) for one way."
+        )
+
+
+def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
+    """The branches as a graph."""
+    chain = branches.chain
+    full = tuple(cell.full_travel for cell in chain.cells)
+    names = _labels(branches, numbers)
+    found = TransitionGraph()
+    for place, number in enumerate(numbers):
+        for k, part in enumerate(branches[number].parts):
+            label = names[number, k]
+            node = Node(label, part.state, *part.drive, *part.force, *part.travel, place)
+            found.add_node(label, node=node)
+    for number in numbers:
+        parts = branches[number].parts
+        for k, (lower, upper) in enumerate(pairwise(parts)):
+            cells = _unlike(lower.state, upper.state)
+            for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
+                at = lower.drive[1]
+                switch = Transition(TransitionKind.SWITCH, direction, at, cells)
+                _add(found, names[number, a], names[number, b], switch)
+        for direction, k in ((+1, len(parts) - 1), (-1, 0)):
+            way = branches.exit(number, direction)
+            if way is None:
+                continue
+            at = way.snap.drive[0]
+            target = branches[way.branch].find(state_of(way.travel, full), at)
+            snap = Transition(
+                TransitionKind.SNAP, direction, at, way.snap.cells, way.snap.released, way.snap.tie
+            )
+            _add(found, names[number, k], names[way.branch, target], snap)
+    found.graph.update(
+        **about(chain),
+        ties=tuple(branches.ties),
+        start=start,
+        method="every branch followed to both ends by the engine",
+    )
+    return nx.freeze(found)
+
+
+def about(chain: Chain) -> dict[str, object]:
+    """What a graph says of the chain that it is of."""
+    stiffness = chain.actuator_stiffness
+    actuator = {0.0: "force", math.inf: "stroke"}.get(stiffness, f"spring of {stiffness:.6g} N/m")
+    unit = "N" if stiffness == 0 else "m"
+    return {"chain": chain, "names": chain.names, "actuator": actuator, "unit": unit}
+
+
+def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:
+    """A label for every part: its state, numbered by rising drive where several share it."""
+    places: dict[str, list[tuple[float, int, int]]] = {}
+    for number in numbers:
+        for k, part in enumerate(branches[number].parts):
+            places.setdefault(part.state, []).append((part.drive[0], number, k))
+    labels: dict[tuple[int, int], str] = {}
+    for state, sharing in places.items():
+        for count, (_, number, k) in enumerate(sorted(sharing), 1):
+            labels[number, k] = state if len(sharing) == 1 else f"{state}#{count}"
+    return labels
+
+
+def _unlike(a: str, b: str) -> tuple[int, ...]:
+    return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
+
+
+def _add(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+    before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
+    found.add_edge(a, b, transitions=(*before, transition))

@@ -1,0 +1,155 @@
+"""Accumulators: chains that count how often the drive has gone to and fro."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepwell.base.value import ByValue
+from stepwell.sequences.graphs.mesostates import Atlas, Floats, Ints, Mesostates, Routes
+
+# Numbers looked up in a search (extremes squared times branches): some seconds' worth.
+_BUDGET = 2e8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Accumulator(ByValue):
+    """A chain that takes two or more equal cycles of the drive to come into a rhythm.
+
+    Attributes:
+        low, high: the extremes of the cycle [m, or the graph's unit].
+        direction: +1 if each cycle begins at `low` and goes up first, -1 if at `high`.
+        states: labels of the nodes on which the chain stands at the beginning and after each
+            cycle, up to the first that comes again.
+        transient: cycles until it stands somewhere for the second time in a rhythm.
+        period: cycles in that rhythm; 1 if every further cycle is alike.
+        slack: how far either extreme may be off for the same to happen.
+        by_hand: whether only a hand can set the chain to where it begins.
+        turns: turning points from the drive's lower end, with all cells at 0, to the beginning;
+            that drive alone where it is set by hand.
+
+    Source: Kwakernaak and van Hecke 2023, Phys. Rev. Lett. 130, 268204; Bense and van Hecke 2021
+    for accumulators with a transient.
+    """
+
+    low: float
+    high: float
+    direction: int
+    states: tuple[str, ...]
+    transient: int
+    period: int
+    slack: float
+    by_hand: bool
+    turns: tuple[float, ...]
+
+    def drives(self, cycles: int) -> tuple[float, ...]:
+        """Turning points from all cells at 0, or from `states[0]`, through this many cycles."""
+        pair = (self.high, self.low) if self.direction > 0 else (self.low, self.high)
+        return self.turns + pair * cycles
+
+    def __repr__(self):
+        return (
+            f"Accumulator({'>'.join(self.states)}, drive {self.low:.6g} to {self.high:.6g}, "
+            f"transient {self.transient}, period {self.period})"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Counting(ByValue):
+    """What a search for accumulators found.
+
+    Attributes:
+        accumulators: one for each list of states, the longest first.
+        exhaustive: whether every pair of extremes was tried, or none needed to be.
+    """
+
+    accumulators: tuple[Accumulator, ...]
+    exhaustive: bool
+
+    def __repr__(self):
+        part = "" if self.exhaustive else ", searched in part"
+        return f"Counting({len(self.accumulators)} accumulators{part})"
+
+
+def counting(atlas: Atlas, routes: Routes, *, by_hand: bool) -> Counting:
+    """Try all cycles between all extremes, from every branch that can be reached.
+
+    What a cycle does changes only where an extreme passes an end of a branch. So one extreme
+    between every two neighbouring ends stands for all.
+
+    Args:
+        atlas: the branches.
+        routes: from all cells at 0.
+        by_hand: also from branches that only a hand can set.
+    """
+    numbers = np.arange(len(routes.reached)) if by_hand else np.flatnonzero(routes.reached)
+    branches = atlas.mesostates.among(numbers)
+    gaps = _gaps(branches)
+    most = int((_BUDGET / len(numbers)) ** 0.5)
+    exhaustive = len(gaps) <= most
+    if not exhaustive:
+        gaps = gaps[np.unique(np.linspace(0, len(gaps) - 1, most).astype(int))]
+    found: list[Accumulator] = []
+    for direction in (+1, -1):
+        seen = gaps if direction > 0 else -gaps[::-1, ::-1]
+        for orbit, (low, high) in _orbits(branches.toward(direction), seen).items():
+            begin, end = direction * float(low.mean()), direction * float(high.mean())
+            slack = float(min(np.ptp(low), np.ptp(high))) / 2
+            states = tuple(atlas.label_at(int(numbers[b]), begin) for b in orbit)
+            transient = orbit.index(orbit[-1])
+            period = len(orbit) - 1 - transient
+            first = int(numbers[orbit[0]])
+            hand = not routes.reached[first]
+            turns = (begin,) if hand else routes.turns(first, begin)
+            ends = min(begin, end), max(begin, end)
+            found.append(
+                Accumulator(*ends, direction, states, transient, period, slack, hand, turns)
+            )
+    found.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
+    return Counting(tuple(found), exhaustive)
+
+
+def _gaps(branches: Mesostates) -> Floats:
+    """(K, 2) from every end of a branch to the next one."""
+    ends = np.unique(np.concatenate([branches.low, branches.high]))
+    pairs = np.column_stack([ends[:-1], ends[1:]])
+    return pairs[np.diff(ends) > branches.slip]
+
+
+def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[Floats, Floats]]:
+    """Branches at the lower extreme after each cycle, and the widest gaps of extremes for that."""
+    middles = gaps.mean(axis=1)
+    widths = np.diff(gaps, axis=1)[:, 0]
+    everywhere = np.broadcast_to(np.arange(len(branches)), (len(gaps), len(branches)))
+    risen = branches.risen(everywhere, middles[:, None])
+    fallen = branches.mirrored.risen(everywhere, -middles[:, None])
+    found: dict[tuple[int, ...], tuple[float, int, int]] = {}
+    for low in range(len(gaps) - 1):
+        stands = (branches.low <= middles[low]) & (middles[low] <= branches.high)
+        starts = np.flatnonzero(stands)
+        # One cycle from each branch, for each of the higher extremes.
+        cycle = fallen[low][risen[low + 1 :]]
+        once = cycle[:, starts]
+        extreme, column = np.nonzero(np.take_along_axis(cycle, once, axis=1) != once)
+        width = np.minimum(widths[low], widths[low + 1 :][extreme])
+        widest = np.argsort(-width, kind="stable")
+        extreme, start = extreme[widest], starts[column[widest]]
+        orbits = _followed(cycle, extreme, start)
+        for row in np.unique(orbits, axis=0, return_index=True)[1].tolist() if len(orbits) else ():
+            orbit = tuple(orbits[row][orbits[row] >= 0].tolist())
+            better = (float(width[widest[row]]), low, low + 1 + int(extreme[row]))
+            found[orbit] = max(found.get(orbit, better), better)
+    return {orbit: (gaps[low], gaps[high]) for orbit, (_, low, high) in found.items()}
+
+
+def _followed(cycle: Ints, extreme: Ints, start: Ints) -> Ints:
+    """(M, T) branches after each cycle until the first comes again; -1 after that."""
+    steps = [start]
+    done = np.zeros(len(start), bool)
+    while not np.all(done):
+        step = cycle[extreme, np.maximum(steps[-1], 0)]
+        again = np.any([step == earlier for earlier in steps], axis=0)
+        steps.append(np.where(done, -1, step))
+        done |= again
+    return np.column_stack(steps)

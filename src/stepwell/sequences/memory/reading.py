@@ -1,0 +1,123 @@
+"""A transition graph put into the words of the field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepwell.base.value import ByValue
+from stepwell.sequences.graphs.mesostates import Atlas, Routes, atlas
+from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.memory.counting import Counting, counting
+from stepwell.sequences.memory.latches import Latch, gardens, groups_of, latches
+from stepwell.sequences.memory.loops import Loop, loop_of, loop_pairs, main_loop
+from stepwell.sequences.memory.return_point import ReturnPointMemory, return_point_memory
+from stepwell.sequences.memory.scrambling import Scrambling, scrambling
+
+# More loops than these are counted and not listed.
+MOST_LOOPS = 2000
+# Of graphs with more branches, counting from states set by hand is not looked for.
+MOST_BY_HAND = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Reading(ByValue):
+    """What a transition graph says about a machine, in terms that the literature uses.
+
+    A *branch* here is all that the chain goes through to and fro without a snap; under force
+    control that is one vertex. It is what Mungan et al. (2019) call a mesostate, and what they
+    say of states and of the drive's maps U and D holds for branches.
+
+    Attributes:
+        graph: what was read.
+        branches: how many branches it has.
+        main_loop: vertices on the way up between the extremes of the drive, and down.
+        sub_loops: the other loops that can be reached from all cells at 0; None where there are
+            more than `MOST_LOOPS` (Mungan and Terzi 2019).
+        sub_loop_count: how many they are.
+        garden_of_eden: vertices that no other vertex leads to, so that only a hand can set them.
+            None where the graph began with one state only, and so does not know all (the term in
+            this field: Bense and van Hecke 2021).
+        unreachable: vertices of the graph that cannot be reached from all cells at 0.
+        return_point_memory: whether turning points are remembered, for everything that can be
+            reached from all cells at 0 (Sethna et al. 1993).
+        scrambling: pairs of cells that flip in either order (van Hecke 2021).
+        counting: cycles of the drive that take two or more to come into a rhythm (Kwakernaak and
+            van Hecke 2023), from what can be reached from all cells at 0, and, in whole graphs of
+            up to `MOST_BY_HAND` branches, from states set by hand. Return-point memory forbids
+            the first: after one cycle the chain is at a turning point that it remembers.
+        latches: moves that no later drive takes back.
+
+    Source: Mungan and Terzi 2019, Ann. Henri Poincaré 20, 2819; Terzi and Mungan 2020, Phys. Rev.
+    E 102, 012122; van Hecke 2021, Phys. Rev. E 104, 054608.
+    """
+
+    graph: TransitionGraph
+    branches: int
+    main_loop: Loop
+    sub_loops: tuple[Loop, ...] | None
+    sub_loop_count: int
+    garden_of_eden: tuple[str, ...] | None
+    unreachable: tuple[str, ...]
+    return_point_memory: ReturnPointMemory
+    scrambling: tuple[Scrambling, ...]
+    counting: Counting
+    latches: tuple[Latch, ...]
+
+    def __repr__(self):
+        memory = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
+        return (
+            f"Reading({self.graph.cells} cells, {self.branches} branches, {self.sub_loop_count} "
+            f"sub-loops, {len(self.unreachable)} unreachable, {memory}, "
+            f"{len(self.scrambling)} scrambled pairs, "
+            f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
+        )
+
+    def __str__(self):
+        from stepwell.sequences.memory.report import report
+
+        return report(self)
+
+
+def read(graph: TransitionGraph) -> Reading:
+    """Recognise in a graph what the field has names for.
+
+    Args:
+        graph: of any chain, or of switching fields.
+
+    Returns:
+        The reading. All of it is exact, except that accumulators are searched for in part where
+        extremes and branches are too many (`reading.counting.exhaustive`).
+    """
+    drawn = atlas(graph)
+    routes = Routes(drawn.mesostates, drawn.bottom)
+    reached = np.flatnonzero(routes.reached)
+    pairs = loop_pairs(drawn, reached)
+    few = len(pairs) <= MOST_LOOPS
+    reachable = frozenset(label for number in reached.tolist() for label in drawn.parts[number])
+    memory = return_point_memory(drawn, routes)
+    groups = groups_of(graph)
+    return Reading(
+        graph,
+        len(drawn.mesostates),
+        main_loop(drawn),
+        tuple(loop_of(drawn, pair) for pair in pairs) if few else None,
+        len(pairs),
+        gardens(drawn, groups) if graph.is_whole else None,
+        tuple(label for label in graph.vertices if label not in reachable),
+        memory,
+        scrambling(drawn, reachable),
+        _counting(drawn, routes, memory.holds),
+        latches(drawn, groups),
+    )
+
+
+def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
+    graph = drawn.graph
+    # Under a prescribed force no cell feels another, and none by itself counts.
+    alone = graph.actuator == "force"
+    by_hand = graph.is_whole and not alone and len(drawn.mesostates) <= MOST_BY_HAND
+    if remembers and not by_hand:
+        return Counting((), True)
+    return counting(drawn, routes, by_hand=by_hand)

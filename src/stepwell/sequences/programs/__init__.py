@@ -1,0 +1,1 @@
+"""Stroke programs: the turning points that bring a chain to a state."""

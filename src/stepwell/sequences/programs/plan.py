@@ -1,0 +1,266 @@
+"""Finding the shortest stroke program: by a theorem where one holds, else by looking everywhere."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import count
+
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches.branches import Branches, Travels
+from stepwell.sequences.branches.checks import checked_state
+from stepwell.sequences.branches.legs import legs_of
+from stepwell.sequences.branches.relays import Order, Relays, order_kept, relays, shortest
+from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.search import grope
+from stepwell.statics import path
+
+# Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
+_LOOKED_AT = 6
+# Branches after which a search gives up without an answer.
+_MOST_BRANCHES = 20_000
+
+_BY_BRANCHES = (
+    "found among all branches that can be reached, in the order of the number of turns: none does "
+    "it with fewer"
+)
+_BY_FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
+
+Progress = Callable[[int, int], None]
+
+
+def program(
+    chain: Chain, to: str, *, start: str | None = None, progress: Progress | None = None
+) -> Program:
+    """The shortest list of turning points of the actuator from one state to another.
+
+    Args:
+        chain: any cells; the actuator is the chain's own.
+        to: the state wanted, such as "01", inner cell first.
+        start: the state at the beginning; all cells at 0 by default.
+        progress: called with (done, total) while a search goes on.
+
+    Returns:
+        The program. Among programs with equally few turns that were compared, the one whose
+        narrowest window is widest.
+
+    Raises:
+        Unreachable: no program does it; the text is the proof, or says what was searched.
+        ValueError: a state that this chain cannot have, or in which it cannot stand.
+
+    Source: ours (theory page, "Stroke programs").
+    """
+    start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
+    checked_state(chain, "to", to)
+    branches = Branches(chain)
+    place = branches.vertex(start)
+    if place is None:
+        raise ValueError(f"start: {_unstable(chain, start)}")
+    if branches.vertex(to) is None:
+        raise Unreachable(_unstable(chain, to), proved=True)
+    if any(cell.friction > 0 for cell in chain.cells):
+        return grope(branches, start, to, place, progress)
+    found = _by_fields(branches, start, to, place) if len(chain) > _LOOKED_AT else None
+    return found or _by_branches(branches, start, to, place, progress)
+
+
+def _unstable(chain: Chain, state: str) -> str:
+    cells = list(zip(chain.names, chain.cells, state, strict=True))
+    pushes, pushed = max((c.force_1 - c.friction, name) for name, c, s in cells if s == "1")
+    gives, giving = min((c.force_0 + c.friction, name) for name, c, s in cells if s == "0")
+    return (
+        f"{state} is no equilibrium, so the chain cannot stand there: at 1 {pushed} needs an "
+        f"actuator force of at least {pushes:.4g} N (F1 less friction), and at 0 {giving} lets go "
+        f"at {gives:.4g} N (F0 and friction)."
+    )
+
+
+def _by_fields(
+    branches: Branches, start: str, to: str, place: tuple[Travels, float]
+) -> Program | None:
+    """The plan of relays, aimed by one run a stroke; None where it may not or does not hold."""
+    chain = branches.chain
+    fields = relays(chain)
+    if fields is None:
+        return None
+    by_force = chain.actuator_stiffness == 0
+    if not by_force:
+        rigid = fields.equal and math.isinf(chain.actuator_stiffness)
+        if not rigid or shortest(fields, "0" * len(chain), start).blocked is not None:
+            return None
+    plan = shortest(fields, start, to)
+    # Under a prescribed force relays are what the cells are.
+    order = Order(True, True) if by_force else order_kept(chain, fields)
+    if plan.blocked is not None:
+        if not order.only_ideals:
+            return None
+        i, j = (chain.names[k] for k in plan.blocked)
+        raise Unreachable(
+            f"no program leads from {start} to {to}: {i} has the smaller F0 and the smaller F1 of "
+            f"the two, so it goes to 1 before {j} and back to 0 after it. Where {j} is at 1, {i} "
+            f"is at 1, unless they were set by hand (theory page, 'Stroke programs').",
+            proved=True,
+        )
+    aimed = _aimed(branches, place, plan.states)
+    if aimed is None:
+        return None
+    turns, low, high = aimed
+    return Program(
+        chain,
+        start,
+        to,
+        place[1],
+        (low + high) / 2,
+        turns,
+        low,
+        high,
+        _BY_FIELDS,
+        order.leaders_win,
+        place[0],
+    )
+
+
+def _aimed(
+    branches: Branches, place: tuple[Travels, float], states: tuple[str, ...]
+) -> tuple[tuple[Turn, ...], float, float] | None:
+    """Windows for turning at each of these states in turn; None where one is not on the way."""
+    travels, drive = place
+    turns: list[Turn] = []
+    low = high = drive
+    for state in states:
+        rises = _stroke(state) > _stroke_of(travels, branches.chain)
+        end = branches.range[1] if rises else branches.range[0]
+        for leg in legs_of(path(branches.chain, [drive, end], start=travels)):
+            part = next((part for part in leg.parts if part.state == state), None)
+            if part is not None:
+                break
+        else:
+            return None
+        first, last = sorted((leg.parts[0].drive[0], leg.parts[-1].drive[1]))
+        low, high = sorted(part.drive)
+        vertices = tuple(p.state for p in leg.parts if "-" not in p.state)
+        turns.append(Turn((first + last) / 2, first, last, vertices))
+        travels, drive = part.travel[0], part.drive[0]
+    return tuple(turns[:-1]), low, high
+
+
+def _stroke(state: str) -> int:
+    return state.count("1")
+
+
+def _stroke_of(travels: Travels, chain: Chain) -> int:
+    return sum(s > 0.5 * c.full_travel for s, c in zip(travels, chain.cells, strict=True))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Where a search has come to: on a branch, moving in a direction, having turned so often."""
+
+    branch: int
+    direction: int
+    entry: float
+    turns: tuple[Turn, ...]
+    can_turn: bool
+
+    @property
+    def cost(self) -> tuple[int, float]:
+        """Few turns first, then wide windows."""
+        return len(self.turns), -min((turn.slack for turn in self.turns), default=math.inf)
+
+
+def _by_branches(
+    branches: Branches,
+    start: str,
+    to: str,
+    place: tuple[Travels, float],
+    progress: Progress | None,
+) -> Program:
+    first = branches.at(*place)
+    order = count()
+    heap: list[tuple[tuple[int, float], int, _Way]] = []
+
+    def push(way: _Way) -> None:
+        heapq.heappush(heap, (way.cost, next(order), way))
+
+    for direction in (+1, -1):
+        push(_Way(first, direction, place[1], (), can_turn=False))
+    seen: set[tuple[int, int, bool, int]] = set()
+    looked: set[int] = set()
+    while heap:
+        _, _, way = heapq.heappop(heap)
+        key = (way.branch, way.direction, way.can_turn, round(way.entry / branches.slip))
+        if key in seen:
+            continue
+        seen.add(key)
+        looked.add(way.branch)
+        if progress is not None:
+            progress(len(looked), len(branches))
+        end = _end(branches, way, to)
+        if end is not None:
+            low, high = end
+            return Program(
+                branches.chain, start, to, place[1], (low + high) / 2, way.turns, low, high,
+                _BY_BRANCHES, not branches.ties, place[0],
+            )  # fmt: skip
+        if len(looked) > _MOST_BRANCHES:
+            raise Unreachable(
+                f"no program from {start} to {to} with {len(way.turns)} turns or fewer, and "
+                f"{_MOST_BRANCHES} branches were looked at: there may be a longer one.",
+                proved=False,
+            )
+        if way.can_turn:
+            push(_turned(branches, way))
+        exit_ = branches.exit(way.branch, way.direction)
+        if exit_ is not None:
+            push(_Way(exit_.branch, way.direction, exit_.snap.drive[1], way.turns, can_turn=True))
+    states = sorted({v for number in looked for v in branches[number].vertices})
+    raise Unreachable(
+        f"no program leads from {start} to {to}: every branch that can be reached from {start} "
+        f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
+        f"only. {_why(branches, to)}".strip(),
+        proved=not branches.ties,
+    )
+
+
+def _turned(branches: Branches, way: _Way) -> _Way:
+    """The way after turning back on its branch."""
+    branch = branches[way.branch]
+    low, high = (way.entry, branch.high) if way.direction > 0 else (branch.low, way.entry)
+    turn = Turn((low + high) / 2, low, high, branch.vertices)
+    return replace(
+        way,
+        direction=-way.direction,
+        entry=turn.drive,
+        turns=(*way.turns, turn),
+        can_turn=False,
+    )
+
+
+def _end(branches: Branches, way: _Way, to: str) -> tuple[float, float] | None:
+    """Drives at which the way may end in the state wanted, if that lies ahead on its branch."""
+    for part in branches[way.branch].parts:
+        if part.state == to:
+            low, high = part.drive
+            if way.direction > 0 and high >= way.entry - branches.slip:
+                return max(low, min(way.entry, high)), high
+            if way.direction < 0 and low <= way.entry + branches.slip:
+                return low, min(high, max(way.entry, low))
+    return None
+
+
+def _why(branches: Branches, to: str) -> str:
+    """The order of fields that forbids a state, where there is one; or why nothing is proved."""
+    if branches.ties:
+        tie = next(iter(branches.ties))
+        return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
+    chain = branches.chain
+    fields: Relays | None = relays(chain)
+    if fields is None:
+        return ""
+    plan = shortest(fields, "0" * len(chain), to)
+    if plan.blocked is None:
+        return ""
+    i, j = (chain.names[k] for k in plan.blocked)
+    return f"{i} goes to 1 before {j} and back to 0 after it."

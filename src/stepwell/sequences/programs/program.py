@@ -1,0 +1,178 @@
+"""Stroke programs: the turning points of the one actuator that bring a chain to a state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence as Drives
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path as File
+
+from stepwell.base.value import ByValue, Carried
+from stepwell.base.write import csv_text, write_atomic
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches.windows import windows
+from stepwell.sequences.cycles.sequence import Sequence
+from stepwell.sequences.cycles.vertices import arrival, sequence_of
+from stepwell.statics import Path
+
+_GIVEN = "as it was given"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turn(ByValue):
+    """A turning point, and how far off it may be.
+
+    Attributes:
+        drive: where to turn, the middle of the window [m], or [N] under force control.
+        low, high: turning anywhere between does the same, whatever the other turns do within
+            their own windows.
+        branch: states at stops that the chain can be brought to from there without a snap; not
+            told where the program was given.
+    """
+
+    drive: float
+    low: float
+    high: float
+    branch: tuple[str, ...]
+
+    @property
+    def slack(self) -> float:
+        """How far the turning point may be off either way."""
+        return min(self.drive - self.low, self.high - self.drive)
+
+
+@dataclass(frozen=True, eq=False)
+class Program(ByValue):
+    """The shortest list of turning points from one state to another.
+
+    Attributes:
+        chain: what is driven, with its actuator.
+        start, to: the states, such as "10".
+        begin, end: drives at which they stand [m], or [N] under force control.
+        turns: what lies between; empty where one stroke does it.
+        low, high: the drives between which the last stroke may end and the chain still stand at
+            `to`: one stroke under a rigid actuator, which has a state at one stroke only.
+        method: how it was found and why there is none shorter, in words.
+        shortest: whether that is proved.
+    """
+
+    chain: Chain
+    start: str
+    to: str
+    begin: float
+    end: float
+    turns: tuple[Turn, ...]
+    low: float
+    high: float
+    method: str
+    shortest: bool
+    _start_travel: tuple[float, ...] = field(repr=False)
+
+    @classmethod
+    def given(
+        cls,
+        chain: Chain,
+        turning_points: Drives[float],
+        *,
+        start: str | None = None,
+        to: str | None = None,
+    ) -> Program:
+        """A program whose turning points are known, with the window of every turn.
+
+        Args:
+            chain: what is driven.
+            turning_points: from the beginning to the end [m], or [N] under force control.
+            start: the state at the beginning; all cells at 0 by default.
+            to: the state it is meant to end in; the one it ends in by default.
+
+        Returns:
+            The program; with friction no turn has a window.
+
+        Raises:
+            ValueError: the chain cannot stand at the start.
+            StaticsError: the engine could not go on; its text says what to do.
+        """
+        start = "0" * len(chain) if start is None else start
+        points = tuple(float(point) for point in turning_points)
+        path = chain.path(points, start=start)
+        turns = tuple(
+            Turn(point, low, high, ())
+            for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
+        )
+        end = points[-1]
+        return cls(
+            chain, start, to or arrival(path), points[0], end, turns, end, end, _GIVEN, False,
+            path.start,
+        )  # fmt: skip
+
+    @property
+    def turning_points(self) -> tuple[float, ...]:
+        """All drives for `Chain.path`: begin, every turn, end [m], or [N] under force control."""
+        if not self.turns and self.begin == self.end:
+            return (self.begin,)
+        return (self.begin, *(turn.drive for turn in self.turns), self.end)
+
+    @property
+    def strokes(self) -> int:
+        """How often the actuator moves, one way each time."""
+        return len(self.turning_points) - 1
+
+    @property
+    def slack(self) -> float:
+        """How far every turn may be off at once; infinite without turns."""
+        return min((turn.slack for turn in self.turns), default=float("inf"))
+
+    @cached_property
+    def path(self) -> Path:
+        """The chain on its way, by the engine."""
+        return self.chain.path(self.turning_points, start=self._start_travel)
+
+    @property
+    def arrives(self) -> str:
+        """The state in which it ends, such as "010"; - for a cell between its stops."""
+        return arrival(self.path)
+
+    @cached_property
+    def sequence(self) -> Sequence:
+        """States with all cells at a stop that it passes."""
+        return sequence_of(self.path)
+
+    def to_csv(self, file: str | File) -> None:
+        """Write begin, turns and end as CSV, with their windows (mm, or N)."""
+        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
+        head = ["what", *(f"{name}_{unit}" for name in ("drive", "low", "high"))]
+        rows = [
+            ("begin", self.begin, self.begin, self.begin),
+            *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
+            ("end", self.end, self.low, self.high),
+        ]
+        told = ([what, *(f"{value * factor:.9g}" for value in values)] for what, *values in rows)
+        write_atomic(file, csv_text(head, told))
+
+    def __str__(self):
+        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
+        points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
+        text = f"{self.start} to {self.to}: {points} {unit}"
+        if not self.turns:
+            return text
+        if all(math.isclose(turn.slack, (turn.high - turn.low) / 2) for turn in self.turns):
+            return f"{text}, each turn ±{self.slack * factor:.3g} {unit}"
+        # Not in the middle: at a stop, for instance, it can only be off one way.
+        windows = ", ".join(f"{t.low * factor:.4g}..{t.high * factor:.4g}" for t in self.turns)
+        return f"{text}, turns within {windows} {unit}"
+
+    def __repr__(self):
+        return f"Program({self})"
+
+
+class Unreachable(Carried, ValueError):
+    """The actuator cannot bring the chain to the state that was asked for.
+
+    Attributes:
+        proved: whether that is certain, or only that a search found no way.
+    """
+
+    def __init__(self, text: str, *, proved: bool):
+        super().__init__(text)
+        self.proved = proved

@@ -1,0 +1,124 @@
+"""Stroke programs of chains with friction, which no finite graph describes: a search.
+
+With friction a chain that turns back stays where it is until the force has crossed the band of
+friction, and so every turning point leads to a place of its own. The search turns in the
+middle of every smooth part of every run and goes on from there. What it finds is followed by
+the engine and is right; what it does not find may exist.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches.branches import Branches, Travels
+from stepwell.sequences.branches.legs import Part, legs_of
+from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.statics import StaticsError, path
+
+_MOST_TURNS = 6
+_MOST_PLACES = 4000
+# Places closer than this share of all that can be travelled and driven are not both tried.
+_SAME = 1e-4
+_METHOD = (
+    "searched with friction, turning in the middle of every smooth part of every run; each window "
+    "was bisected with the other turns where they are, and a shorter program may exist"
+)
+
+
+def grope(
+    branches: Branches,
+    start: str,
+    to: str,
+    place: tuple[Travels, float],
+    progress: Callable[[int, int], None] | None,
+) -> Program:
+    """The first program found, fewest turns first; as `sequences.program`."""
+    chain = branches.chain
+    least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
+    waiting: deque[tuple[Travels, float, int, tuple[float, ...]]] = deque()
+    for direction in (+1, -1):
+        waiting.append((*place, direction, ()))
+    seen: set[tuple[int, ...]] = set()
+    while waiting and len(seen) < _MOST_PLACES:
+        travels, drive, direction, turns = waiting.popleft()
+        key = (*(round(s / least) for s in travels), round(drive / slip), direction)
+        if key in seen:
+            continue
+        seen.add(key)
+        if progress is not None:
+            progress(len(seen), _MOST_PLACES)
+        for part in _parts(chain, travels, drive, branches.range[direction > 0]):
+            if part.state == to:
+                low, high = sorted(part.drive)
+                return _widened(branches, start, to, place, turns, (low, high))
+            if len(turns) < _MOST_TURNS and part.drive[0] != part.drive[1]:
+                middle = sum(part.drive) / 2
+                stopped = _stopped(chain, travels, drive, middle)
+                waiting.append((*stopped, -direction, (*turns, middle)))
+    raise Unreachable(
+        f"no program from {start} to {to} was found: {len(seen)} places with up to {_MOST_TURNS} "
+        f"turns were tried, turning in the middle of every smooth part. With friction that is a "
+        f"search and no proof; without friction the answer would be certain.",
+        proved=False,
+    )
+
+
+def _parts(chain: Chain, travels: Travels, drive: float, end: float) -> list[Part]:
+    try:
+        return [p for leg in legs_of(path(chain, [drive, end], start=travels)) for p in leg.parts]
+    except (StaticsError, ValueError):
+        # A place between two events that balance to the last digit: others are near by.
+        return []
+
+
+def _stopped(chain: Chain, travels: Travels, drive: float, at: float) -> tuple[Travels, float]:
+    return tuple(path(chain, [drive, at], start=travels).end.tolist()), at
+
+
+def _widened(
+    branches: Branches,
+    start: str,
+    to: str,
+    place: tuple[Travels, float],
+    turns: tuple[float, ...],
+    ends: tuple[float, float],
+) -> Program:
+    """The program, each window bisected with the other turns where they are."""
+    chain = branches.chain
+    full = [cell.full_travel for cell in chain.cells]
+    wanted = [f if c == "1" else 0.0 for f, c in zip(full, to, strict=True)]
+    points = [place[1], *turns, sum(ends) / 2]
+
+    def works(k: int, drive: float) -> bool:
+        try:
+            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=place[0])
+        except (StaticsError, ValueError):
+            return False
+        return found.end.tolist() == wanted
+
+    windows: list[Turn] = []
+    for k in range(1, len(points) - 1):
+        rises = points[k] > points[k - 1]
+        inner = max(points[k - 1], points[k + 1]) if rises else min(points[k - 1], points[k + 1])
+        outer = branches.range[1] if rises else branches.range[0]
+        low, high = sorted(_last_good(k, points[k], far, works) for far in (inner, outer))
+        points[k] = (low + high) / 2
+        windows.append(Turn(points[k], low, high, ()))
+    return Program(
+        chain, start, to, place[1], points[-1], tuple(windows), *ends, _METHOD, False, place[0]
+    )
+
+
+def _last_good(k: int, good: float, bad: float, works: Callable[[int, float], bool]) -> float:
+    """The drive furthest from `good` towards `bad` at which a turn still works, by bisection."""
+    if works(k, bad):
+        return bad
+    for _ in range(30):
+        middle = (good + bad) / 2
+        if works(k, middle):
+            good = middle
+        else:
+            bad = middle
+    return good

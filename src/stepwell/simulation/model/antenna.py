@@ -1,0 +1,106 @@
+"""An antenna in the simulation: a hinged rod that slides an anchor."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stepwell.robot import Antenna, Robot
+from stepwell.simulation.model import parts
+from stepwell.simulation.model.leg import TOP, in_body, places
+from stepwell.simulation.model.settings import Settings
+
+ROD = 0.0015  # radius [m]
+LAYER = 0.006  # from the plane of one antenna to that of the next: crossed, they pass [m]
+ANCHOR = 0.002  # mass of the part that slides [kg]
+SLIDING = 0.2  # its damping [N s/m]
+LOOSE = 2e-3  # spring that holds a disconnected rod at rest [N m/rad]
+
+
+def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> Any:
+    """The sliding part that carries the anchor which an antenna moves; returns its body."""
+    leg = robot.leg(antenna.leg)
+    cell = leg.cell_index(antenna.cell)
+    if cell != 0:
+        raise ValueError(
+            f"antenna {antenna.name!r} moves an anchor of {leg.chain.names[cell]}: the simulation "
+            f"moves those of the innermost cell only, whose anchor p is on the body; lead the "
+            f"antenna there."
+        )
+    where = places(robot, leg)
+    p = in_body(leg, leg.chain.cells[0].bands[0].p)
+    travel = math.hypot(*antenna.moves)
+    x, y, _ = in_body(leg, antenna.moves)
+    axis = (x / travel, y / travel, 0.0)
+    part = body.add_body(
+        name=f"{antenna.name}.anchor", pos=(where.joints[0] + p[0], leg.at[1] + p[1], TOP)
+    )
+    most = travel if antenna.connected else 1e-6
+    parts.slide(
+        part,
+        f"{antenna.name}.anchor",
+        axis,
+        range=(0.0, most),
+        limited=True,
+        damping=SLIDING,
+        solref_limit=(settings.contact_time, 1.0),
+    )
+    parts.ball(part, ROD, mass=ANCHOR, rgba=parts.ANTENNA, **parts.SEEN)
+    return part
+
+
+def layer(robot: Robot, antenna: Antenna) -> float:
+    """Height of an antenna's plane over the pivots of the legs [m]."""
+    return LAYER * (robot.antennas.index(antenna) - (len(robot.antennas) - 1) / 2)
+
+
+def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> None:
+    """The rod and its hinge, and the lever that couples it to the anchor."""
+    name, side = antenna.name, antenna.side
+    height = layer(robot, antenna)
+    holder = body.add_body(name=f"{name}.antenna", pos=(*antenna.pivot, height))
+    parts.hinge(
+        holder,
+        f"{name}.antenna",
+        (0.0, 0.0, side),
+        range=(0.0, antenna.swing),
+        limited=True,
+        damping=antenna.damping,
+        stiffness=(0.0 if antenna.connected else LOOSE, 0.0, 0.0),
+        solref_limit=(2 * settings.contact_time, 1.0),
+    )
+    touch = dict(
+        rgba=parts.ANTENNA,
+        priority=3,
+        condim=3,
+        friction=(antenna.friction, 0.0, 0.0),
+        solref=(2 * settings.contact_time, 1.0),
+        **parts.ANTENNAS,
+    )
+    angle = abs(antenna.angle)
+    tip = (antenna.length * math.cos(angle), side * antenna.length * math.sin(angle), 0.0)
+    whole = antenna.length + antenna.hook
+    parts.rod(holder, (0, 0, 0), tip, ROD, mass=antenna.mass * antenna.length / whole, **touch)
+    if antenna.hook > 0:
+        bent = angle + antenna.hook_angle
+        end = (
+            tip[0] + antenna.hook * math.cos(bent),
+            tip[1] + side * antenna.hook * math.sin(bent),
+            0.0,
+        )
+        parts.rod(holder, tip, end, ROD, mass=antenna.mass * antenna.hook / whole, **touch)
+    reach = whole + 0.005
+    holder.add_site(
+        name=f"{name}.feeler",
+        size=(reach, reach, 0.02),
+        rgba=parts.HIDDEN,
+        type=parts.mujoco.mjtGeom.mjGEOM_BOX,
+    )
+    # An arm of the body carries the hinge.
+    start = (robot.body.length / 2, 0.5 * antenna.pivot[1], 0.012)
+    end = (*antenna.pivot, height + 0.004)
+    parts.rod(body, start, end, 0.002, mass=0.0, rgba=parts.BODY, **parts.SEEN)
+    if antenna.connected:
+        joints = {f"{name}.anchor": 1.0, f"{name}.antenna": -antenna.gear}
+        parts.combined(spec, f"{name}.lever", joints)
+        parts.fixed_length(spec, f"{name}.lever", settings)

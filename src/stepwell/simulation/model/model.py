@@ -1,0 +1,272 @@
+"""A robot as a MuJoCo model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stepwell.robot import Arena, Robot
+from stepwell.simulation.model import hinges, leg as _leg, parts
+from stepwell.simulation.model.antenna import add_anchor, add_rod
+from stepwell.simulation.model.arena import add_arena
+from stepwell.simulation.model.sensors import add_sensors
+from stepwell.simulation.model.settings import Integrator, Linkage, Settings
+from stepwell.simulation.model.simulator import Model, Spec, mujoco
+
+INTEGRATORS = {
+    Integrator.EULER: mujoco.mjtIntegrator.mjINT_EULER,
+    Integrator.IMPLICIT: mujoco.mjtIntegrator.mjINT_IMPLICIT,
+    Integrator.IMPLICIT_FAST: mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    Integrator.RK4: mujoco.mjtIntegrator.mjINT_RK4,
+}
+SUPPORT = 0.003  # radius of the balls under the T-foot [m]
+HUNG = 0.050  # height of the feet above the floor of a robot without gravity [m]
+GUIDE = 1.0  # damping of the actuator's guide [N s/m]
+
+
+def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> Spec:
+    """The editable model of a robot in an arena.
+
+    Args:
+        robot: any robot.
+        arena: obstacles, and where it starts; a bare floor by default.
+        settings: of the simulation.
+
+    Returns:
+        MuJoCo's MjSpec, in SI. Its reference position has every lever at θ = 0; the keyframe
+        "start" stands on the floor with every cell at 0.
+
+    Raises:
+        ValueError: a band, load or antenna that the simulator has no term for.
+    """
+    settings = settings or Settings()
+    _refuse(robot)
+    model = mujoco.MjSpec()
+    model.modelname = robot.title or "robot"
+    model.compiler.degree = False
+    _options(model, robot, settings)
+    _scenery(model)
+    body = _body(model, robot, settings)
+    carriage = _carriage(model, robot, body)
+    anchors: dict[str, dict[int, Any]] = {leg.name: {} for leg in robot.legs}
+    for antenna in robot.antennas:
+        cell = robot.leg(antenna.leg).cell_index(antenna.cell)
+        anchors[antenna.leg][cell] = add_anchor(robot, antenna, body, settings)
+        add_rod(model, robot, antenna, body, settings)
+    linkage = hinges if settings.linkage is Linkage.HINGES else _leg
+    for leg in robot.legs:
+        linkage.add_leg(model, robot, leg, body, carriage, anchors[leg.name], settings)
+    if arena is not None:
+        add_arena(model, arena)
+    add_sensors(model, robot, arena)
+    model.add_key(name="start", qpos=start_position(model.compile(), robot, arena))
+    return model
+
+
+def mjcf(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> str:
+    """The model as MJCF, which MuJoCo's own viewer opens.
+
+    Args:
+        robot, arena, settings: as for `spec`.
+
+    Returns:
+        XML.
+
+    Raises:
+        ValueError: a band, load or antenna that the simulator has no term for.
+    """
+    model = spec(robot, arena, settings)
+    model.compile()
+    return model.to_xml()
+
+
+def _refuse(robot: Robot) -> None:
+    for leg in robot.legs:
+        for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
+            if cell.load is not None:
+                raise ValueError(
+                    f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
+                    f"loads from weight and floor; leave it out."
+                )
+
+
+def _options(model: Any, robot: Robot, settings: Settings) -> None:
+    option = model.option
+    option.timestep = settings.time_step
+    option.integrator = INTEGRATORS[settings.integrator]
+    option.gravity = (0.0, 0.0, -robot.floor.gravity)
+    # The pyramidal cone lets feet creep, which changes the gait.
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    # A foot that holds creeps, and by less the larger this is: 7 µm a second at 97 % of its hold.
+    option.impratio = 100.0
+
+
+def _scenery(model: Any) -> None:
+    model.visual.headlight.ambient = (0.45, 0.45, 0.45)
+    model.visual.headlight.diffuse = (0.25, 0.25, 0.25)
+    model.visual.headlight.specular = (0.0, 0.0, 0.0)
+    model.visual.quality.shadowsize = 2048
+    model.visual.global_.offwidth, model.visual.global_.offheight = 1920, 1080
+    model.visual.map.znear, model.visual.map.zfar = 0.01, 50.0
+    model.stat.extent = 0.3
+    model.add_texture(
+        name="floor",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        width=256,
+        height=256,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=(0.93, 0.93, 0.91),
+        rgb2=(0.86, 0.86, 0.84),
+    )
+    layers = [""] * mujoco.mjtTextureRole.mjNTEXROLE
+    layers[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    # One square of the floor is 100 mm wide.
+    model.add_material(name="floor", textures=layers, texrepeat=(5, 5), texuniform=True)
+    model.worldbody.add_light(
+        pos=(0.0, 0.0, 3.0),
+        dir=(0.2, 0.3, -1.0),
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        diffuse=(0.35, 0.35, 0.35),
+        specular=(0.0, 0.0, 0.0),
+        castshadow=True,
+    )
+    model.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=(0, 0, 0.05),
+        material="floor",
+        contype=1,
+        conaffinity=1,
+    )
+
+
+def _body(model: Any, robot: Robot, settings: Settings) -> Any:
+    body = model.worldbody.add_body(name="body", pos=(0.0, 0.0, robot.pivot_height))
+    body.add_freejoint(name="body")
+    x, y, z = robot.body.centre
+    # A plate of the outline's size; its weight sits where the body's centre of mass is.
+    size = (robot.body.length, robot.body.width, 0.020)
+    weight = {"mass": robot.body.mass, "rgba": parts.HIDDEN, "group": 4, **parts.SEEN}
+    parts.box(body, size, (x, y, z), **weight)
+    parts.box(
+        body,
+        size,
+        (0.0, 0.0, 0.012),
+        mass=0.0,
+        rgba=parts.BODY,
+        priority=2,
+        condim=3,
+        friction=(robot.body.wall_friction, 0.0, 0.0),
+        **parts.OUTLINE,
+    )
+    floor = -robot.pivot_height
+    for i, (a, b) in enumerate(robot.body.supports):
+        parts.ball(
+            body,
+            SUPPORT,
+            (a, b, floor + SUPPORT),
+            name=f"support {i + 1}",
+            mass=0.0,
+            rgba=parts.SUPPORT,
+            priority=1,
+            condim=3,
+            friction=(robot.support_friction, 0.0, 0.0),
+            solref=(settings.contact_time, 1.0),
+            solimp=parts.TOUCHING,
+            **parts.STANDS,
+        )
+        foot = (a, b, floor + SUPPORT)
+        parts.rod(
+            body, foot, (0.4 * a, 0.4 * b, 0.0), 0.002, mass=0.0, rgba=parts.SUPPORT, **parts.SEEN
+        )
+        body.add_site(
+            name=f"support {i + 1}", pos=foot, size=(1.1 * SUPPORT,) * 3, rgba=parts.HIDDEN
+        )
+    for leg in robot.legs:
+        # The innermost block is part of the body.
+        inner = (leg.at[0] + robot.foot.span / 2 + robot.blocks.length, leg.at[1], 0.0)
+        size = (robot.blocks.length / 2, robot.blocks.width, 0.008)
+        parts.box(
+            body,
+            size,
+            inner,
+            mass=0.0,
+            rgba=parts.BODY,
+            priority=2,
+            condim=3,
+            friction=(robot.body.wall_friction, 0.0, 0.0),
+            **parts.OUTLINE,
+        )
+    body.add_camera(
+        name="above",
+        pos=(0.0, 0.0, 0.9),
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
+    )
+    return body
+
+
+def _carriage(model: Any, robot: Robot, body: Any) -> Any:
+    full = robot.legs[0].chain.full_stroke
+    carriage = body.add_body(name="carriage")
+    parts.slide(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
+    ends = [leg.at[0] - robot.foot.span / 2 - full / 2 for leg in robot.legs]
+    across = [leg.at[1] for leg in robot.legs]
+    middle = (min(ends), (min(across) + max(across)) / 2, 0.012)
+    bar = (0.008, max(max(across) - min(across), 0.008), 0.006)
+    parts.box(carriage, bar, middle, mass=robot.blocks.carriage, rgba=parts.BLOCK, **parts.SEEN)
+    for leg, end in zip(robot.legs, ends, strict=True):
+        size = (robot.blocks.length, robot.blocks.width, 0.008)
+        parts.box(
+            carriage,
+            size,
+            (end, leg.at[1], 0.0),
+            mass=0.0,
+            rgba=parts.BLOCK,
+            priority=2,
+            condim=3,
+            friction=(robot.body.wall_friction, 0.0, 0.0),
+            **parts.OUTLINE,
+        )
+    drive = model.add_actuator(
+        name="drive",
+        target="stroke",
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        ctrllimited=True,
+        ctrlrange=(0.0, full),
+    )
+    drive.set_to_position(kp=robot.drive.stiffness, dampratio=1.0)
+    return carriage
+
+
+def start_position(model: Model, robot: Robot, arena: Arena | None = None) -> np.ndarray:
+    """Joint positions (nq,) of the robot standing with every cell at 0, at the arena's start."""
+    q = model.qpos0.copy()
+
+    def place(joint: str, value: float) -> None:
+        q[model.joint(joint).qposadr[0]] = value
+
+    place("stroke", 0.0)
+    for leg in robot.legs:
+        cells, names, sideways = leg.chain.cells, leg.chain.names, 0.0
+        for i, cell in enumerate(cells):
+            if i < len(cells) - 1:
+                place(f"{leg.name}.{names[i]}.block", 0.0)
+            sideways += cell.lever * (np.cos(cell.limit) - 1.0)
+            place(f"{leg.name}.{names[i]}.side", sideways)
+        half = [cell.full_travel / 2 for cell in cells]
+        width = robot.foot.span + half[-1]
+        forward = sum(half[:-1]) + half[-1] / 2
+        reference = np.sqrt(robot.foot.link**2 - width**2 / 4)
+        place(f"{leg.name}.foot.x", forward)
+        place(f"{leg.name}.foot.z", reference - float(robot.foot.depth(0.0)))
+        for joint, value in hinges.start(robot, leg).items():
+            if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint) >= 0:
+                place(joint, value)
+    heading, x, y = (arena.heading, *arena.start) if arena else (0.0, 0.0, 0.0)
+    root = model.joint("body").qposadr[0]
+    # Without gravity the robot hangs clear of the floor, or its feet would push it off.
+    gap = 1e-5 if robot.floor.gravity > 0 else HUNG
+    q[root : root + 3] = x, y, robot.pivot_height + robot.foot.below + gap
+    q[root + 3 : root + 7] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
+    return q

@@ -1,0 +1,127 @@
+"""What a robot's model is made of: shapes that are seen, shapes that touch, rods, bands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stepwell.mechanism import Band, Cubic, Linear
+from stepwell.simulation.model.settings import Settings
+from stepwell.simulation.model.simulator import mujoco
+
+Vec3 = tuple[float, float, float]
+
+# Okabe and Ito's palette, as red, green, blue, opacity.
+BODY = (0.45, 0.47, 0.50, 0.55)
+BLOCK = (0.00, 0.45, 0.70, 1.0)
+LEVER = (0.20, 0.20, 0.22, 1.0)
+BAND = (0.84, 0.37, 0.00, 1.0)
+LINK = (0.00, 0.62, 0.45, 1.0)
+FOOT = (0.00, 0.62, 0.45, 1.0)
+SUPPORT = (0.80, 0.47, 0.65, 1.0)
+ANTENNA = (0.90, 0.62, 0.00, 1.0)
+WALL = (0.35, 0.38, 0.45, 1.0)
+HIDDEN = (0.0, 0.0, 0.0, 0.0)
+
+# Who meets whom. The floor meets supports and feet, and walls meet all of the robot but these.
+# Antennas meet each other and what moves of a leg, but neither body nor carriage.
+STANDS: dict[str, Any] = {"contype": 1, "conaffinity": 1}
+FEET: dict[str, Any] = {"contype": 1 | 8, "conaffinity": 1}
+OUTLINE: dict[str, Any] = {"contype": 2, "conaffinity": 4}
+BLOCKS: dict[str, Any] = {"contype": 2 | 8, "conaffinity": 4}
+ANTENNAS: dict[str, Any] = {"contype": 2 | 8, "conaffinity": 4 | 8}
+OBSTACLE: dict[str, Any] = {"contype": 4, "conaffinity": 2}
+SEEN: dict[str, Any] = {"contype": 0, "conaffinity": 0}
+
+# What touches carries nothing at first and its full share three hundredths of a millimetre in. With
+# MuJoCo's own values a contact carries nine tenths from the first on: a foot at rest comes off and
+# on again at every step, and what the floor carries under it does not converge. A softer contact
+# converges faster still, but then the foot stands in by so much that gaits change elsewhere.
+TOUCHING = (0.0, 0.95, 3e-5, 0.5, 2.0)
+
+# Rods give way by next to nothing: hundredths of a millimetre under a leg's forces.
+STIFF = (0.98, 0.99, 0.001, 0.5, 2.0)
+
+
+def box(body: Any, size: Vec3, at: Vec3 = (0, 0, 0), **more: Any) -> Any:
+    """A box of this full size [m] about a point of the body."""
+    half = [length / 2 for length in size]
+    return body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=at, **more)
+
+
+def ball(body: Any, radius: float, at: Vec3 = (0, 0, 0), **more: Any) -> Any:
+    """A ball about a point of the body."""
+    return body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(radius, 0, 0), pos=at, **more)
+
+
+def rod(body: Any, start: Vec3, end: Vec3, radius: float, **more: Any) -> Any:
+    """A rod with round ends between two points of the body."""
+    return body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=(*start, *end), size=(radius, 0, 0), **more
+    )
+
+
+def slide(body: Any, name: str, axis: Vec3, **more: Any) -> Any:
+    """A sliding joint."""
+    return body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **more)
+
+
+def hinge(body: Any, name: str, axis: Vec3, **more: Any) -> Any:
+    """A hinge."""
+    return body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=axis, **more)
+
+
+def site(body: Any, name: str, at: Vec3 = (0, 0, 0)) -> None:
+    """A named point of the body."""
+    body.add_site(name=name, pos=at, size=(0.001, 0.001, 0.001), rgba=HIDDEN)
+
+
+def between(spec: Any, name: str, sites: Sequence[str], **more: Any) -> Any:
+    """A straight line between two named points."""
+    tendon = spec.add_tendon(name=name, **more)
+    for point in sites:
+        tendon.wrap_site(point)
+    return tendon
+
+
+def combined(spec: Any, name: str, joints: dict[str, float], **more: Any) -> Any:
+    """A length that is a sum of joint positions with these factors."""
+    tendon = spec.add_tendon(name=name, **more)
+    for joint, factor in joints.items():
+        tendon.wrap_joint(joint, factor)
+    return tendon
+
+
+def fixed_length(spec: Any, tendon: str, settings: Settings) -> None:
+    """Hold a line or a sum at the length that it has in the model's reference position."""
+    equality = spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_TENDON,
+        objtype=mujoco.mjtObj.mjOBJ_TENDON,
+        name=tendon,
+        name1=tendon,
+        solref=(settings.contact_time, 1.0),
+        solimp=STIFF,
+    )
+    equality.data[0] = 0.0
+
+
+def stretch(band: Band) -> dict[str, Any]:
+    """Stiffness and rest length of a band as a line between its anchors has them.
+
+    Raises:
+        ValueError: a law that the simulator has no term for.
+    """
+    law = band.law
+    if isinstance(law, Linear):
+        stiffness = (band.stiffness, 0.0, 0.0)
+    elif isinstance(law, Cubic):
+        stiffness = tuple(band.stiffness * np.array([1.0, law.a2, law.a3]))
+    else:
+        raise ValueError(
+            "law = Table: the simulation takes linear and cubic bands; fit a cubic to the table "
+            "(quadratic_per_mm, cubic_per_mm2)."
+        )
+    least = band.rest_length if band.two_sided else 0.0
+    return {"stiffness": stiffness, "springlength": (least, band.rest_length)}

@@ -1,0 +1,72 @@
+"""How the simulation steps: what a result must not depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from stepwell.base import check as _check
+from stepwell.base.value import ByValue
+
+
+class Integrator(StrEnum):
+    """MuJoCo's integrators."""
+
+    EULER = "euler"
+    IMPLICIT = "implicit"
+    IMPLICIT_FAST = "implicitfast"
+    RK4 = "rk4"
+
+
+class Linkage(StrEnum):
+    """How levers and links are modelled."""
+
+    RODS = "rods"
+    HINGES = "hinges"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Settings(ByValue):
+    """Numbers of the simulation, none of the robot.
+
+    Args:
+        time_step: [s], > 0.
+        integrator: one of MuJoCo's.
+        contact_time: time constant of contacts, stops and rods [s]; at least twice the time step.
+        sample: time between the samples that are kept [s]; at least the time step.
+        settle: time to come to rest before the first cycle [s], >= 0.
+        linkage: rods of fixed length between points (fast), or every lever and link a hinged
+            body (slower; the check on the former).
+
+    Raises:
+        ValueError: a value out of range.
+    """
+
+    time_step: float = 1e-3
+    integrator: Integrator = Integrator.IMPLICIT_FAST
+    contact_time: float = 2e-3
+    sample: float = 0.02
+    settle: float = 0.5
+    linkage: Linkage = Linkage.RODS
+
+    def __post_init__(self):
+        for name in ("time_step", "contact_time", "sample"):
+            object.__setattr__(self, name, _check.positive(name, getattr(self, name), "s"))
+        object.__setattr__(self, "settle", _check.not_negative("settle", self.settle, "s"))
+        for name, kind in (("integrator", Integrator), ("linkage", Linkage)):
+            try:
+                object.__setattr__(self, name, kind(getattr(self, name)))
+            except ValueError:
+                allowed = ", ".join(repr(str(one)) for one in kind)
+                raise ValueError(
+                    f"{name} = {getattr(self, name)!r}: must be one of {allowed}."
+                ) from None
+        if self.contact_time < 2 * self.time_step:
+            raise ValueError(
+                f"contact_time = {self.contact_time:g} s: must be >= {2 * self.time_step:g} s, "
+                f"twice the time step, or contacts ring."
+            )
+        if self.sample < self.time_step:
+            raise ValueError(
+                f"sample = {self.sample:g} s: must be >= {self.time_step:g} s, the time step."
+            )

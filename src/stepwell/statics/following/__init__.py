@@ -1,0 +1,1 @@
+"""Following the local minimum event by event: compiled kernels, and what they keep."""

@@ -1,0 +1,218 @@
+"""One smooth branch of equilibria: its stability, its fold, its point at a given drive.
+
+All moving cells share one force λ, so a branch is a sum of inverses of monotone pieces and the
+fold is a scalar condition. The drive coordinate is U = α Σ s_i + β λ: (1, 0) for a prescribed
+stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
+"""
+
+import numpy as np
+
+from stepwell.kernels import kernel
+from stepwell.kernels.effort import overspent
+from stepwell.mechanism.law import Floats, Ints, Laws, law, summed
+from stepwell.statics.following.pieces import Pieces, invert
+
+
+@kernel
+def drive_of(travel: Floats, force: float, alpha: float, beta: float) -> float:
+    """U = α Σ s_i + β λ."""
+    return alpha * summed(travel) + beta * force
+
+
+@kernel
+def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+    """1/κ with the sign of the piece, so that rounding at an extremum cannot turn it over."""
+    slope = law(laws, cell, pieces.picked[piece], travel)[1]
+    return pieces.sign[piece] / max(abs(slope), 1e-300)
+
+
+@kernel
+def smallest_eigenvalue(slopes: Floats, alpha: float, beta: float) -> float:
+    """Least stiffness of the moving cells at fixed drive [N/m]; inf where nothing can move.
+
+    Eigenvalues μ of diag(κ) under the constraint of the drive solve β/α² + Σ 1/(κ_i - μ) = 0,
+    a function that rises between two κ, so the least one is bracketed.
+    """
+    moving = len(slopes)
+    if moving == 0:
+        return np.inf
+    ordered = np.sort(slopes)
+    if alpha == 0.0:
+        return ordered[0]
+    if moving == 1:
+        return np.inf if beta == 0.0 else ordered[0] + alpha * alpha / beta
+    low, high = ordered[0], ordered[1]
+    soft = beta / (alpha * alpha)
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        total = soft
+        for slope in ordered:
+            total += 1.0 / (slope - middle)
+        if total > 0.0:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
+
+
+@kernel
+def _highest(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    one: float,
+    two: float,
+) -> tuple[float, float]:
+    """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
+    bound, end = beta, beta
+    for m in range(len(movers)):
+        cell, piece = movers[m], on[m]
+        at_one = invert(laws, pieces, cell, piece, one - offset[m])
+        at_two = invert(laws, pieces, cell, piece, two - offset[m])
+        inverse_one = inverse_slope(laws, pieces, cell, piece, at_one)
+        inverse_two = inverse_slope(laws, pieces, cell, piece, at_two)
+        bound += alpha * max(inverse_one, inverse_two)
+        end += alpha * inverse_two
+    return (np.inf if np.isnan(bound) else bound), end
+
+
+@kernel
+def compliance(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    force: float,
+) -> float:
+    """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
+    return _highest(laws, pieces, movers, on, offset, alpha, beta, force, force)[1]
+
+
+@kernel
+def first_fold(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    begin: float,
+    end: float,
+    tolerance: float,
+    effort: Ints,
+) -> float:
+    """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
+
+    NaN where there is none. κ is monotone on every piece, so the bound over an interval is made
+    of end values: an interval is dismissed by proof, never by having stepped over it.
+    """
+    one = np.empty(128)
+    two = np.empty(128)
+    one[0], two[0] = begin, end
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        a, b = one[waiting], two[waiting]
+        if overspent(effort, 60 * len(movers)):
+            break
+        bound, at_b = _highest(laws, pieces, movers, on, offset, alpha, beta, a, b)
+        if bound < 0.0:
+            continue
+        middle = 0.5 * (a + b)
+        if abs(b - a) <= tolerance or middle == a or middle == b:
+            if at_b >= 0.0:
+                return b
+            continue
+        one[waiting], two[waiting] = middle, b
+        one[waiting + 1], two[waiting + 1] = a, middle
+        waiting += 2
+    return np.nan
+
+
+@kernel
+def point_at(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    held: float,
+    begin: float,
+    end: float,
+    drive: float,
+    out: Floats,
+) -> float:
+    """Force λ at which a branch between `begin` and `end` has U = `drive`; travels into `out`.
+
+    `held` is the travel of all cells that do not move. U is monotone on a stable branch.
+    """
+    low, high = begin, end
+    u_low = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, low, out)
+    u_high = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, high, out)
+    rising = u_high > u_low
+    force = high
+    for step in range(200):
+        force = 0.5 * (low + high)
+        if step % 3 != 2 and u_high != u_low:
+            force = low + (drive - u_low) * (high - low) / (u_high - u_low)
+        if not min(low, high) < force < max(low, high):
+            force = 0.5 * (low + high)
+            if force == low or force == high:
+                break
+        u = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, force, out)
+        if u == drive:
+            break
+        if (u < drive) == rising:
+            low, u_low = force, u
+        else:
+            high, u_high = force, u
+    _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, force, out)
+    # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
+    # the actuator is softer still.
+    softest, largest = 0, 0.0
+    for m in range(len(movers)):
+        inverse = abs(inverse_slope(laws, pieces, movers[m], on[m], out[m]))
+        if inverse > largest:
+            softest, largest = m, inverse
+    if alpha * largest <= beta:
+        return force
+    total = held
+    for m in range(len(movers)):
+        if m != softest:
+            total += out[m]
+    piece = on[softest]
+    travel = (drive - beta * force) / alpha - total
+    out[softest] = min(max(travel, pieces.left[piece]), pieces.right[piece])
+    return force
+
+
+@kernel
+def _drive_at(
+    laws: Laws,
+    pieces: Pieces,
+    movers: Ints,
+    on: Ints,
+    offset: Floats,
+    alpha: float,
+    beta: float,
+    held: float,
+    force: float,
+    out: Floats,
+) -> float:
+    total = held
+    for m in range(len(movers)):
+        out[m] = invert(laws, pieces, movers[m], on[m], force - offset[m])
+        total += out[m]
+    return alpha * total + beta * force

@@ -1,0 +1,198 @@
+"""What a computed path has to keep, looked at anew: equilibrium, stability, balance of energy."""
+
+import numpy as np
+
+from stepwell.kernels import entry, kernel
+from stepwell.kernels.effort import overspent
+from stepwell.mechanism.law import Floats, Ints, Laws, law, stored
+from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
+from stepwell.statics.following.follow import (
+    CELL,
+    DRIVE_1,
+    FORCE_1,
+    KIND,
+    OFFSET,
+    PIECE,
+    RELEASED,
+    SNAP,
+    TRAVEL_0,
+    TRAVEL_1,
+    Log,
+)
+from stepwell.statics.following.pieces import Pieces, find_piece
+
+KEPT, EQUILIBRIUM, STABILITY, ENERGY = 0, 1, 2, 3
+# Shares of the largest force, and of what that force does or resists over a full travel. The
+# engine keeps them a hundred times better; what breaks them has lost its digits.
+FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
+
+
+@kernel
+def certify(
+    laws: Laws,
+    pieces: Pieces,
+    travel: Floats,
+    force: float,
+    alpha: float,
+    beta: float,
+    cells: Ints,
+    on: Ints,
+    offset: Floats,
+) -> tuple[float, float]:
+    """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
+
+    Independent of how the point was found: every cell is looked at, moving or not. `cells` move
+    now, on the pieces `on` (-1 for unknown) and against friction `offset`. A cell at a kink has
+    two stiffnesses; the smaller counts, unless a cell slides against friction: that one cannot
+    give way to what the other side of the kink would set off.
+    """
+    n = len(travel)
+    worst = 0.0
+    slides = False
+    for j in range(len(cells)):
+        slides = slides or laws.friction[cells[j]] > 0.0
+    slopes = np.empty(n)
+    free = 0
+    for i in range(n):
+        mine = -1
+        for j in range(len(cells)):
+            if cells[j] == i:
+                mine = j
+        known = mine >= 0 and on[mine] >= 0
+        piece = on[mine] if known else find_piece(pieces, i, travel[i], 0)
+        value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
+        friction = laws.friction[i]
+        forward, backward = value + friction - force, force - value + friction
+        if travel[i] < laws.full[i]:
+            worst = max(worst, -forward)
+        if travel[i] > 0.0:
+            worst = max(worst, -backward)
+        inside = 0.0 < travel[i] < laws.full[i]
+        if mine >= 0 and inside:
+            worst = max(worst, abs(value + offset[mine] - force))
+        if inside and (friction == 0.0 or mine >= 0):
+            slopes[free] = _slope(laws, pieces, i, piece, travel[i])
+            if not slides:
+                slopes[free] = min(slopes[free], _beyond(laws, pieces, i, piece, travel[i]))
+            free += 1
+    return worst, smallest_eigenvalue(slopes[:free], alpha, beta)
+
+
+@kernel
+def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+    """κ with the sign of the piece."""
+    if pieces.sign[piece] == 0:
+        return 0.0
+    return float(1.0 / inverse_slope(laws, pieces, cell, piece, travel))
+
+
+@kernel
+def _beyond(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+    """κ on the other side of a joint of two pieces; inf away from one."""
+    if travel == pieces.left[piece] and travel > 0.0:
+        return _slope(laws, pieces, cell, piece - 1, travel)
+    if travel == pieces.right[piece] and travel < laws.full[cell]:
+        return _slope(laws, pieces, cell, piece + 1, travel)
+    return np.inf
+
+
+@entry()
+def audit(
+    laws: Laws,
+    pieces: Pieces,
+    log: Log,
+    start: Floats,
+    alpha: float,
+    beta: float,
+    scale: float,
+    effort: Ints,
+) -> tuple[int, int, float]:
+    """The first segment of a log that breaks a promise, which one, and by how much.
+
+    KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
+    what each moving cell stores in addition lies between the bounds that its forces at the ends
+    and in the middle set, its force being convex or concave there; a snap sets energy free, and
+    the last of several at one drive ends in a place that is stable. [N], [N/m] or [J].
+    """
+    n = len(start)
+    now = start.copy()
+    lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
+    for i in range(n):
+        _stands(laws, pieces, i, -1, now[i], lowest, highest)
+    size = np.max(laws.full)
+    none = np.empty(0, np.int64)
+    for k in range(log.used[0]):
+        if overspent(effort, 1):
+            break
+        row = log.segments[k]
+        force = row[FORCE_1]
+        jumps = int(row[KIND]) == SNAP
+        gap = 0.0
+        for j in range(log.first[k], log.first[k + 1]):
+            mover = log.movers[j]
+            i, piece = int(mover[CELL]), int(mover[PIECE])
+            now[i] = mover[TRAVEL_1]
+            value = _stands(laws, pieces, i, piece, now[i], lowest, highest)
+            if piece >= 0:
+                gap = max(gap, abs(value + mover[OFFSET] - force))
+                miss = _unbalanced(laws, pieces, i, piece, mover[TRAVEL_0], mover[TRAVEL_1])
+                if not miss <= ENERGY_SLACK * scale * size:
+                    return k, ENERGY, miss
+        gap = max(gap, np.max(lowest) - force, force - np.min(highest))
+        if not gap <= FORCE_SLACK * scale:
+            return k, EQUILIBRIUM, gap
+        if jumps:
+            if not row[RELEASED] >= -ENERGY_SLACK * scale * size:
+                return k, ENERGY, -row[RELEASED]
+            # Alike cells can creep into a saddle together, or stand on their tops under the same
+            # force; they leave by another snap at the same drive.
+            if _snaps_again(log, k):
+                continue
+            least = certify(laws, pieces, now, force, alpha, beta, none, none, np.empty(0))[1]
+            if not least >= -STIFFNESS_SLACK * scale / size:
+                return k, STABILITY, -least
+    return -1, KEPT, 0.0
+
+
+@kernel
+def _snaps_again(log: Log, k: int) -> bool:
+    """Whether another snap follows segment k before the drive goes on."""
+    drive = log.segments[k, DRIVE_1]
+    for after in range(k + 1, log.used[0]):
+        if int(log.segments[after, KIND]) == SNAP:
+            return True
+        if abs(log.segments[after, DRIVE_1] - drive) > 1e-12 * abs(drive):
+            return False
+    return False
+
+
+@kernel
+def _stands(
+    laws: Laws,
+    pieces: Pieces,
+    cell: int,
+    piece: int,
+    travel: float,
+    lowest: Floats,
+    highest: Floats,
+) -> float:
+    """Write down between which λ a cell stands; its force [N]."""
+    on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
+    value = law(laws, cell, pieces.picked[on], travel)[0]
+    lowest[cell] = value - laws.friction[cell] if travel > 0.0 else -np.inf
+    highest[cell] = value + laws.friction[cell] if travel < laws.full[cell] else np.inf
+    return float(value)
+
+
+@kernel
+def _unbalanced(
+    laws: Laws, pieces: Pieces, cell: int, piece: int, begin: float, end: float
+) -> float:
+    """By how much the energy of a cell changes more or less than its force can make it [J]."""
+    picked = pieces.picked[piece]
+    gained = stored(laws, cell, picked, end) - stored(laws, cell, picked, begin)
+    way = end - begin
+    ends = law(laws, cell, picked, begin)[0] + law(laws, cell, picked, end)[0]
+    one = 0.5 * way * ends
+    two = way * law(laws, cell, picked, 0.5 * (begin + end))[0]
+    return float(max(gained - max(one, two), min(one, two) - gained))

@@ -1,0 +1,395 @@
+"""Where a snap lands when three cells or more move: overdamped flow, integrated."""
+
+import numpy as np
+
+from stepwell.kernels import kernel
+from stepwell.kernels.effort import overspent
+from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows, summed
+from stepwell.statics.following.branch import smallest_eigenvalue
+
+_STEPS = 30_000
+
+
+@kernel
+def _rate(laws: Laws, i: int, travel: float, force: float, shared: float) -> float:
+    """ds_i/dt at unit mobility: stops and Coulomb friction may hold the cell."""
+    friction = laws.friction[i]
+    if shared > force + friction and travel < laws.full[i]:
+        return shared - force - friction
+    if shared < force - friction and travel > 0.0:
+        return shared - force + friction
+    return 0.0
+
+
+@kernel
+def _balance(laws: Laws, travel: Floats, force: Floats, shared: float) -> float:
+    """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
+    low, high = -np.inf, np.inf
+    for _ in range(200):
+        total, moving = 0.0, 0
+        for i in range(len(travel)):
+            rate = _rate(laws, i, travel[i], force[i], shared)
+            if rate != 0.0:
+                total += rate
+                moving += 1
+        if moving == 0 or total == 0.0:
+            return shared
+        if total > 0.0:
+            high = shared
+        else:
+            low = shared
+        following = shared - total / moving
+        if not low < following < high:
+            if not (np.isfinite(low) and np.isfinite(high)):
+                return following
+            following = 0.5 * (low + high)
+        if following == shared or abs(total) <= 1e-15 * moving * (abs(shared) + 1e-300):
+            return following
+        shared = following
+    return shared
+
+
+@kernel
+def _rates(
+    laws: Laws,
+    travel: Floats,
+    drive: float,
+    alpha: float,
+    beta: float,
+    shared: float,
+    force: Floats,
+    out: Floats,
+) -> float:
+    """λ, and all rates into `out`, at the forces that the cells have."""
+    if beta == 0.0:
+        shared = _balance(laws, travel, force, shared)
+    else:
+        shared = (drive - alpha * summed(travel)) / beta
+    for i in range(len(travel)):
+        out[i] = _rate(laws, i, travel[i], force[i], shared)
+    return shared
+
+
+@kernel
+def _smooth_rates(
+    laws: Laws,
+    travel: Floats,
+    sense: Ints,
+    drive: float,
+    alpha: float,
+    beta: float,
+    rows: Ints,
+    out: Floats,
+) -> None:
+    """Rates of the cells that move now, in their present sense, as if there were no stops.
+
+    Within a step the field has to be smooth; stops and releases are looked at between steps.
+    """
+    total, count = 0.0, 0
+    for i in range(len(travel)):
+        if sense[i] != 0:
+            place = min(max(travel[i], 0.0), laws.full[i])
+            pick_rows(laws, i, place, rows)
+            out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
+            total += out[i]
+            count += 1
+    shared = total / max(count, 1) if beta == 0.0 else (drive - alpha * summed(travel)) / beta
+    for i in range(len(travel)):
+        out[i] = shared - out[i] if sense[i] != 0 else 0.0
+
+
+@kernel
+def unstable_direction(slopes: Floats, alpha: float, beta: float) -> Floats:
+    """The one way out of an equilibrium that has lost its stability, unit largest entry."""
+    least = smallest_eigenvalue(slopes, alpha, beta)
+    out = np.empty(len(slopes))
+    biggest = 0.0
+    for i in range(len(slopes)):
+        gap = slopes[i] - least
+        out[i] = 1.0 / gap if gap != 0.0 else 1e300
+        biggest = max(biggest, abs(out[i]))
+    out /= biggest
+    return out
+
+
+@kernel
+def _polish(
+    laws: Laws,
+    travel: Floats,
+    rate: Floats,
+    shared: float,
+    alpha: float,
+    beta: float,
+    rows: Ints,
+    out: Floats,
+) -> tuple[bool, float]:
+    """Newton from a slow point of the flow to the equilibrium it creeps towards."""
+    n = len(travel)
+    out[:] = travel
+    active = np.zeros(n, np.bool_)
+    offset = np.zeros(n)
+    for i in range(n):
+        if laws.friction[i] == 0.0:
+            active[i] = 0.0 < travel[i] < laws.full[i]
+        elif rate[i] != 0.0:
+            active[i] = True
+            offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
+    for _ in range(30):
+        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0, 0.0
+        miss = np.zeros(n)
+        slopes = np.zeros(n)
+        for i in range(n):
+            if not active[i]:
+                continue
+            pick_rows(laws, i, out[i], rows)
+            value, slope, _ = law(laws, i, rows, out[i])
+            miss[i] = value + offset[i] - shared
+            slopes[i] = slope
+            if slope == 0.0:
+                if flat >= 0 and abs(miss[i] - miss[flat]) > 1e-12 * abs(value):
+                    return False, shared
+                flat = i
+                flats += 1
+                continue
+            falling += slope < 0.0
+            compliance += alpha / slope
+            lag += alpha * miss[i] / slope
+        if falling > 1 or (falling == 1 and (compliance >= 0.0 or flat >= 0)):
+            return False, shared
+        change = miss[flat] if flat >= 0 else (lag / compliance if compliance != 0.0 else 0.0)
+        total = 0.0
+        for i in range(n):
+            if active[i] and slopes[i] != 0.0:
+                move = (change - miss[i]) / slopes[i]
+                out[i] += move
+                total += move
+                step = max(step, abs(move) / laws.full[i])
+        if flat >= 0:
+            if alpha == 0.0:
+                return False, shared
+            # Cells of constant force take what is left, equally.
+            move = (-beta * change / alpha - total) / flats
+            for i in range(n):
+                if active[i] and slopes[i] == 0.0:
+                    out[i] += move
+                    step = max(step, abs(move) / laws.full[i])
+        shared += change
+        for i in range(n):
+            if (
+                out[i] < 0.0
+                or out[i] > laws.full[i]
+                or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]
+            ):
+                return False, shared
+        if step < 1e-15:
+            break
+    for i in range(n):
+        pick_rows(laws, i, out[i], rows)
+        value = law(laws, i, rows, out[i])[0]
+        slack = laws.friction[i] + 1e-9 * (abs(value) + abs(shared))
+        if not active[i]:
+            if out[i] < laws.full[i] and shared > value + slack:
+                return False, shared
+            if out[i] > 0.0 and shared < value - slack:
+                return False, shared
+    return True, shared
+
+
+@kernel
+def _solve(
+    sense: Ints, slope: Floats, h: float, alpha: float, beta: float, b: Floats, out: Floats
+) -> None:
+    """x of (I - h J) x = b, where J is -diag(κ) on the moving cells, coupled by the drive.
+
+    One multiplier couples all of them, so the solution costs no more than b itself.
+    """
+    total, weight = 0.0, 0.0
+    for i in range(len(b)):
+        if sense[i] != 0:
+            pivot = 1.0 + h * slope[i]
+            total += b[i] / pivot
+            weight += 1.0 / pivot
+    if beta == 0.0:
+        shared = -total / weight if weight != 0.0 else 0.0
+    else:
+        shared = -(h * alpha / beta) * total / (1.0 + (h * alpha / beta) * weight)
+    for i in range(len(b)):
+        out[i] = (b[i] + shared) / (1.0 + h * slope[i]) if sense[i] != 0 else b[i]
+
+
+@kernel
+def _first_stage(
+    laws: Laws,
+    travel: Floats,
+    drive: float,
+    alpha: float,
+    beta: float,
+    rows: Ints,
+    slope: Floats,
+    h: float,
+    sense: Ints,
+    rates: Floats,
+    out: Floats,
+) -> None:
+    """The first implicit stage, without the cells that it would turn round.
+
+    A stiff actuator can start a cell off its stop, or against its friction, and call it back
+    within the step; stepping through that to and fro would take for ever. Such a cell stays.
+    """
+    for _ in range(len(travel)):
+        _solve(sense, slope, h, alpha, beta, rates, out)
+        stays = False
+        for i in range(len(travel)):
+            bound = laws.friction[i] > 0.0 or travel[i] == 0.0 or travel[i] == laws.full[i]
+            if sense[i] != 0 and bound and out[i] * sense[i] < 0.0:
+                sense[i] = 0
+                stays = True
+        if not stays:
+            return
+        _smooth_rates(laws, travel, sense, drive, alpha, beta, rows, rates)
+    out[:] = 0.0
+
+
+@kernel
+def _turned(laws: Laws, travel: Floats, sense: Ints, step: Floats) -> int:
+    """A cell that a step pushes into the stop that it was to leave, or -1."""
+    for i in range(len(travel)):
+        bound = travel[i] == 0.0 or travel[i] == laws.full[i]
+        if sense[i] != 0 and bound and step[i] * sense[i] < 0.0:
+            return i
+    return -1
+
+
+@kernel
+def _longest_step(
+    sense: Ints, slope: Floats, d: float, alpha: float, beta: float, wanted: float
+) -> float:
+    """Longest step that still resolves growth; only decay may be stepped over."""
+    falling, count = 0.0, 0
+    for i in range(len(sense)):
+        if sense[i] != 0 and slope[i] < 0.0:
+            falling = max(falling, -slope[i])
+            count += 1
+    short = 0.7 / (d * falling) if falling > 0.0 else np.inf
+    if wanted <= short or count > 1:
+        return short
+    # One falling cell among rising ones: what grows, the least eigenvalue tells, and in the
+    # narrow place next to a fold that is almost nothing.
+    moving = np.flatnonzero(sense)
+    growth = -smallest_eigenvalue(slope[moving], alpha, beta)
+    long = 0.7 / (d * growth) if growth > 0.0 else np.inf
+    # In between, the pivot of the falling cell passes through zero.
+    return short if min(wanted, long) < 1.3 / (d * falling) else long
+
+
+@kernel
+def flow(
+    laws: Laws,
+    travel: Floats,
+    drive: float,
+    alpha: float,
+    beta: float,
+    shared: float,
+    scale: float,
+    accuracy: float,
+    rubbed: Floats,
+    effort: Ints,
+) -> tuple[bool, float]:
+    """Follow the flow from `travel` to rest, in place; False if it did not settle.
+
+    The linearly implicit pair of Shampine & Reichelt (1997): a snap through a narrow place has
+    one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
+    equilibrium to rounding and the integration only decides which. `rubbed` gathers the way
+    every cell went, for friction; `effort` counts the forces looked at, and ends the flow when
+    they are too many.
+    """
+    n = len(travel)
+    slots = 1
+    for i in range(n):
+        slots = max(slots, laws.band_first[i + 1] - laws.band_first[i] + 1)
+    rows = np.full(slots, -1, np.int64)
+    sense, started = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    force, slope = np.empty(n), np.empty(n)
+    f0, f1, f2 = np.empty(n), np.empty(n), np.empty(n)
+    k1, k2, k3 = np.empty(n), np.empty(n), np.empty(n)
+    polished = np.empty(n)
+    d = 1.0 / (2.0 + np.sqrt(2.0))
+    e32 = 6.0 + np.sqrt(2.0)
+    for i in range(n):
+        _look(laws, i, travel[i], rows, force, slope)
+    stiffest = np.max(np.abs(slope)) + scale / np.min(laws.full)
+    h = 1e-2 / stiffest
+    for step in range(_STEPS):
+        if overspent(effort, 4 * n):
+            break
+        shared = _rates(laws, travel, drive, alpha, beta, shared, force, f0)
+        fastest = np.max(np.abs(f0))
+        # The longest step moves no cell by more than rounding: this is rest, whether or not
+        # Newton can say so (two cells of constant force have no single place to be).
+        resting = h == 1e6 / stiffest and fastest <= 1e-11 * scale
+        if fastest <= 1e-14 * scale or resting:
+            return True, shared
+        if fastest < 1e-2 * scale and step % 4 == 0:
+            settled, level = _polish(laws, travel, f0, shared, alpha, beta, rows, polished)
+            if settled:
+                rubbed += np.abs(polished - travel)
+                travel[:] = polished
+                return True, level
+        for i in range(n):
+            sense[i] = np.sign(f0[i])
+        started[:] = sense
+        while True:
+            h = min(h, _longest_step(started, slope, d, alpha, beta, h))
+            sense[:] = started
+            _first_stage(laws, travel, drive, alpha, beta, rows, slope, h * d, sense, f0, k1)
+            _smooth_rates(laws, travel + 0.5 * h * k1, sense, drive, alpha, beta, rows, f1)
+            _solve(sense, slope, h * d, alpha, beta, f1 - k1, k2)
+            k2 += k1
+            turned = _turned(laws, travel, sense, k2)
+            if turned >= 0:
+                # It would leave its stop and be back there within the step, which then would
+                # end before it began. A shorter step lets it go; in the shortest it stays.
+                if h > 1e-6 / stiffest:
+                    h *= 0.25
+                else:
+                    started[turned] = 0
+                    _smooth_rates(laws, travel, started, drive, alpha, beta, rows, f0)
+                continue
+            _smooth_rates(laws, travel + h * k2, sense, drive, alpha, beta, rows, f2)
+            lag = f2 - e32 * (k2 - f1) - 2.0 * (k1 - f0)
+            _solve(sense, slope, h * d, alpha, beta, lag, k3)
+            worst = 0.0
+            for i in range(n):
+                error = h / 6.0 * (k1[i] - 2.0 * k2[i] + k3[i])
+                worst = max(worst, abs(error) / (accuracy * laws.full[i]))
+                if not np.isfinite(error):
+                    worst = 1e9
+                    break
+            if worst <= 1.0 or h <= 1e-9 / stiffest:
+                break
+            h *= max(0.2, 0.8 * worst ** (-1.0 / 3.0))
+        # The first stop on the way ends the step: what comes after it is another field.
+        share, first = 1.0, -1
+        for i in range(n):
+            move = h * k2[i]
+            room = laws.full[i] - travel[i] if move > 0.0 else travel[i]
+            if abs(move) * share > room:
+                share, first = room / abs(move), i
+        for i in range(n):
+            if sense[i] != 0:
+                move = share * h * k2[i]
+                rubbed[i] += abs(move)
+                travel[i] = min(max(travel[i] + move, 0.0), laws.full[i])
+                if i == first:
+                    # Not by the sign of `move`: a cell that was there already moves by zero.
+                    travel[i] = laws.full[i] if k2[i] > 0.0 else 0.0
+                _look(laws, i, travel[i], rows, force, slope)
+        h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
+        h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
+    return False, shared
+
+
+@kernel
+def _look(laws: Laws, i: int, travel: float, rows: Ints, force: Floats, slope: Floats) -> None:
+    pick_rows(laws, i, travel, rows)
+    force[i], slope[i], _ = law(laws, i, rows, travel)

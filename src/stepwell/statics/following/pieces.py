@@ -1,0 +1,361 @@
+"""Cutting a cell's law into pieces on which force and slope are both monotone.
+
+Everything exact in this room rests on it: on such a piece the force has one inverse, and over
+any part of it the force and the slope are bounded by their end values.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.kernels import entry, kernel
+from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows
+
+_NODES = 13
+_DEPTH = 40
+# A Chebyshev series speaks for its function once its last coefficients are this small.
+_RESOLVED = 1e-6
+# A force that changes by less than this share of itself is constant but for rounding.
+_FLAT = 1e-12
+# More pieces in one cell than this and the search for them has gone astray.
+MOST_PIECES = 1000
+# Forces that reach no further than this are none [N].
+NO_FORCE = 1e-12
+
+
+class Pieces(NamedTuple):
+    """P monotone pieces of all cells, in order of cell and travel."""
+
+    first: Ints  # (N + 1,) pieces of cell i are first[i] .. first[i + 1]
+    left: Floats  # (P,) travel where the piece begins
+    right: Floats  # (P,)
+    force_left: Floats  # (P,)
+    force_right: Floats  # (P,)
+    sign: Ints  # (P,) of κ: +1, 0 for constant force, -1
+    picked: Ints  # (P, bands + 1) rows, see pick_rows
+
+
+def _transform() -> Floats:
+    # Values at Chebyshev-Lobatto points to series coefficients.
+    n = _NODES - 1
+    j, k = np.meshgrid(np.arange(_NODES), np.arange(_NODES))
+    matrix = np.cos(np.pi * j * k / n) * 2.0 / n
+    matrix[[0, -1], :] /= 2
+    matrix[:, [0, -1]] /= 2
+    return matrix
+
+
+_TO_SERIES = _transform()
+_POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
+
+
+@kernel
+def cut_points(laws: Laws, cell: int) -> Floats:
+    """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
+    r, sin_limit, full = laws.lever[cell], laws.sin_limit[cell], laws.full[cell]
+    count = 2
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        count += 2 * (laws.band_rows[b + 1] - laws.band_rows[b]) + 2
+    count += laws.load_rows[cell, 1] - laws.load_rows[cell, 0]
+    points = np.empty(count)
+    points[0], points[1] = 0.0, full
+    used = 2
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+        dx, dy, _, rest = laws.band[b]
+        reach = np.sqrt(dx * dx + dy * dy)
+        # Looking from where the band is longest and where it is shortest puts the dense ends of
+        # the Chebyshev points at the only places where its law can turn sharply.
+        sine = dy / reach if reach > 0.0 else 2.0
+        for side in (-1.0, 1.0):
+            travel = r * (side * sine + sin_limit)
+            if 0.0 < travel < full:
+                points[used] = travel
+                used += 1
+        for row in range(laws.band_rows[b], laws.band_rows[b + 1]):
+            if row == laws.band_rows[b] and laws.two_sided[b]:
+                continue
+            length = rest + laws.rows[row, 0]
+            cosine = (length * length - r * r - reach * reach) / (2.0 * r * reach + 1e-300)
+            if not -1.0 <= cosine <= 1.0:
+                continue
+            for side in (-1.0, 1.0):
+                angle = math.atan2(dy, dx) + side * math.acos(cosine)
+                angle = math.atan2(math.sin(angle), math.cos(angle))
+                if abs(angle) < np.pi / 2:
+                    travel = r * (math.sin(angle) + sin_limit)
+                    if 0.0 < travel < full:
+                        points[used] = travel
+                        used += 1
+    for row in range(laws.load_rows[cell, 0], laws.load_rows[cell, 1]):
+        if 0.0 < laws.rows[row, 0] < full:
+            points[used] = laws.rows[row, 0]
+            used += 1
+    points = np.sort(points[:used])
+    kept = 1
+    for i in range(1, used):
+        if points[i] - points[kept - 1] > 1e-12 * full:
+            points[kept] = points[i]
+            kept += 1
+    points[kept - 1] = full
+    return points[:kept]
+
+
+@kernel
+def _look(laws: Laws, cell: int, picked: Ints, order: int, travel: float) -> float:
+    return law(laws, cell, picked, travel)[order]
+
+
+@kernel
+def _verdict(
+    laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float, noise: float
+) -> int:
+    """0: no root of the order-th derivative of F in [a, b]; 1: monotone there; 2: unknown.
+
+    A derivative that is nowhere above `noise` is taken for zero, which has no sign to change.
+    """
+    values = np.empty(_NODES)
+    for i in range(_NODES):
+        values[i] = _look(laws, cell, picked, order, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])
+    series = np.zeros(_NODES)
+    for k in range(_NODES):
+        for i in range(_NODES):
+            series[k] += _TO_SERIES[k, i] * values[i]
+    rest, size = 0.0, abs(series[0])
+    for k in range(1, _NODES):
+        rest += abs(series[k])
+        size = max(size, abs(series[k]))
+    if size <= noise:
+        return 0
+    tail = abs(series[-1]) + abs(series[-2]) + abs(series[-3])
+    if tail > _RESOLVED * size:
+        return 2
+    if abs(series[0]) > rest + 10.0 * tail:
+        return 0
+    # Coefficients of the derivative, by the backward recurrence.
+    slopes = np.zeros(_NODES + 1)
+    for k in range(_NODES - 1, 0, -1):
+        above = slopes[k + 1] if k + 1 <= _NODES else 0.0
+        slopes[k - 1] = above + 2.0 * k * series[k]
+    slopes[0] /= 2.0
+    rest = 0.0
+    for k in range(1, _NODES - 1):
+        rest += abs(slopes[k])
+    if abs(slopes[0]) > rest + 10.0 * tail * _NODES * _NODES:
+        return 1
+    return 2
+
+
+@kernel
+def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[float, float]:
+    """Largest |F| and |κ| seen on [a, b]."""
+    force, slope = 0.0, 0.0
+    for i in range(_NODES):
+        travel = 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i]
+        value, stiff, _ = law(laws, cell, picked, travel)
+        force, slope = max(force, abs(value)), max(slope, abs(stiff))
+    return force, slope
+
+
+@kernel
+def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -> float:
+    """The sign change in [a, b], by bisection with a secant guess each time."""
+    fa = _look(laws, cell, picked, order, a)
+    fb = _look(laws, cell, picked, order, b)
+    for step in range(200):
+        middle = 0.5 * (a + b)
+        if not a < middle < b:
+            break
+        guess = b - fb * (b - a) / (fb - fa) if step % 2 == 0 and fb != fa else middle
+        if not a < guess < b:
+            guess = middle
+        value = _look(laws, cell, picked, order, guess)
+        if value == 0.0:
+            return guess
+        if (value < 0.0) == (fa < 0.0):
+            a, fa = guess, value
+        else:
+            b, fb = guess, value
+    return 0.5 * (a + b)
+
+
+@kernel
+def _roots(
+    laws: Laws,
+    cell: int,
+    picked: Ints,
+    order: int,
+    a: float,
+    b: float,
+    noise: float,
+    out: Floats,
+    used: int,
+) -> int:
+    """Append to `out` every root in (a, b), and any place where a root cannot be ruled out."""
+    left = np.empty(4 * _DEPTH)
+    right = np.empty(4 * _DEPTH)
+    depth = np.empty(4 * _DEPTH, np.int64)
+    left[0], right[0], depth[0] = a, b, 0
+    waiting = 1
+    while waiting > 0 and used < len(out):
+        waiting -= 1
+        lo, hi, level = left[waiting], right[waiting], depth[waiting]
+        verdict = _verdict(laws, cell, picked, order, lo, hi, noise)
+        if verdict == 0:
+            continue
+        at_lo = _look(laws, cell, picked, order, lo)
+        at_hi = _look(laws, cell, picked, order, hi)
+        if verdict == 1 and (at_lo < 0.0) == (at_hi < 0.0):
+            continue
+        if verdict == 1:
+            out[used] = _root(laws, cell, picked, order, lo, hi)
+            used += 1
+        elif level >= _DEPTH or hi - lo < 1e-10 * (b - a):
+            # A needless cut costs nothing; a missed one would cost the proof.
+            out[used] = 0.5 * (lo + hi)
+            used += 1
+        else:
+            middle = 0.5 * (lo + hi)
+            left[waiting], right[waiting], depth[waiting] = middle, hi, level + 1
+            left[waiting + 1], right[waiting + 1], depth[waiting + 1] = lo, middle, level + 1
+            waiting += 2
+    return used
+
+
+def cut(laws: Laws) -> Pieces:
+    """All pieces of all cells."""
+    cells = len(laws.lever)
+    slots = int(np.max(np.diff(laws.band_first))) + 1
+    room = 16 * cells + 64
+    while True:
+        first = np.zeros(cells + 1, np.int64)
+        left, right, force_left, force_right = np.empty((4, room))
+        sign = np.empty(room, np.int64)
+        picked = np.full((room, slots), -1, np.int64)
+        total = _cut(laws, first, left, right, force_left, force_right, sign, picked)
+        if total >= 0:
+            return Pieces(
+                first,
+                left[:total].copy(),
+                right[:total].copy(),
+                force_left[:total].copy(),
+                force_right[:total].copy(),
+                sign[:total].copy(),
+                picked[:total].copy(),
+            )
+        room *= 2
+
+
+@entry(6e-3, "laws.lever")
+def _cut(
+    laws: Laws,
+    first: Ints,
+    left: Floats,
+    right: Floats,
+    force_left: Floats,
+    force_right: Floats,
+    sign: Ints,
+    picked: Ints,
+) -> int:
+    """Fill the fields of `Pieces`; how many there are, or -1 where they are more than fit in."""
+    cells = len(laws.lever)
+    found = np.empty(4 * MOST_PIECES)
+    rows = np.full(picked.shape[1], -1, np.int64)
+    total = 0
+    for i in range(cells):
+        first[i] = total
+        points = cut_points(laws, i)
+        before = np.nan
+        for j in range(len(points) - 1):
+            a, b = points[j], points[j + 1]
+            pick_rows(laws, i, 0.5 * (a + b), rows)
+            flat = rows[laws.band_first[i + 1] - laws.band_first[i]] < 0
+            load_row = rows[laws.band_first[i + 1] - laws.band_first[i]]
+            if load_row >= 0:
+                flat = (
+                    laws.rows[load_row, 2] == 0.0
+                    and laws.rows[load_row, 3] == 0.0
+                    and laws.rows[load_row, 4] == 0.0
+                )
+            for slot in range(laws.band_first[i + 1] - laws.band_first[i]):
+                flat = flat and rows[slot] < 0
+            used = 0
+            if not flat:
+                force, slope = _largest(laws, i, rows, a, b)
+                flat = slope * (b - a) <= _FLAT * force
+                if not flat:
+                    used = _roots(laws, i, rows, 1, a, b, 0.0, found, used)
+                    steady = _FLAT * slope / (b - a)
+                    used = _roots(laws, i, rows, 2, a, b, steady, found, used)
+            cuts = np.empty(used + 2)
+            cuts[0], cuts[1] = a, b
+            cuts[2:] = found[:used]
+            cuts = np.sort(cuts)
+            for c in range(len(cuts) - 1):
+                lo, hi = cuts[c], cuts[c + 1]
+                if hi - lo <= 1e-13 * laws.full[i] and c + 2 < len(cuts):
+                    cuts[c + 1] = lo
+                    continue
+                if total == len(left):
+                    return -1
+                begin = law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
+                end = begin if flat else law(laws, i, rows, hi)[0]
+                if flat and not np.isnan(before):
+                    # A flat stretch is exact, the curve that runs into it is rounded.
+                    force_right[total - 1] = begin
+                left[total], right[total] = lo, hi
+                force_left[total], force_right[total] = begin, end
+                sign[total] = 0 if end == begin else (1 if end > begin else -1)
+                picked[total] = rows
+                before = end
+                total += 1
+    first[cells] = total
+    return total
+
+
+def force_scale(laws: Laws, pieces: Pieces) -> float:
+    """Largest force of any cell on its way [N], against which tolerances are measured."""
+    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
+    return float(max(largest, np.max(laws.friction), NO_FORCE))
+
+
+@kernel
+def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
+    """The piece of `cell` at `travel`; at a joint the one that lies in `direction`."""
+    piece = pieces.first[cell]
+    last = pieces.first[cell + 1] - 1
+    while piece < last and (
+        pieces.right[piece] < travel or (direction > 0 and pieces.right[piece] <= travel)
+    ):
+        piece += 1
+    return piece
+
+
+@kernel
+def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> float:
+    """The travel on `piece` at which the cell pushes back with `force`, clipped to the piece."""
+    a, b = pieces.left[piece], pieces.right[piece]
+    fa, fb = pieces.force_left[piece], pieces.force_right[piece]
+    rising = pieces.sign[piece] > 0
+    if (force <= fa) == rising or force == fa:
+        return a
+    if (force >= fb) == rising or force == fb:
+        return b
+    picked = pieces.picked[piece]
+    travel = a + (b - a) * (force - fa) / (fb - fa)
+    for _ in range(200):
+        value, slope, _ = law(laws, cell, picked, travel)
+        if value == force:
+            return travel
+        if (value < force) == rising:
+            a = travel
+        else:
+            b = travel
+        step = (force - value) / slope if slope != 0.0 else np.inf
+        following = travel + step
+        if not a < following < b:
+            following = 0.5 * (a + b)
+        if abs(following - travel) <= 1e-16 * laws.full[cell] or not a < following < b:
+            return following
+        travel = following
+    return travel

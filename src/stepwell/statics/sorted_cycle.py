@@ -1,0 +1,223 @@
+"""The full cycle of many concave cells, by sorting: N log N where the follower needs N².
+
+Used only where every step of the proof (theory page, "Sorting") has been checked for the chain
+at hand; anything else goes to the follower.
+"""
+
+import numpy as np
+
+from stepwell.concave.certificate import Simple, certify, end_forces, push, travel_at
+from stepwell.kernels import entry, kernel
+from stepwell.mechanism import Linear
+from stepwell.mechanism.law import Floats, Ints, Laws, band_length
+from stepwell.statics.following import follow as f
+
+# Below this many cells the follower is as quick, and its log is the one that was proved first.
+WORTH_SORTING = 16
+
+
+@kernel
+def _cell(table: Floats, i: int) -> Simple:
+    return Simple(table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
+
+
+@kernel
+def _energy(cell: Simple, travel: float) -> float:
+    sin = travel / cell.lever - cell.sin_limit
+    stretch = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever) - cell.rest
+    return 0.5 * cell.stiffness * stretch * stretch
+
+
+@kernel
+def _most_bend(cell: Simple) -> float:
+    """A bound of |d²F/ds²| [N/m²] over the whole travel, every factor at its worst."""
+    t = cell.sin_limit
+    c = np.sqrt(1.0 - t * t)
+    r = cell.lever
+    ends = (
+        band_length(-t, c, cell.dx, cell.dy, r),
+        band_length(t, c, cell.dx, cell.dy, r),
+    )
+    shortest = min(ends[0], ends[1])
+    longest = r + np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
+    g = abs(cell.dy) + cell.dx * t / c
+    g1 = cell.dx / (r * c * c * c)
+    g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
+    first = g / shortest
+    second = (g1 + first * first) / shortest
+    third = (g2 + 3.0 * first * second) / shortest
+    return cell.stiffness * (3.0 * first * second + (longest - cell.rest) * third)
+
+
+@kernel
+def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
+    """Whether the leader, giving travel back up to `reach`, always pulls harder: proved.
+
+    On [a, b] either both pulls G(x) = F(S - x) rise and the leader's at a is above the other's
+    at b, or their difference, whose second derivative is bounded, cannot sag to zero between
+    its end values.
+    """
+    bend = _most_bend(leader) + _most_bend(other)
+    a, width = 0.0, 0.25 * reach
+    strong, weak = push(leader, full)[0], push(other, full)[0]
+    for _ in range(20_000):
+        b = min(a + width, reach)
+        strong_b, weak_b = push(leader, full - b)[0], push(other, full - b)[0]
+        sag = 0.125 * bend * (b - a) * (b - a)
+        if strong > weak_b or min(strong - weak, strong_b - weak_b) > sag:
+            if b >= reach:
+                return True
+            a, width = b, 2.0 * width
+            strong, weak = strong_b, weak_b
+        else:
+            width *= 0.5
+            if width < 1e-7 * full:
+                return False
+    return False
+
+
+@kernel
+def _row(
+    log: f.Log, kind: int, drive_0: float, drive_1: float, force_0: float, force_1: float
+) -> None:
+    k = log.used[0]
+    row = log.segments[k]
+    row[f.KIND], row[f.DIRECTION] = kind, 1
+    row[f.DRIVE_0], row[f.DRIVE_1], row[f.FORCE_0], row[f.FORCE_1] = (
+        drive_0,
+        drive_1,
+        force_0,
+        force_1,
+    )
+    row[f.TIE_A] = row[f.TIE_B] = -1
+    log.used[0] = k + 1
+    log.first[k + 1] = log.used[1]
+
+
+@kernel
+def _mover(log: f.Log, cell: int, before: float, after: float) -> None:
+    m = log.used[1]
+    mover = log.movers[m]
+    mover[f.CELL], mover[f.PIECE], mover[f.OFFSET] = cell, -1, 0.0
+    mover[f.TRAVEL_0], mover[f.TRAVEL_1] = before, after
+    log.used[1] = m + 1
+
+
+@entry(1e-4, "table")
+def load_sorted(
+    table: Floats, order: Ints, full: float, start_force: float, scale: float, log: f.Log
+) -> bool:
+    """Log the loading of all cells in ascending F0; False where a step is not proved.
+
+    `table` holds one Simple a row, all with travel `full`; `order` sorts them by F0.
+    """
+    n = len(order)
+    tie = 1e-9 * scale
+    force, drive = start_force, 0.0
+    top, top_force = -1, -np.inf
+    checked_top, checked = -1, 0
+    last = -np.inf
+    for done in range(n):
+        j = order[done]
+        cell = _cell(table, j)
+        f0, f1 = end_forces(cell)
+        if f0 - last <= tie or abs(f1 - top_force) <= tie:
+            return False
+        last = f0
+        if f0 != force:
+            _row(log, f.HOLD, drive, drive, force, f0)
+        if f1 > top_force:
+            _mover(log, j, 0.0, full)
+            _row(log, f.MOVE, drive, drive + full, f0, f1)
+            top, top_force = j, f1
+            force, drive = f1, full * (done + 1)
+            continue
+        # j weakens to the force at which the strongest full cell lets go: a snap.
+        leader = _cell(table, top)
+        at = travel_at(cell, top_force)
+        lack = full - at
+        # Other full cells may give travel back too while j runs. The leader had a head start
+        # and keeps it as long as no curve crosses its own within half of what j takes.
+        if lack > 0.5 * full:
+            return False
+        if checked_top != top:
+            checked_top, checked = top, 0
+        while checked < done:
+            k = order[checked]
+            if k != top and not _keeps_ahead(leader, _cell(table, k), full, 0.25 * full):
+                return False
+            checked += 1
+        back = full - lack
+        _mover(log, j, 0.0, at)
+        _row(log, f.MOVE, drive, drive + at, f0, top_force)
+        after = push(leader, back)[0]
+        _mover(log, top, full, back)
+        _mover(log, j, at, full)
+        _row(log, f.SNAP, drive + at, drive + at, top_force, after)
+        snap = log.segments[log.used[0] - 1]
+        snap[f.CAUSE] = f.RELEASE
+        snap[f.RELEASED] = (
+            _energy(cell, at) - _energy(cell, full) + _energy(leader, full) - _energy(leader, back)
+        )
+        _mover(log, top, back, full)
+        _row(log, f.MOVE, drive + at, full * (done + 1), after, top_force)
+        force, drive = top_force, full * (done + 1)
+    return True
+
+
+def simple_table(laws: Laws) -> Floats | None:
+    """(N, 6) one Simple a row where every cell is one of equal travel, else None."""
+    n = len(laws.lever)
+    one_band = len(laws.band) == n and bool(np.all(np.diff(laws.band_first) == 1))
+    hooke = Linear().pieces()
+    one_row = one_band and laws.band_rows[-1] == n and bool(np.all(laws.rows[:n] == hooke))
+    if not one_row or len(laws.rows) > n or np.any(laws.friction > 0):
+        return None
+    if np.ptp(laws.full) > 1e-12 * laws.full[0]:
+        return None
+    return np.column_stack([laws.band, laws.lever, laws.sin_limit])
+
+
+def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
+    """The log of a full cycle and its first force, or None where the proof does not hold."""
+    table = simple_table(laws)
+    if table is None:
+        return None
+    full = laws.full
+    mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
+    forces = np.empty((len(table), 2))
+    if not _certified(table, forces):
+        return None
+    n = len(table)
+    scale = float(np.max(np.abs(forces)))
+    log = f.Log(
+        np.zeros((8 * n, f.SEGMENT_COLUMNS)),
+        np.zeros(8 * n + 1, np.int64),
+        np.zeros((8 * n, f.MOVER_COLUMNS)),
+        np.zeros(2, np.int64),
+    )
+    begin = min(0.0, float(np.min(forces[:, 0])))
+    if not load_sorted(table, np.argsort(forces[:, 0]), full[0], begin, scale, log):
+        return None
+    segments, movers = int(log.used[0]), int(log.used[1])
+    # Unloading is loading seen in a mirror: s → S - s and F → -F turn d_y round.
+    arrival = -float(log.segments[segments - 1, f.FORCE_1])
+    if not load_sorted(mirrored, np.argsort(-forces[:, 1]), full[0], arrival, scale, log):
+        return None
+    back = log.segments[segments : log.used[0]]
+    back[:, f.DIRECTION] = -1
+    back[:, [f.DRIVE_0, f.DRIVE_1]] = n * full[0] - back[:, [f.DRIVE_0, f.DRIVE_1]]
+    back[:, [f.FORCE_0, f.FORCE_1]] *= -1.0
+    way = log.movers[movers : log.used[1]]
+    way[:, [f.TRAVEL_0, f.TRAVEL_1]] = full[0] - way[:, [f.TRAVEL_0, f.TRAVEL_1]]
+    return log, begin
+
+
+@entry(1e-5, "table")
+def _certified(table: Floats, forces: Floats) -> bool:
+    for i in range(len(table)):
+        cell = _cell(table, i)
+        if not certify(cell, 0.0):
+            return False
+        forces[i] = end_forces(cell)
+    return True

@@ -1,0 +1,149 @@
+"""Reading where a path starts, and refusing a start that could not stand there."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepwell.mechanism import Chain
+from stepwell.mechanism.law import Floats, Laws, law
+from stepwell.statics.following.branch import inverse_slope
+from stepwell.statics.following.follow import FREE, HELD, State, held_range
+from stepwell.statics.following.pieces import NO_FORCE, Pieces, find_piece
+
+EPSILON = float(np.finfo(float).eps)
+# A spring whose force is known to no better than this share of the cells' tells nothing.
+_BLUNT = 1e-2
+
+
+def drive_weights(chain: Chain) -> tuple[float, float]:
+    """(α, β) of the drive coordinate U = α Σ s_i + β λ."""
+    stiffness = chain.actuator_stiffness
+    if math.isinf(stiffness):
+        return 1.0, 0.0
+    return (0.0, 1.0) if stiffness == 0 else (1.0, 1.0 / stiffness)
+
+
+def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
+    """(N,) travels [m] of a start given as a state such as "010", as travels, or not at all.
+
+    Raises:
+        ValueError: a state of another length or with other characters, a travel past a stop.
+    """
+    full = np.array([cell.full_travel for cell in chain.cells])
+    if start is None:
+        return np.zeros(len(full))
+    if isinstance(start, str):
+        if len(start) != len(full) or set(start) - {"0", "1"}:
+            raise ValueError(
+                f"start = {start!r}: must be {len(full)} characters 0 or 1, inner cell first; to "
+                f"start between the stops pass the travels in m."
+            )
+        return np.array([float(c == "1") for c in start]) * full
+    travels = np.asarray(start, float)
+    if travels.shape != full.shape:
+        raise ValueError(f"start has shape {travels.shape}: must be ({len(full)},) travels [m].")
+    for name, s, most in zip(chain.names, travels, full, strict=True):
+        if not -1e-9 * most <= s <= (1 + 1e-9) * most:
+            raise ValueError(
+                f"start: {name} at {s * 1e3:.6g} mm: must be between 0 and {most * 1e3:.6g} mm."
+            )
+    near = np.where(travels < 1e-9 * full, 0.0, travels)
+    return np.where(near > (1 - 1e-9) * full, full, near)
+
+
+def starting_state(
+    chain: Chain, laws: Laws, pieces: Pieces, travels: Floats, drive: float, scale: float
+) -> State:
+    """The state in which the chain stands at `travels` while the actuator is at `drive`.
+
+    Raises:
+        ValueError: the drive does not fit the travels, or the cells do not balance, or they
+            balance in an unstable way, or the actuator is too stiff for a double to tell.
+    """
+    alpha, beta = drive_weights(chain)
+    if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
+        if scale <= NO_FORCE:
+            raise ValueError(
+                "no cell has any force, so nothing tells where they stand behind a spring: tighten "
+                "a band, or prescribe the stroke (math.inf, or 'rigid')."
+            )
+        raise ValueError(
+            f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
+            f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
+            f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
+        )
+    n = len(travels)
+    state = State(
+        travels.copy(),
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(n),
+        np.zeros(1),
+    )
+    forces = np.zeros(n)
+    for i in range(n):
+        piece = find_piece(pieces, i, travels[i], 0)
+        state.piece[i] = piece
+        forces[i] = law(laws, i, pieces.picked[piece], travels[i])[0]
+        if travels[i] == pieces.left[piece]:
+            forces[i] = pieces.force_left[piece]
+        elif travels[i] == pieces.right[piece]:
+            forces[i] = pieces.force_right[piece]
+        inside = 0 < travels[i] < laws.full[i]
+        state.mode[i] = FREE if inside and laws.friction[i] == 0 else HELD
+        state.at_rest[i] = forces[i]
+    free = state.mode == FREE
+    low, high = held_range(laws, state)
+    stroke = float(np.sum(travels))
+    if beta == 0:
+        if abs(stroke - drive) > 1e-9 * chain.full_stroke:
+            raise ValueError(
+                f"turning_points[0] = {drive * 1e3:.9g} mm: the start has its cells at a stroke of "
+                f"{stroke * 1e3:.9g} mm; begin there, or pass another start."
+            )
+        force = float(np.mean(forces[free])) if free.any() else min(max(0.0, low), high)
+    else:
+        force = (drive - alpha * stroke) / beta
+    # A drive is a double, and behind a stiff spring its last digits are a force to be seen. What
+    # it leaves open the cells tell.
+    rounding = 4.0 * EPSILON * (abs(drive) + alpha * stroke) / beta if beta > 0 else 0.0
+    slip = 1e-9 * scale + rounding
+    worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
+    if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
+        raise ValueError(_unbalanced(chain, laws, state, forces, force, beta))
+    _refuse_unstable(chain, laws, pieces, state, alpha, beta)
+    told = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
+    state.force[0] = min(max(told, force - rounding), force + rounding)
+    return state
+
+
+def _unbalanced(
+    chain: Chain, laws: Laws, state: State, forces: Floats, force: float, beta: float
+) -> str:
+    parts: list[str] = []
+    for i, name in enumerate(chain.names):
+        rub = laws.friction[i]
+        low = forces[i] - rub if state.travel[i] > 0 else -math.inf
+        high = forces[i] + rub if state.travel[i] < laws.full[i] else math.inf
+        parts.append(f"{name} at {state.travel[i] * 1e3:.6g} mm stands for {low:.4g}..{high:.4g} N")
+    given = f" and the actuator gives {force:.4g} N" if beta > 0 else ""
+    return (
+        f"start is no equilibrium: {'; '.join(parts)}{given}; one force must suit all. Start from "
+        f"all cells at 0 and drive to the state that you mean."
+    )
+
+
+def _refuse_unstable(
+    chain: Chain, laws: Laws, pieces: Pieces, state: State, alpha: float, beta: float
+) -> None:
+    total, falling = beta, 0
+    for i in np.flatnonzero(state.mode == FREE).tolist():
+        falling += int(pieces.sign[state.piece[i]] < 0)
+        total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+    if falling > 1 or (falling == 1 and total >= 0):
+        raise ValueError(
+            f"start is an unstable equilibrium: {falling} cells between their stops push back less "
+            f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
+        )

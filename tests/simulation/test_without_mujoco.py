@@ -1,0 +1,37 @@
+"""Without MuJoCo a user is told in one line how to get it, and all else works."""
+
+import subprocess
+import sys
+
+import pytest
+
+WITHOUT = "import sys; sys.modules['mujoco'] = None\n"
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    """Run code in an interpreter that finds no MuJoCo."""
+    return subprocess.run([sys.executable, "-c", WITHOUT + code], capture_output=True, text=True)
+
+
+@pytest.mark.parametrize(
+    "code", ["import stepwell.simulation", "from stepwell.simulation import walk, maze, mjcf"]
+)
+def test_the_simulation_says_in_one_line_how_to_install_it(code):
+    result = run(code)
+    assert result.returncode != 0
+    assert result.stderr.splitlines()[-1] == (
+        "ModuleNotFoundError: The robot's simulation needs MuJoCo, which is not installed here. "
+        "Install it with: pip install 'stepwell[robot]'"
+    )
+    # One error, not a chain of them.
+    assert result.stderr.count("Traceback") == 1
+
+
+def test_chains_and_robots_as_values_need_no_simulator():
+    result = run(
+        "import stepwell as sw, stepwell.robot\n"
+        "robot = sw.preset('robot-forward')\n"
+        "print(robot.legs[0].chain.cycle().sequence)"
+    )
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.strip() == "00>10>11>01>00"
