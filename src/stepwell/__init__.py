@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Tolerances, Yield, design, margin, transition_map

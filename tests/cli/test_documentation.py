@@ -11,7 +11,7 @@ import typer
 
 import stepwell as sw
 from lab.machine import pair, recording, tension, there, unit
-from stepwell import files, lab
+from stepwell import files, lab, results
 from stepwell.cli import app
 from stepwell.design import (
     Impossible,
@@ -177,16 +177,16 @@ def motion_records() -> list[dict[str, Any]]:
     with pytest.raises(Impossible) as impossible:
         design("00>01>11>10>00", holes=0.04)
     return [
-        *(files.graph_record(graph) for graph in graphs),
-        files.program_record(found),
-        files.program_record(sw.preset("force-control").program("01")),
-        files.unreachable_record(forward, None, "01", unreachable.value),
-        files.design_record(design("00>01>11>10>00", n=100)),
-        files.impossible_record(impossible.value),
-        files.yield_record(yields(forward, spread, n=500, sensitivity=True)),
-        files.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
-        files.reprogram_record(reprogram(forward, None, "inner.p")),
-        files.parameter_map_record(
+        *(results.graph_record(graph) for graph in graphs),
+        results.program_record(found),
+        results.program_record(sw.preset("force-control").program("01")),
+        results.unreachable_record(forward, None, "01", unreachable.value),
+        results.design_record(design("00>01>11>10>00", n=100)),
+        results.impossible_record(impossible.value),
+        results.yield_record(yields(forward, spread, n=500, sensitivity=True)),
+        results.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
+        results.reprogram_record(reprogram(forward, None, "inner.p")),
+        results.parameter_map_record(
             parameter_map(forward, *axes), parameter_boundaries(forward, *axes)
         ),
     ]
@@ -201,9 +201,9 @@ def test_every_name_of_the_json_is_documented():
     records = [
         *lab_records(),
         *motion_records(),
-        files.run_record(chain.cycle(), sw.margin(chain)),
-        files.run_record(forced, sw.margin(forced.chain)),
-        files.map_record(shown, curves),
+        results.run_record(chain.cycle(), sw.margin(chain)),
+        results.run_record(forced, sw.margin(forced.chain)),
+        results.map_record(shown, curves),
         paper_record([VERDICT]),
     ]
     names = {name for record in records for name in keys_of(record)} - {"unsolved"}

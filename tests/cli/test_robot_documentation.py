@@ -6,7 +6,7 @@ import pytest
 import typer
 
 from cli.test_documentation import keys_of
-from stepwell import files, simulation
+from stepwell import files, results, simulation
 from stepwell.cli import app
 from stepwell.cli.screen.outcomes import EXIT_CODES
 
@@ -34,11 +34,11 @@ def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
 def records():
     robot, cylinder = files.load_robot("preset:robot-explorer"), files.load_arena("cylinder")
     return [
-        files.robot_record(robot, robot.predict()),
-        files.walk_record(robot.walk(1)),
-        files.maze_record(robot.maze(cylinder, limit=36.0)),
-        files.convergence_record(simulation.convergence(robot, (1e-3, 5e-4))),
-        files.sweep_record(simulation.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
+        results.robot_record(robot, robot.predict()),
+        results.walk_record(robot.walk(1)),
+        results.maze_record(robot.maze(cylinder, limit=36.0)),
+        results.convergence_record(simulation.convergence(robot, (1e-3, 5e-4))),
+        results.sweep_record(simulation.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)),
     ]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from cli.folders import written
-from stepwell import files
+from stepwell import reports
 from stepwell.statics import StaticsError
 
 FILES = {
@@ -208,14 +208,14 @@ def test_a_file_in_place_of_the_folder_is_wrong_usage(stepwell, tmp_path):
 
 def test_results_from_python_are_written_with_a_design_file_made_for_them(tmp_path):
     chain = sw.preset("paper-via-10")
-    names = files.write_run(chain.cycle(), sw.margin(chain), tmp_path / "out")
+    names = reports.write_run(chain.cycle(), sw.margin(chain), tmp_path / "out")
     assert set(names) == FILES
     assert sw.load(tmp_path / "out" / "design.toml") == chain
 
 
 def test_progress_counts_up_to_the_number_of_files(tmp_path):
     chain, seen = sw.preset("paper-cell-10-0"), []
-    files.write_run(
+    reports.write_run(
         chain.cycle(),
         sw.margin(chain),
         tmp_path / "out",

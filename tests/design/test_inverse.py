@@ -13,8 +13,8 @@ import stepwell as sw
 from sizes import examples
 from stepwell import sequences
 from stepwell.design.margins.robustness import robustness
-from stepwell.design.orders import orders as _orders
-from stepwell.design.placement import candidates, holes as _holes, placement as _place
+from stepwell.design.orders.orders import Orders, of_states
+from stepwell.design.placement import candidates, holes, placement
 from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice
 from stepwell.design.placement.stock import PAPER_BAND, Stock
 from stepwell.design.synthesis import attempt
@@ -157,13 +157,13 @@ def test_a_search_from_anywhere_finds_nothing_more_robust():
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
     rule = candidates.Rule((-0.010, 0.0), (kind,), USUAL, math.inf, True, PAPER_BOX)
     for loading, unloading in (((0, 1, 2), (1, 0, 2)), ((0, 1, 2), (2, 1, 0))):
-        orders = _orders.Orders(loading, unloading)
+        orders = Orders(loading, unloading)
         made = attempt.look(rule, orders, (PAPER_BOX,) * 3, None).refined()
         assert made.best is not None
         table = made.tables[0]
-        search = _place.Search(rule, orders, (PAPER_BOX,) * 3)
+        search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
         for _ in range(examples(3)):
-            start = _place.measured(rule, orders, table.take(rng.integers(len(table.q), size=3)))
+            start = placement.measured(rule, orders, table.take(rng.integers(len(table.q), size=3)))
             start, _ = search.settle(start, lambda i, now, table=table: table, 50)
             other = search.refine(start, 0.001)
             assert other.smallest < 1.002 * made.best.smallest
@@ -296,16 +296,16 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
     for loading, unloading in PAIRS[:6]:
-        orders = _orders.Orders(loading, unloading)
+        orders = Orders(loading, unloading)
         made = attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete
         every = [
-            _place.measured(rule, orders, table.take(np.array(picks)))
+            placement.measured(rule, orders, table.take(np.array(picks)))
             for picks in product(range(len(table.q)), repeat=3)
         ]
         if worst:
             # The radii between neighbours are exact in a placement that is looked at anew.
-            search = _place.Search(rule, orders, (PAPER_BOX,) * 3)
+            search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
             good = sorted(every, key=lambda p: p.smallest)[-200:]
             best = max(search.renewed(p).smallest for p in good)
             assert search.renewed(made.best).smallest == pytest.approx(best, rel=1e-6)
@@ -323,7 +323,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
 )
 def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading, unloading, add):
     allowed = np.array(some).reshape(3, 5)
-    orders = _orders.Orders(tuple(loading), tuple(unloading))
+    orders = Orders(tuple(loading), tuple(unloading))
 
     def worth(picks: tuple[int, ...]) -> float:
         if not all(allowed[i, c] for i, c in enumerate(picks)):
@@ -336,7 +336,7 @@ def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading,
         return float(sum(gaps)) if add else float(min(gaps))
 
     best = max(worth(picks) for picks in product(range(5), repeat=3))
-    found = _holes.best_choice(gap, allowed, orders, add=add)
+    found = holes.best_choice(gap, allowed, orders, add=add)
     assert found.complete
     assert found.value == pytest.approx(best, abs=1e-9)
     assert (len(found.picks) > 0) == (best > -math.inf)
@@ -347,8 +347,8 @@ def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading,
 def test_a_search_that_gave_up_proves_nothing():
     rng = np.random.default_rng(0)
     gap = rng.uniform(0, 1, (2, 12, 12))
-    orders = _orders.Orders((0, 1, 2, 3, 4), (2, 0, 4, 1, 3))
-    found = _holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
+    orders = Orders((0, 1, 2, 3, 4), (2, 0, 4, 1, 3))
+    found = holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
     assert not found.complete
     assert found.nodes == 7
 
@@ -407,11 +407,11 @@ def test_each_set_of_states_of_few_cells_is_had_or_refused_with_the_engine_as_wi
 def test_whatever_two_orders_reach_is_found_to_need_orders_that_reach_it(pair):
     loading, unloading = (tuple(order) for order in pair)
     states = ideals(loading, unloading)
-    assert set(_orders.Orders(loading, unloading).states) == states
-    wish = _orders.of_states(states, None, alike=False)
+    assert set(Orders(loading, unloading).states) == states
+    wish = of_states(states, None, alike=False)
     assert all(ideals(o.loading, o.unloading) == states for o in wish.orders)
     if wish.complete:
-        assert _orders.Orders(loading, unloading) in wish.orders
+        assert Orders(loading, unloading) in wish.orders
 
 
 def test_all_orders_of_a_set_of_states_are_tried():
@@ -419,12 +419,12 @@ def test_all_orders_of_a_set_of_states_are_tried():
     for loading, unloading in product(every[:6], every):
         states = ideals(loading, unloading)
         same = {(a, b) for a, b in product(every, every) if ideals(a, b) == states}
-        wish = _orders.of_states(states, None, alike=False)
+        wish = of_states(states, None, alike=False)
         assert wish.complete == (len(same) < 24)
         if wish.complete:
             assert {(o.loading, o.unloading) for o in wish.orders} == same
-        alike = _orders.of_states(states, None, alike=True)
-        patterns = {_orders.Orders(a, b).pattern for a, b in same}
+        alike = of_states(states, None, alike=True)
+        patterns = {Orders(a, b).pattern for a, b in same}
         assert alike.complete
         assert {o.pattern for o in alike.orders} == patterns
 

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from stepwell import figures, files
+from stepwell import figures, files, results
 from stepwell.design import Change, margin
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load
 from stepwell.reports.page import report
@@ -123,7 +123,7 @@ def test_long_chains_are_told_distances_without_a_cycle_for_each(count, monkeypa
     asked = []
     monkeypatch.setattr(Change, "becomes", property(lambda change: asked.append(change) or "1>0"))
     table = Page(report(cycle, limits, {})).tables[2]
-    changes = files.run_record(cycle, limits)["margin"]["changes"]
+    changes = results.run_record(cycle, limits)["margin"]["changes"]
     spelled = count <= 12
     assert ("Sequence past it" in table[0]) == spelled
     assert {len(row) for row in table} == {len(table[0])}

@@ -3,13 +3,15 @@
 import math
 import re
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 from stepwell import files, paper
 from stepwell.paper import Judgement
-from stepwell.paper.robots import loss as _loss, robot as _robot, sensitivity, steering
+from stepwell.paper.robots import LOSS, ROBOT, robot, sensitivity, steering, walk_of
+from stepwell.paper.robots.loss import forward_loss
 from stepwell.robot import Floor, other_layout, other_start
 from stepwell.robot.gait.states import TOLERANCE
 from stepwell.simulation import Outcome, maze, mazes
@@ -18,7 +20,7 @@ THREE = ("wall 1", "wall 2", "wall 3")
 
 
 def explorer(**changes):
-    return replace(_robot.robot("explorer"), **changes)
+    return replace(robot("explorer"), **changes)
 
 
 def levers_off(design):
@@ -37,46 +39,50 @@ def test_claims_that_take_many_runs_are_only_listed_when_asked_for():
     assert everything - usual == {claim.id for claim in steering.MANY_RUNS}
 
 
-@pytest.mark.parametrize("claim", _robot.CLAIMS, ids=lambda claim: claim.id)
+@pytest.mark.parametrize("claim", ROBOT, ids=lambda claim: claim.id)
 def test_a_robot_claim_agrees(claim):
     assert claim.judge().verdict is Judgement.AGREES
 
 
 def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
-    heavy = _robot.robot("forward")
+    heavy = robot("forward")
     heavy = replace(heavy, floor=Floor(drag=5.0))
-    monkeypatch.setattr(_robot, "walk_of", lambda name: heavy.walk(3))
-    verdict = found(_robot.CLAIMS, "robot-forward").judge()
+    monkeypatch.setattr(
+        import_module("stepwell.paper.robots.robot"), "walk_of", lambda name: heavy.walk(3)
+    )
+    verdict = found(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.DIFFERS
     assert verdict.reason
 
 
 def test_a_forward_step_loses_at_its_start_and_not_in_the_snap_near_11():
     # The paper blames the snap, in which the foot is in the air.
-    loss = _loss.forward_loss()
+    loss = forward_loss()
     assert loss.airborne == 0.0
     assert loss.snap < 0.005
     assert loss.start > 0.9 * loss.whole > 0.2
     assert loss.carried < 0.1 * loss.stood
     # What the outer cell opens is there, and under what a gait's states show.
     assert 0.1 < loss.opened < TOLERANCE
-    verdict = found(_loss.CLAIMS, "robot-forward-loss").judge()
+    verdict = found(LOSS, "robot-forward-loss").judge()
     assert verdict.verdict is Judgement.DIFFERS
 
 
 def test_a_step_that_were_lost_near_11_would_agree(monkeypatch):
-    walk = _robot.walk_of("forward")
+    walk = walk_of("forward")
     late = walk.stroke > walk.robot.drive.amplitude - 0.003
-    monkeypatch.setattr(_loss, "walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late))
-    assert found(_loss.CLAIMS, "robot-forward-loss").judge().verdict is Judgement.AGREES
+    monkeypatch.setattr(
+        "stepwell.paper.robots.loss.walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late)
+    )
+    assert found(LOSS, "robot-forward-loss").judge().verdict is Judgement.AGREES
 
 
 def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
     def missing(name):
         raise ModuleNotFoundError("no", name="mujoco")
 
-    monkeypatch.setattr(_robot, "walk_of", missing)
-    verdict = found(_robot.CLAIMS, "robot-forward").judge()
+    monkeypatch.setattr(import_module("stepwell.paper.robots.robot"), "walk_of", missing)
+    verdict = found(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.NEEDS_MUJOCO
     assert "pip install" in verdict.reason
 
@@ -121,7 +127,7 @@ def test_an_obstacle_is_left_behind(arena):
 @pytest.mark.parametrize("name", ["three-walls", "corridor"])
 def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
     arena = files.load_arena(name)
-    start, design = other_start(arena, steering.STARTS[0]), _robot.robot("antennas")
+    start, design = other_start(arena, steering.STARTS[0]), robot("antennas")
     with_antennas, bare, disconnected = mazes(
         [(design, start), (replace(design, antennas=()), start), (levers_off(design), start)],
         limit=500.0,
@@ -137,7 +143,7 @@ def test_three_walls_are_passed_by_steering_and_not_by_shape(name):
 @pytest.mark.slow
 def test_three_walls_that_stand_differently_are_passed():
     arena = other_layout(files.load_arena("three-walls"), steering.LAYOUTS[0])
-    assert maze(_robot.robot("antennas"), arena, limit=600.0).outcome is Outcome.REACHED
+    assert maze(robot("antennas"), arena, limit=600.0).outcome is Outcome.REACHED
 
 
 def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
@@ -169,7 +175,7 @@ def test_every_assumed_number_that_can_matter_on_a_bare_floor_is_varied():
         "body.centre_mm[1]",
         "body.supports_mm[0][1]",
     }
-    for parameter in files.parameters(_robot.robot("forward")):
+    for parameter in files.parameters(robot("forward")):
         if parameter.source != "assumed" or parameter.path in symmetric:
             continue
         if parameter.path.rpartition(".")[2] in spared:

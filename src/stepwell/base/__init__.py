@@ -1,1 +1,35 @@
 """What every room stands on: equality and checks of values, limits, text, files written whole."""
+
+from stepwell.base.check import Vec2, finite, short
+from stepwell.base.limits import most, problem, require
+from stepwell.base.setting import SettingError
+from stepwell.base.text import printable
+from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
+from stepwell.base.value import ByValue, Carried, ReadOnly, same
+from stepwell.base.version import __version__, versions
+from stepwell.base.write import csv_text, draft_beside, sync_folder, told_of, write_atomic
+
+__all__ = [
+    "ONE_BY_ONE",
+    "QUICKLY",
+    "REACH",
+    "ByValue",
+    "Carried",
+    "ReadOnly",
+    "SettingError",
+    "Vec2",
+    "__version__",
+    "csv_text",
+    "draft_beside",
+    "finite",
+    "most",
+    "printable",
+    "problem",
+    "require",
+    "same",
+    "short",
+    "sync_folder",
+    "told_of",
+    "versions",
+    "write_atomic",
+]

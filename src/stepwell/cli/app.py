@@ -8,12 +8,11 @@ from typing import Annotated
 
 import typer
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 from stepwell.cli import lab, new, paper, presets
 from stepwell.cli.chains import animate, design, graph, map, program, reprogram, run, yield_
 from stepwell.cli.robots import export, maze, robot, view, walk
-from stepwell.cli.screen.outcomes import EXIT_CODES, Commands
-from stepwell.cli.screen.show import styled
+from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
 app = typer.Typer(
     cls=Commands,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import ForceFile
+from stepwell.cli.options import ForceFile
 
 _File = Annotated[
     Path, typer.Argument(metavar="NAME.toml", help="The file to write.", show_default=False)
@@ -19,8 +19,8 @@ def new(file: _File, preset: _Preset = "paper-forward", force: ForceFile = False
     It is a copy of one of the designs that come with Stepwell, with its comments.
     """
     from stepwell import files
-    from stepwell.cli.options.folders import free_file
-    from stepwell.cli.screen.show import show_lines
+    from stepwell.cli.options import free_file
+    from stepwell.cli.screen import show_lines
 
     if file.suffix != ".toml":
         raise typer.BadParameter(

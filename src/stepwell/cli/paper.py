@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out
 
 _All = Annotated[
     bool,
@@ -36,8 +36,7 @@ def paper(
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import paper as _paper_text
 
     with progress("claims") as tell:

@@ -13,7 +13,7 @@ def presets(as_json: _Json = False) -> None:
     The paper's come first, then some that go further, then robots.
     """
     from stepwell import files
-    from stepwell.cli.screen.show import show_json, show_table
+    from stepwell.cli.screen import show_json, show_table
 
     found = files.presets()
     if as_json:

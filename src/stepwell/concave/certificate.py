@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Cell, Linear
-from stepwell.mechanism.law import band_length, length_slopes
+from stepwell.mechanism import Cell, Linear, band_length, length_slopes
 
 __all__ = [
     "Pair",
     "Simple",
     "band_length",
     "certify",
+    "closed",
     "end_forces",
     "length_slopes",
     "pair",
@@ -116,6 +116,15 @@ def certify(cell: Simple, reach: float) -> bool:
             if not width > _SHORTEST * end:
                 return False
     return False
+
+
+def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:
+    """The cell as plain numbers where the closed forms are proved to hold, else None.
+
+    `reach` [m] asks for the proof at every anchor within that distance as well.
+    """
+    numbers = simple(cell)
+    return numbers if numbers is not None and certify(numbers, reach) else None
 
 
 @entry()

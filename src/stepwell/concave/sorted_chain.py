@@ -8,10 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, end_forces
-from stepwell.design.parameters.pairs import closed
+from stepwell.concave.certificate import Simple, closed, end_forces
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence
 
 Floats = NDArray[np.float64]
 
@@ -64,12 +62,6 @@ class SortedChain:
             tuple(unloading.tolist()),
             (np.argsort(loading), np.argsort(unloading)),
         )
-
-    @property
-    def sequence(self) -> Sequence:
-        """The states from all cells at 0 to all at 1 and back."""
-        flips = tuple((cell,) for cell in self.loading + self.unloading)
-        return Sequence("0" * len(self.cells), flips)
 
     def neighbours(self, cell: int) -> list[Neighbour]:
         """The end forces next to those of a cell, up to four.

@@ -7,29 +7,38 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from stepwell.design.maps.boundaries import boundaries
-from stepwell.design.maps.parameter_map import (
+from stepwell.design.maps import (
     ParameterBoundary,
+    boundaries,
     parameter_boundaries,
     parameter_map,
+    transition_map,
 )
-from stepwell.design.maps.transition_map import transition_map
-from stepwell.design.margins.change import Change
-from stepwell.design.margins.margin import Margin, margin
-from stepwell.design.margins.reprogramming import Reprogramming, reprogram
-from stepwell.design.margins.resistance import Push
-from stepwell.design.margins.robustness import Robustness, robustness
-from stepwell.design.orders.reached import Reached
-from stepwell.design.parameters.parameter import Knob, knob, knobs
-from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon
-from stepwell.design.placement.stock import PAPER_BAND, Stock
-from stepwell.design.plane.boundary import Boundary, BoundaryKind
-from stepwell.design.synthesis.designed import Design
-from stepwell.design.synthesis.impossible import Impossible
-from stepwell.design.synthesis.inverse import design
-from stepwell.design.tolerances.survival import Survival, survival
-from stepwell.design.tolerances.tolerances import USUAL, Tolerances
-from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
+from stepwell.design.margins import (
+    Change,
+    Margin,
+    Push,
+    Reprogramming,
+    Robustness,
+    margin,
+    reprogram,
+    robustness,
+)
+from stepwell.design.orders import Reached
+from stepwell.design.parameters import Knob, knob, knobs
+from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
+from stepwell.design.plane import Boundary, BoundaryKind
+from stepwell.design.synthesis import Design, Impossible, design
+from stepwell.design.tolerances import (
+    USUAL,
+    Critical,
+    Sensitivities,
+    Survival,
+    Tolerances,
+    Yield,
+    survival,
+    yields,
+)
 
 __all__ = [
     "PAPER_BAND",

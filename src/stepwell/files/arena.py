@@ -9,13 +9,10 @@ from importlib.resources import files
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import arena as schema
-from stepwell.files.schema.keys import fields, slip_lines
-from stepwell.files.schema.wording import worded
+from stepwell.files.schema import arena as schema, fields, slip_lines, worded
 from stepwell.files.source import read
-from stepwell.files.tables.arena_map import drawn
-from stepwell.files.text.errors import DesignError, did_you_mean
-from stepwell.files.text.toml import parsed
+from stepwell.files.tables import drawn
+from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 

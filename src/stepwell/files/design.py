@@ -6,13 +6,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import chain as schema, robot as robot_schema
-from stepwell.files.schema.wording import worded
-from stepwell.files.tables.cells import Shared, cell
-from stepwell.files.tables.program import WrittenProgram, written
-from stepwell.files.tables.robot import robot
-from stepwell.files.text.errors import DesignError
-from stepwell.files.text.toml import parsed
+from stepwell.files.schema import chain as schema, robot as robot_schema, worded
+from stepwell.files.tables import Shared, WrittenProgram, cell, robot, written
+from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from stepwell.base.text import printable
-from stepwell.base.version import __version__
-from stepwell.base.write import draft_beside, sync_folder, told_of, write_atomic
+from stepwell.base import __version__, draft_beside, printable, sync_folder, told_of, write_atomic
 from stepwell.files.outputs import OUTPUTS
 
 FOLDER_SCHEMA = "stepwell.folder/1"

@@ -9,16 +9,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.files.design import loads_robot
-from stepwell.files.schema import robot as schema
-from stepwell.files.schema.keys import unit_of
-from stepwell.files.schema.wording import worded
-from stepwell.files.tables.robot import robot as robot_of
-from stepwell.files.tables.sources import sources
-from stepwell.files.tables.tree import is_number, leaves, put, tree_of
-from stepwell.files.text.errors import DesignError, value_text
-from stepwell.files.text.paths import Item, Steps, find, spelled
+from stepwell.files.schema import robot as schema, unit_of, worded
+from stepwell.files.tables import is_number, leaves, put, robot as robot_of, sources, tree_of
+from stepwell.files.text import DesignError, Item, Steps, find, spelled, value_text
 from stepwell.robot import Robot
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.files.parameters import parameters
 from stepwell.robot import Robot
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 from stepwell.files.design import loads
-from stepwell.files.text.errors import DesignError, did_you_mean
+from stepwell.files.text import DesignError, did_you_mean
 
 
 def presets() -> dict[str, str]:

@@ -12,8 +12,8 @@ from stepwell.base import limits
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.folder import doubt
 from stepwell.files.shipped import preset_text, presets
-from stepwell.files.tables.program import WrittenProgram
-from stepwell.files.text.errors import DesignError
+from stepwell.files.tables import WrittenProgram
+from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 

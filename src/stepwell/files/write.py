@@ -5,14 +5,11 @@ from __future__ import annotations
 import os
 import re
 
-from stepwell.base.write import write_atomic
+from stepwell.base import write_atomic
 from stepwell.files.arena import loads_arena
 from stepwell.files.design import loads, loads_chain, loads_program
-from stepwell.files.tables.arena_text import arena_text_of
-from stepwell.files.tables.chain_text import chain_text
-from stepwell.files.tables.program import WrittenProgram
-from stepwell.files.tables.robot_text import robot_text
-from stepwell.files.text.errors import DesignError
+from stepwell.files.tables import WrittenProgram, arena_text_of, chain_text, robot_text
+from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
 

@@ -5,8 +5,22 @@ program calls: it is interpreted while the work is small, compiled by a process 
 it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
 """
 
+from stepwell.kernels.effort import LEGS, SPENT, UNLIMITED, end_early, overspent, watched
 from stepwell.kernels.entry import Entry, entry
 from stepwell.kernels.fingerprint import kernel
 from stepwell.kernels.threads import beside, cores, in_blocks
 
-__all__ = ["Entry", "beside", "cores", "entry", "in_blocks", "kernel"]
+__all__ = [
+    "LEGS",
+    "SPENT",
+    "UNLIMITED",
+    "Entry",
+    "beside",
+    "cores",
+    "end_early",
+    "entry",
+    "in_blocks",
+    "kernel",
+    "overspent",
+    "watched",
+]

@@ -10,7 +10,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
-from stepwell.base.setting import SettingError
+from stepwell.base import SettingError
 from stepwell.kernels.fingerprint import kernel, kernel_of, stem
 
 P = ParamSpec("P")

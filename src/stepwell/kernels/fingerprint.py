@@ -100,7 +100,7 @@ def _value(value: Any, names: set[str], known: dict[FunctionType, str]) -> str:
 
 @cache
 def _surroundings() -> str:
-    from stepwell.base.version import __version__
+    from stepwell.base import __version__
 
     versions = [f"{name} {version(name)}" for name in ("numba", "llvmlite", "numpy")]
     return f"stepwell {__version__} {sys.implementation.cache_tag} {versions} {_processor()}"

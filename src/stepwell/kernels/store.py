@@ -12,7 +12,7 @@ from pathlib import Path
 
 import platformdirs
 
-from stepwell.base.write import write_atomic
+from stepwell.base import write_atomic
 
 _MARK = b"a compiled kernel of Stepwell\n"
 _DIGEST = 32

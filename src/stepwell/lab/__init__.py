@@ -1,39 +1,60 @@
 """Measured data in, calibrated bands and measured-versus-model verdicts out."""
 
-from stepwell.lab.bands.band import (
+from stepwell.lab.bands import (
+    LAWS,
     BandTest,
+    Candidate,
+    Choice,
+    Estimate,
+    Fitted,
+    ForceLaw,
     Loop,
+    band_record,
+    band_table,
     band_test,
+    choose_law,
+    fit,
     hysteresis,
     stiffness,
     stiffness_by_window,
 )
-from stepwell.lab.bands.choice import Candidate, Choice, choose_law
-from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
-from stepwell.lab.bands.record import band_record
-from stepwell.lab.bands.spread import Estimate
-from stepwell.lab.bands.table import band_table
-from stepwell.lab.mechanisms.calibrate import (
+from stepwell.lab.mechanisms import (
+    PAPER_RIG,
     Calibration,
+    CellTest,
+    Comparison,
+    PairTest,
     Parameter,
+    Reading,
+    Rig,
     Sample,
+    Series,
+    Snap,
+    Sorted,
     calibrate,
+    calibrated_table,
+    compare,
+    comparison_record,
+    find_snaps,
     fit_record,
     prepare,
+    sort_series,
 )
-from stepwell.lab.mechanisms.cell_test import CellTest, Reading
-from stepwell.lab.mechanisms.compare import Comparison, compare, comparison_record
-from stepwell.lab.mechanisms.pair_test import PairTest
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
-from stepwell.lab.mechanisms.series import Series, Sorted, sort_series
-from stepwell.lab.mechanisms.snaps import Snap, find_snaps
-from stepwell.lab.mechanisms.table import calibrated_table
-from stepwell.lab.recordings.curve import Curve, mean_curve
-from stepwell.lab.recordings.errors import LabError
-from stepwell.lab.recordings.oddities import batch_oddities, oddities
-from stepwell.lab.recordings.read import Batch, read, read_all
-from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.recordings.table import hashes, summary, table, table_csv
+from stepwell.lab.recordings import (
+    Batch,
+    Curve,
+    LabError,
+    Recording,
+    batch_oddities,
+    hashes,
+    mean_curve,
+    oddities,
+    read,
+    read_all,
+    summary,
+    table,
+    table_csv,
+)
 
 __all__ = [
     "LAWS",

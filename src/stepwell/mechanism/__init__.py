@@ -4,7 +4,19 @@ from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table
-from stepwell.mechanism.sizes import Slip, SlipError, slips
+from stepwell.mechanism.law import (
+    Floats,
+    Ints,
+    Laws,
+    band_length,
+    law,
+    length_slopes,
+    pick_rows,
+    stored,
+    summed,
+)
+from stepwell.mechanism.pack import pack
+from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [
     "LIMITS_DEG",
@@ -14,11 +26,22 @@ __all__ = [
     "Cell",
     "Chain",
     "Cubic",
+    "Floats",
+    "Ints",
     "Law",
+    "Laws",
     "Linear",
     "Load",
+    "Size",
     "Slip",
     "SlipError",
     "Table",
+    "band_length",
+    "law",
+    "length_slopes",
+    "pack",
+    "pick_rows",
     "slips",
+    "stored",
+    "summed",
 ]

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check
 from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
 from stepwell.mechanism.geometry import band_length, length_slopes

@@ -8,10 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.limits import require
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check, require
 from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load

@@ -7,10 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.base.check import finite, short
-from stepwell.base.limits import require
-from stepwell.base.usual import REACH
-from stepwell.base.value import ByValue
+from stepwell.base import REACH, ByValue, finite, require, short
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell, as_cells
 from stepwell.mechanism.sizes import SlipError

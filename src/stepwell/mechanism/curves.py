@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import check
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, check
 
 Array = NDArray[np.float64]
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base.value import Carried
+from stepwell.base import Carried
 from stepwell.mechanism.curves import Cubic, Table
 
 if TYPE_CHECKING:

@@ -1,7 +1,6 @@
 """The claims of the paper as data, each with a function that computes ours."""
 
-from stepwell.paper.claims.claim import Claim, Finding, Judgement, Verdict
-from stepwell.paper.claims.table import markdown
+from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, markdown
 from stepwell.paper.registry import claims
 from stepwell.paper.run import outputs, record, run
 

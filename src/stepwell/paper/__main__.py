@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 from stepwell.files import write_atomic
-from stepwell.paper.claims.table import markdown, replaced
-from stepwell.paper.mechanisms.measured import IDS
-from stepwell.paper.robots.steering import MANY_RUNS
+from stepwell.paper.claims import markdown, replaced
+from stepwell.paper.mechanisms import IDS
+from stepwell.paper.robots import MANY_RUNS
 from stepwell.paper.run import record, run
 
 USAGE = """usage: python -m stepwell.paper [--data PATH | --all] claims.json [PAGE.md ...]

@@ -18,8 +18,8 @@ import numpy as np
 
 from stepwell.design import Tolerances, design
 from stepwell.files import write_atomic
-from stepwell.paper.claims.table import replaced as between
-from stepwell.paper.mechanisms.more_cells import SPREAD, WANTED
+from stepwell.paper.claims import replaced as between
+from stepwell.paper.mechanisms import SPREAD, WANTED
 from stepwell.sequences import Sequence
 
 BEGIN = "<!-- any cycle: written by `python -m stepwell.paper.any_cycle`, not by hand -->"

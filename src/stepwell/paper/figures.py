@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from stepwell import figures
 from stepwell.design import boundaries, transition_map
-from stepwell.paper.mechanisms.designs import (
+from stepwell.paper.mechanisms import (
     PAIRS,
     monostable_pair,
     outer_anchor,
@@ -68,7 +68,7 @@ FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 
 def gaits() -> Figure:
     """Where the paper's four robots go (Figs. 3C to 3E)."""
-    from stepwell.paper.robots.robot import walk_of
+    from stepwell.paper.robots import walk_of
 
     names = {
         "forward: q_out = 20 mm": "forward",
@@ -82,7 +82,7 @@ def gaits() -> Figure:
 def three_walls() -> Figure:
     """A robot with antennas past three walls (Fig. 4D)."""
     from stepwell import files
-    from stepwell.paper.robots.robot import robot
+    from stepwell.paper.robots import robot
     from stepwell.simulation import maze
 
     return figures.maze(maze(robot("explorer"), files.load_arena("three-walls")))
@@ -90,7 +90,7 @@ def three_walls() -> Figure:
 
 def tornado() -> Figure:
     """The results about the robot against every number that is assumed."""
-    from stepwell.paper.robots.sensitivity import sensitivities
+    from stepwell.paper.robots import sensitivities
 
     return figures.tornado(sensitivities())
 

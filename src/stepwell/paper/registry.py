@@ -2,18 +2,18 @@
 
 import os
 
-from stepwell.paper.claims.claim import Claim
+from stepwell.paper.claims import Claim
 from stepwell.paper.mechanisms import (
-    cells as _cells,
-    map,
-    measured,
-    misprints,
-    more_cells,
-    order as _order,
-    pathways,
-    wells,
+    CELLS,
+    MAP,
+    MISPRINTS,
+    MORE_CELLS,
+    ORDER,
+    PATHWAYS,
+    WELLS,
+    measured_claims,
 )
-from stepwell.paper.robots import antennas, loss, robot as _robot, steering
+from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
 
 
 def claims(
@@ -28,17 +28,17 @@ def claims(
     Source: Kamp et al. 2024.
     """
     return (
-        *_cells.CLAIMS,
-        *pathways.CLAIMS,
-        *_order.CLAIMS,
-        *wells.CLAIMS,
-        *map.CLAIMS,
-        *misprints.CLAIMS,
-        *measured.claims(data),
-        *_robot.CLAIMS,
-        *loss.CLAIMS,
-        *steering.CLAIMS,
-        *antennas.CLAIMS,
-        *more_cells.CLAIMS,
-        *(steering.MANY_RUNS if everything else ()),
+        *CELLS,
+        *PATHWAYS,
+        *ORDER,
+        *WELLS,
+        *MAP,
+        *MISPRINTS,
+        *measured_claims(data),
+        *ROBOT,
+        *LOSS,
+        *STEERING,
+        *ANTENNAS,
+        *MORE_CELLS,
+        *(MANY_RUNS if everything else ()),
     )

@@ -7,9 +7,10 @@ import os
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from stepwell.files import head, pictures
-from stepwell.paper.claims.claim import Verdict
+from stepwell.files import pictures
+from stepwell.paper.claims import Verdict
 from stepwell.paper.registry import claims
+from stepwell.results import head
 
 SCHEMA = "stepwell.paper/1"
 

@@ -1,1 +1,36 @@
 """Folders of results: figures, tables, numbers and pages that belong together."""
+
+from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
+from stepwell.reports.graph import checked_suffix, write_graph
+from stepwell.reports.measured import (
+    write_band,
+    write_calibration,
+    write_comparison,
+    write_readings,
+)
+from stepwell.reports.page import report
+from stepwell.reports.program import write_program
+from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
+from stepwell.reports.run import write_map, write_parameter_map, write_run
+
+__all__ = [
+    "checked_suffix",
+    "report",
+    "write_band",
+    "write_calibration",
+    "write_comparison",
+    "write_design",
+    "write_graph",
+    "write_map",
+    "write_maze",
+    "write_parameter_map",
+    "write_program",
+    "write_readings",
+    "write_reprogramming",
+    "write_robot",
+    "write_run",
+    "write_survival",
+    "write_sweep",
+    "write_walk",
+    "write_yield",
+]

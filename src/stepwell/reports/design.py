@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base.write import write_atomic
-from stepwell.files.folder import staged_folder
-from stepwell.files.write import dumps
+from stepwell.base import write_atomic
+from stepwell.files import dumps, staged_folder
 from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json
-from stepwell.results.design import design_record, reprogram_record, survival_record, yield_record
+from stepwell.results import design_record, reprogram_record, survival_record, yield_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base.write import write_atomic
+from stepwell.base import write_atomic
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph

@@ -6,8 +6,8 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base.write import write_atomic
-from stepwell.files.folder import staged_folder
+from stepwell.base import write_atomic
+from stepwell.files import staged_folder
 from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json, write_netcdf
 
 if TYPE_CHECKING:

@@ -10,10 +10,9 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 from stepwell.mechanism import Chain, Linear
-from stepwell.results.run import LONGEST_BECOMING
-from stepwell.results.ties import tie_notes
+from stepwell.results import LONGEST_BECOMING, tie_notes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

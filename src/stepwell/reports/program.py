@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from stepwell.base.write import write_atomic
-from stepwell.files.folder import staged_folder
-from stepwell.files.tables.program import WrittenProgram
-from stepwell.files.write import dumps, with_program
+from stepwell.base import write_atomic
+from stepwell.files import dumps, staged_folder, with_program
+from stepwell.files.tables import WrittenProgram
 from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json
-from stepwell.results.program import program_record
+from stepwell.results import program_record
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program

@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base.write import write_atomic
-from stepwell.files.folder import staged_folder
-from stepwell.files.write import dumps
+from stepwell.base import write_atomic
+from stepwell.files import dumps, staged_folder
 from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json, write_netcdf
-from stepwell.results.robot import maze_record, robot_record, sweep_record, walk_record
+from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

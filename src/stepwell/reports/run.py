@@ -6,13 +6,17 @@ import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base.write import write_atomic
-from stepwell.files.folder import staged_folder
-from stepwell.files.write import dumps
+from stepwell.base import write_atomic
+from stepwell.files import dumps, staged_folder
 from stepwell.reports.page import report
 from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json, write_netcdf
-from stepwell.results.map import parameter_boundary_rows, parameter_map_record
-from stepwell.results.run import boundary_rows, map_record, run_record
+from stepwell.results import (
+    boundary_rows,
+    map_record,
+    parameter_boundary_rows,
+    parameter_map_record,
+    run_record,
+)
 
 if TYPE_CHECKING:
     import xarray

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base.write import write_atomic
+from stepwell.base import write_atomic
 
 if TYPE_CHECKING:
     import xarray

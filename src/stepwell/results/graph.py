@@ -11,10 +11,7 @@ from stepwell.results.ties import tie_notes
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph
-    from stepwell.sequences.memory.counting import Accumulator
-    from stepwell.sequences.memory.latches import Latch
-    from stepwell.sequences.memory.loops import Loop
-    from stepwell.sequences.memory.return_point import ReturnPointMemory
+    from stepwell.sequences.memory import Accumulator, Latch, Loop, ReturnPointMemory
 
 GRAPH_SCHEMA = "stepwell.graph/1"
 

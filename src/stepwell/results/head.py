@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.base.version import __version__, versions
-from stepwell.files.folder import digest
-from stepwell.files.write import dumps
+from stepwell.base import __version__, versions
+from stepwell.files import digest, dumps
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.files.folder import digest
-from stepwell.files.provenance import provenance
-from stepwell.files.write import dumps
+from stepwell.files import digest, dumps, provenance
 from stepwell.results.head import head
 from stepwell.results.run import finite
 from stepwell.robot import Arena, Flip, LegPrediction, Prediction, Push, Robot
-from stepwell.robot.gait.predict import depths
+from stepwell.robot.gait import depths
 from stepwell.statics import StaticsError
 
 if TYPE_CHECKING:

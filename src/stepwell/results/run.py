@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base.write import csv_text
+from stepwell.base import csv_text
 from stepwell.mechanism import Cell, Chain
 from stepwell.results.head import head
 from stepwell.results.ties import tie_notes

@@ -1,14 +1,15 @@
 """Robots simulated: their MuJoCo model, their walks, their way through an arena."""
 
 from stepwell.simulation.convergence import Convergence, Resolution, convergence
-from stepwell.simulation.maze import Change, Contact, Maze, Outcome, maze, mazes
-from stepwell.simulation.model.model import mjcf, spec
-from stepwell.simulation.model.settings import Integrator, Linkage, Settings
+from stepwell.simulation.maze import TOUCHED, Change, Contact, Maze, Outcome, maze, mazes
+from stepwell.simulation.model import Integrator, Linkage, Settings, mjcf, spec
 from stepwell.simulation.sweep import Sweep, Trial, sweep
 from stepwell.simulation.video import VideoError, video
-from stepwell.simulation.walk import Walk, walk
+from stepwell.simulation.walk import LOADED, Walk, walk
 
 __all__ = [
+    "LOADED",
+    "TOUCHED",
     "Change",
     "Contact",
     "Convergence",

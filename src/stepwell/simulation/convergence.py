@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.robot import Robot
-from stepwell.simulation.model.settings import Settings
+from stepwell.simulation.model import Settings
 from stepwell.simulation.walk import LOADED, Walk, walk
 
 Array = NDArray[np.float64]

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base.version import __version__
-from stepwell.base.write import write_atomic
+from stepwell.base import __version__, write_atomic
 
 if TYPE_CHECKING:
     import xarray as xr

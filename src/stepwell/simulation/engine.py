@@ -9,12 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.limits import require
+from stepwell.base import require
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model.model import spec, start_position
-from stepwell.simulation.model.sensors import columns, contacts, rod_names, sampled
-from stepwell.simulation.model.settings import Settings
-from stepwell.simulation.model.simulator import mujoco, quietly, rollout
+from stepwell.simulation.model import (
+    Settings,
+    columns,
+    contacts,
+    mujoco,
+    quietly,
+    rod_names,
+    rollout,
+    sampled,
+    spec,
+    start_position,
+)
 
 Array = NDArray[np.float64]
 

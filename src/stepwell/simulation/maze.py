@@ -11,12 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.engine import Run, affordable, chunks
-from stepwell.simulation.model.arena import obstacle_names
-from stepwell.simulation.model.settings import Settings
+from stepwell.simulation.model import Settings, obstacle_names
 from stepwell.simulation.walk import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched

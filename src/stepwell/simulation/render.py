@@ -20,7 +20,7 @@ GOAL = (0.0, 0.62, 0.45, 0.35)
 
 def main(model_file: str, run_file: str) -> None:
     """Draw every frame as height x width x 3 bytes."""
-    from stepwell.simulation.model.simulator import mujoco
+    from stepwell.simulation.model import mujoco
 
     # What a driver prints must not end up between the frames.
     frames = os.fdopen(os.dup(1), "wb")

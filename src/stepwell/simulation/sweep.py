@@ -13,16 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.limits import require
-from stepwell.base.value import ByValue
-from stepwell.base.version import __version__
-from stepwell.base.write import csv_text, write_atomic
+from stepwell.base import ByValue, __version__, csv_text, require, write_atomic
 from stepwell.kernels import cores
 from stepwell.robot import Robot
 from stepwell.simulation.engine import Run, Samples, affordable, stopped_at
-from stepwell.simulation.model.sensors import sampled
-from stepwell.simulation.model.settings import Settings
-from stepwell.simulation.model.simulator import mujoco, quietly, rollout
+from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
 from stepwell.simulation.walk import Walk, recorded
 
 if TYPE_CHECKING:

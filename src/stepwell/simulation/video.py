@@ -17,12 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base.limits import most, problem
-from stepwell.base.write import write_atomic
+from stepwell.base import most, problem, write_atomic
 from stepwell.simulation import render
 from stepwell.simulation.maze import Maze
-from stepwell.simulation.model.model import spec
-from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.walk import Walk
 
 Frame = NDArray[np.uint8]

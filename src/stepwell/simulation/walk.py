@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.robot import Arena, Robot
-from stepwell.robot.gait.states import gait, states
+from stepwell.robot.gait import gait, states
 from stepwell.simulation.engine import Run, Samples, affordable, chunks
-from stepwell.simulation.model.arena import obstacle_names
-from stepwell.simulation.model.settings import Settings
+from stepwell.simulation.model import Settings, obstacle_names
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -3,10 +3,8 @@
 import math
 from typing import NoReturn
 
-from stepwell.mechanism import Chain
-from stepwell.mechanism.law import Floats
-from stepwell.statics.following import follow as f
-from stepwell.statics.following.certificate import ENERGY, EQUILIBRIUM, STABILITY
+from stepwell.mechanism import Chain, Floats
+from stepwell.statics.following import ENERGY, EQUILIBRIUM, STABILITY, follow as f
 
 
 class StaticsError(RuntimeError):

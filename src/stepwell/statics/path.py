@@ -11,16 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base.value import ByValue
-from stepwell.base.write import csv_text, write_atomic
-from stepwell.kernels.effort import watched
-from stepwell.mechanism import Chain
-from stepwell.mechanism.law import Floats, Ints, Laws
+from stepwell.base import ByValue, csv_text, write_atomic
+from stepwell.kernels import watched
+from stepwell.mechanism import Chain, Floats, Ints, Laws
 from stepwell.statics.events import Event, Tie
-from stepwell.statics.following import follow as f
-from stepwell.statics.following.certificate import EQUILIBRIUM, FORCE_SLACK
-from stepwell.statics.following.pieces import Pieces, cut, force_scale
-from stepwell.statics.following.sample import count_samples, sample
+from stepwell.statics.following import (
+    EQUILIBRIUM,
+    FORCE_SLACK,
+    Pieces,
+    count_samples,
+    cut,
+    follow as f,
+    force_scale,
+    sample,
+)
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.reading import read_events
 from stepwell.statics.segment import Stretch, StretchKind

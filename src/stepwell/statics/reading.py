@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stepwell.mechanism.law import Floats, Laws
+from stepwell.mechanism import Floats, Laws
 from stepwell.statics.events import Cause, Event, EventKind
 from stepwell.statics.following import follow as f
 

@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.kernels import beside
-from stepwell.kernels.effort import LEGS, UNLIMITED, end_early, watched
-from stepwell.mechanism import Chain
-from stepwell.mechanism.law import Floats, Ints, Laws
-from stepwell.mechanism.pack import pack
-from stepwell.statics.following import follow as f
-from stepwell.statics.following.branch import drive_of
-from stepwell.statics.following.certificate import KEPT, audit
-from stepwell.statics.following.pieces import MOST_PIECES, Pieces, cut, force_scale
+from stepwell.kernels import LEGS, UNLIMITED, beside, end_early, watched
+from stepwell.mechanism import Chain, Floats, Ints, Laws, pack
+from stepwell.statics.following import (
+    KEPT,
+    MOST_PIECES,
+    Pieces,
+    audit,
+    cut,
+    drive_of,
+    follow as f,
+    force_scale,
+)
 from stepwell.statics.outcome import StaticsError, refuse_broken, refuse_failure
 from stepwell.statics.path import Path
 from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 
 class StretchKind(Enum):

@@ -6,10 +6,9 @@ at hand; anything else goes to the follower.
 
 import numpy as np
 
-from stepwell.concave.certificate import Simple, certify, end_forces, push, travel_at
+from stepwell.concave import Simple, certify, end_forces, push, travel_at
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Linear
-from stepwell.mechanism.law import Floats, Ints, Laws, band_length
+from stepwell.mechanism import Floats, Ints, Laws, Linear, band_length
 from stepwell.statics.following import follow as f
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.

@@ -5,11 +5,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.mechanism import Chain
-from stepwell.mechanism.law import Floats, Laws, law
-from stepwell.statics.following.branch import inverse_slope
-from stepwell.statics.following.follow import FREE, HELD, State, held_range
-from stepwell.statics.following.pieces import NO_FORCE, Pieces, find_piece
+from stepwell.mechanism import Chain, Floats, Laws, law
+from stepwell.statics.following import (
+    FREE,
+    HELD,
+    NO_FORCE,
+    Pieces,
+    State,
+    find_piece,
+    held_range,
+    inverse_slope,
+)
 
 EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options.common import Design, ForceFile
-from stepwell.cli.options.programs import From, To
+from stepwell.cli.options import Design, ForceFile, From, To
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
@@ -38,9 +37,8 @@ def animate(
     Snaps included, with the energy landscape of two cells, or the force of more, beside it.
     """
     from stepwell import figures
-    from stepwell.cli.options.folders import free_file
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_lines
+    from stepwell.cli.options import free_file
+    from stepwell.cli.screen import progress, show_lines
 
     free_file(out, force)
     result = _motion(design, program, start, to)
@@ -55,7 +53,7 @@ def animate(
 def _motion(design: str, program: bool, start: str | None, to: str | None) -> "Cycle | Program":
     """What is to be seen."""
     from stepwell import files
-    from stepwell.cli.options.programs import own, planned
+    from stepwell.cli.options import own, planned
 
     if not program:
         if start or to:

@@ -7,10 +7,16 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import tolerances as given
-from stepwell.cli.options.common import Force, Json, Out
-from stepwell.cli.options.drive import NewDrive, stiffness_of
-from stepwell.cli.options.wishes import Span, span
+from stepwell.cli.options import (
+    Force,
+    Json,
+    NewDrive,
+    Out,
+    Span,
+    span,
+    stiffness_of,
+    tolerances as given,
+)
 
 _Target = Annotated[
     str,
@@ -113,15 +119,12 @@ def design(
     allowed does it. With --out, the design file, a figure of the forces that a cell can have,
     and the result as JSON are written into a folder.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.options.wishes import stock, wish
-    from stepwell.cli.screen.outcomes import answered, usable
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import reports, results
+    from stepwell.cli.options import free, stock, wish
+    from stepwell.cli.screen import answered, progress, show_json, show_written, usable
     from stepwell.cli.text import design as _design_text
     from stepwell.design import Impossible, design
-    from stepwell.design.placement.region import PAPER_LEVER, usual_box
+    from stepwell.design.placement import PAPER_LEVER, usual_box
 
     wanted = wish(target)
     lengths = [lever / 1e3 for lever in levers or ()] or [PAPER_LEVER]
@@ -153,12 +156,12 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, out = files.impossible_record(why), None
+        record, out = results.impossible_record(why), None
     else:
-        record = files.design_record(found)
+        record = results.design_record(found)
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_design(found, out, progress=tell, force=force)
+                names = reports.write_design(found, out, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import Design, ForceFile, Json
-from stepwell.cli.options.drive import Drive
+from stepwell.cli.options import Design, Drive, ForceFile, Json
 
 _Start = Annotated[
     str | None,
@@ -43,23 +42,21 @@ def graph(
     states, return-point memory, scrambling, accumulators, latches, and states out of reach.
     With --out, the graph is drawn, or written for other programs.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free_file
-    from stepwell.cli.screen.outcomes import usable
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_lines
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free_file
+    from stepwell.cli.screen import progress, show_json, show_lines, usable
 
     text = files.read(design)
     chain = files.loads_chain(text, design)
     free_file(out, force)
     with usable("--out"):
-        _ = None if out is None else files.checked_suffix(out)
+        _ = None if out is None else reports.checked_suffix(out)
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive, start=start, progress=tell)
-        record = files.graph_record(found, design=text)
+        record = results.graph_record(found, design=text)
     if out is not None:
         with usable("--out"):
-            files.write_graph(found, out)
+            reports.write_graph(found, out)
     if as_json:
         show_json(record, out.parent if out else None, [out.name] if out else ())
     else:

@@ -5,10 +5,20 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from stepwell.cli.options.common import Design, Force, Json, Out
-from stepwell.cli.options.grid import Grid, cell_of, grid, marks
-from stepwell.cli.options.parameter import EXAMPLE, KnobRange, knob_range
-from stepwell.cli.screen.outcomes import usable
+from stepwell.cli.options import (
+    EXAMPLE,
+    Design,
+    Force,
+    Grid,
+    Json,
+    KnobRange,
+    Out,
+    cell_of,
+    grid,
+    knob_range,
+    marks,
+)
+from stepwell.cli.screen import usable
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
@@ -64,8 +74,8 @@ def map_(
     --out, the picture, its data as NetCDF and the boundaries as CSV are written into a folder.
     """
     from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import show_json, show_written
     from stepwell.cli.text import map as _map_text
 
     text = files.read(design)
@@ -91,8 +101,8 @@ _Axes = tuple[KnobRange, KnobRange]
 
 def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _Shown:
     """The record of an anchor's map, and the files written."""
-    from stepwell import files
-    from stepwell.cli.screen.progress import progress
+    from stepwell import reports, results
+    from stepwell.cli.screen import progress
     from stepwell.design import boundaries, transition_map
 
     xs, ys = x.metres, y.metres
@@ -103,7 +113,7 @@ def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _S
     designs, names = marks(chain, cell), ()
     if place.out is not None:
         with progress("writing") as tell:
-            names = files.write_map(
+            names = reports.write_map(
                 dataset,
                 curves,
                 place.out,
@@ -113,13 +123,13 @@ def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _S
                 force=place.force,
             )
     here = next(iter(designs.values()), None)
-    return files.map_record(dataset, curves, here, text=place.text), names
+    return results.map_record(dataset, curves, here, text=place.text), names
 
 
 def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
     """The record of a map over two parameters, and the files written."""
-    from stepwell import files
-    from stepwell.cli.screen.progress import progress
+    from stepwell import reports, results
+    from stepwell.cli.screen import progress
     from stepwell.design import parameter_boundaries, parameter_map
 
     x, y = (axis.values(chain) for axis in axes)
@@ -130,7 +140,7 @@ def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
     here, names = (axes[0].read(chain), axes[1].read(chain)), ()
     if place.out is not None:
         with progress("writing") as tell:
-            names = files.write_parameter_map(
+            names = reports.write_parameter_map(
                 dataset,
                 curves,
                 place.out,
@@ -139,7 +149,7 @@ def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
                 progress=tell,
                 force=place.force,
             )
-    return files.parameter_map_record(dataset, curves, here, text=place.text), names
+    return results.parameter_map_record(dataset, curves, here, text=place.text), names
 
 
 def _both(cell: str, x: Grid, y: Grid, across: KnobRange | None, up: KnobRange | None) -> _Axes:

@@ -1,7 +1,6 @@
 """`stepwell program`: what the actuator has to do to bring a chain to a state."""
 
-from stepwell.cli.options.common import Design, Force, Json, Out
-from stepwell.cli.options.programs import From, To
+from stepwell.cli.options import Design, Force, From, Json, Out, To
 
 
 def program(
@@ -19,12 +18,9 @@ def program(
     whether it ends as it should. With --out, a figure, the turning points as CSV, the result
     as JSON and the design with the program in it are written into a folder.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.options.programs import own, planned
-    from stepwell.cli.screen.outcomes import answered
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free, own, planned
+    from stepwell.cli.screen import answered, progress, show_json, show_written
     from stepwell.cli.text import program as _program_text
     from stepwell.sequences import Unreachable
 
@@ -35,12 +31,12 @@ def program(
     try:
         found = planned(chain, start, to) if start or to else own(text, design)
     except Unreachable as why:
-        record, out = files.unreachable_record(chain, start, to, why, design=text), None
+        record, out = results.unreachable_record(chain, start, to, why, design=text), None
     else:
-        record = files.program_record(found, design=text)
+        record = results.program_record(found, design=text)
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_program(found, out, design=text, progress=tell, force=force)
+                names = reports.write_program(found, out, design=text, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

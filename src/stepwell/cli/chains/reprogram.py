@@ -5,8 +5,8 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from stepwell.base.usual import REACH
-from stepwell.cli.options.common import Design, Force, Json, Out
+from stepwell.base import REACH
+from stepwell.cli.options import Design, Force, Json, Out
 
 _By = Annotated[
     str,
@@ -83,11 +83,9 @@ def reprogram(
     anchor on the way: what an antenna must deliver. With --out, the design past the change,
     the way as CSV and the result as JSON are written into a folder.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.outcomes import answered, usable
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import answered, progress, show_json, show_written, usable
     from stepwell.cli.text import reprogram as _reprogram_text
     from stepwell.design import reprogram
 
@@ -99,10 +97,10 @@ def reprogram(
     ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
-    record = files.reprogram_record(found, design=text)
+    record = results.reprogram_record(found, design=text)
     names: tuple[str, ...] = ()
     if out is not None:
-        names = files.write_reprogramming(found, out, design=text, force=force)
+        names = reports.write_reprogramming(found, out, design=text, force=force)
     if as_json:
         show_json(record, out, names)
     else:

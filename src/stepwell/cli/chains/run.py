@@ -1,6 +1,6 @@
 """`stepwell run`: what a design does, and how far it is from doing otherwise."""
 
-from stepwell.cli.options.common import Design, Force, Json, Out
+from stepwell.cli.options import Design, Force, Json, Out
 
 
 def run(design: Design, out: Out = None, force: Force = False, as_json: Json = False) -> None:
@@ -10,10 +10,9 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
     With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
     written into a folder, together with the design.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import run as _run_text
     from stepwell.design import margin
 
@@ -27,10 +26,10 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
     names = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_run(
+            names = reports.write_run(
                 cycle, limits, out, design=text, source=design, progress=tell, force=force
             )
-    record = files.run_record(cycle, limits, design=text)
+    record = results.run_record(cycle, limits, design=text)
     if as_json:
         show_json(record, out, names)
     else:

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli.options import tolerances as given
-from stepwell.cli.options.common import Design, Force, Json, Out
+from stepwell.cli.options import Design, Force, Json, Out, tolerances as given
 
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
@@ -53,11 +52,9 @@ def yield_(
     interval, what the others do, and the two cells that go wrong first. With --out, figures,
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.outcomes import usable
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written, usable
     from stepwell.cli.text import yields as _yield_text
     from stepwell.design import yields
 
@@ -83,10 +80,10 @@ def yield_(
                 sensitivity=sensitivity,
                 progress=tell,
             )
-        record, names = files.yield_record(found, design=text), ()
+        record, names = results.yield_record(found, design=text), ()
         if out is not None:
             with progress("writing") as tell:
-                names = files.write_yield(found, out, design=text, progress=tell, force=force)
+                names = reports.write_yield(found, out, design=text, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:
@@ -104,9 +101,9 @@ def _survival(
     force: bool,
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """How many mechanisms the design's own program brings where it should, and files written."""
-    from stepwell import files
-    from stepwell.cli.options.programs import own
-    from stepwell.cli.screen.progress import progress
+    from stepwell import reports, results
+    from stepwell.cli.options import own
+    from stepwell.cli.screen import progress
     from stepwell.design import survival
 
     program = own(text, design)
@@ -117,5 +114,5 @@ def _survival(
         )
     names: tuple[str, ...] = ()
     if out is not None:
-        names = files.write_survival(found, out, design=text, force=force)
-    return files.survival_record(found, design=text), names
+        names = reports.write_survival(found, out, design=text, force=force)
+    return results.survival_record(found, design=text), names

@@ -3,7 +3,7 @@
 import typer
 
 from stepwell.cli.lab import band, calibrate, compare, read
-from stepwell.cli.screen.outcomes import EXIT_CODES
+from stepwell.cli.screen import EXIT_CODES
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 for command in (read.read, band.band, compare.compare, calibrate.calibrate):

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from stepwell.cli.lab.given import between, counted, recordings
-from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out
 
 _Folders = Annotated[
     list[Path],
@@ -62,10 +62,10 @@ def band(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import show_json, show_written
     from stepwell.cli.text import lab as _text
-    from stepwell.files import write_band
+    from stepwell.reports import write_band
 
     free(out, "lab band", force)
     low, high = between(window)

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
-from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out
 
 _Law = Annotated[
     str | None,
@@ -29,12 +29,11 @@ def calibrate(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
-    from stepwell.base.version import __version__, versions
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.base import __version__, versions
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import lab as _text
-    from stepwell.files import write_calibration
+    from stepwell.reports import write_calibration
 
     free(out, "lab calibrate", force)
     given = recordings([data])

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
-from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out
 
 _Designs = Annotated[
     list[str] | None,
@@ -43,10 +43,9 @@ def compare(
     energy judged, a pair the order of its cells and its snaps.
     With --out, verdicts, curves and figures are written into a folder.
     """
-    from stepwell import files, lab
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, lab, reports
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import lab as _text
 
     free(out, "lab compare", force)
@@ -66,7 +65,7 @@ def compare(
     names = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_comparison(comparison, record, out, progress=tell, force=force)
+            names = reports.write_comparison(comparison, record, out, progress=tell, force=force)
     if as_json:
         show_json(record, out, names)
     else:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.screen.progress import progress
-from stepwell.cli.screen.show import warn
+from stepwell.cli.screen import progress, warn
 
 if TYPE_CHECKING:
     from stepwell.lab import Recording

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out
 
 _Files = Annotated[
     list[Path],
@@ -24,12 +24,11 @@ def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = F
     With --out, all samples are written into a folder as one tidy table with units.
     """
     from stepwell import lab
-    from stepwell.base.version import __version__, versions
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.base import __version__, versions
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import lab as _text
-    from stepwell.files import write_readings
+    from stepwell.reports import write_readings
 
     free(out, "lab read", force)
     with progress("reading") as tell:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from stepwell.base.limits import require
+from stepwell.base import require
 
 if TYPE_CHECKING:
     import numpy as np

@@ -42,7 +42,7 @@ class KnobRange:
         import numpy as np
 
         from stepwell.design import knob
-        from stepwell.results.map import told_in
+        from stepwell.results import told_in
 
         factor = told_in(knob(chain, self.name).unit)[1]
         space = np.geomspace if self.log else np.linspace

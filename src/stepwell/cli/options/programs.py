@@ -29,7 +29,7 @@ To = Annotated[
 
 def planned(chain: Chain, start: str | None, to: str | None) -> Program:
     """The shortest program; raises `Unreachable` where there is none."""
-    from stepwell.cli.screen.progress import progress
+    from stepwell.cli.screen import progress
     from stepwell.sequences import Unreachable
 
     if to is None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import typer
 
-from stepwell.base.limits import require
+from stepwell.base import require
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.screen.outcomes import usable as usable
+from stepwell.cli.screen import usable as usable
 
 Robot = Annotated[
     str,

@@ -56,7 +56,7 @@ def tolerances(
     anchor: float, stiffness: float, rest_length: float, lever: float, friction: float
 ) -> Tolerances:
     """The tolerances of these options: mm, %, %, mm, N."""
-    from stepwell.cli.screen.outcomes import usable
+    from stepwell.cli.screen import usable
     from stepwell.design import Tolerances
 
     with usable("tolerances"):

@@ -57,7 +57,7 @@ def span(text: str | Span) -> Span:
 
 def stock(text: str) -> Stock:
     """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
-    from stepwell.cli.screen.outcomes import usable
+    from stepwell.cli.screen import usable
     from stepwell.design import Stock
 
     if text in BANDS:

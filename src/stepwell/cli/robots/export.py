@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import ForceFile
-from stepwell.cli.options.robots import Robot, named, usable
+from stepwell.cli.options import ForceFile, Robot, named, usable
 
 _File = Annotated[
     Path,
@@ -26,8 +25,8 @@ def export(
     keyframe `start` stands on the floor with every cell at 0.
     """
     from stepwell import files, simulation
-    from stepwell.cli.options.folders import free_file
-    from stepwell.cli.screen.show import show_lines
+    from stepwell.cli.options import free_file
+    from stepwell.cli.screen import show_lines
 
     free_file(out, force)
     design = files.load_robot(named(robot))

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options.common import Force, Json, Out
-from stepwell.cli.options.robots import NoVideo, Robot, named, usable
+from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, named, usable
 
 if TYPE_CHECKING:
     import stepwell.robot as values
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
 def _list(wanted: bool) -> None:
     if wanted:
         from stepwell import files
-        from stepwell.cli.screen.show import show_table
+        from stepwell.cli.screen import show_table
 
         show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
         raise typer.Exit
@@ -69,12 +68,10 @@ def maze(
     robot without what reprograms its legs. With --out, figures, samples as NetCDF, the result
     as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
     """
-    from stepwell import files, simulation
-    from stepwell.cli.options.folders import free
+    from stepwell import files, reports, results, simulation
+    from stepwell.cli.options import free
     from stepwell.cli.robots.video import film
-    from stepwell.cli.screen.outcomes import stopped
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.screen import progress, show_json, show_written, stopped
     from stepwell.cli.text import maze as _maze_text
 
     source = named(robot)
@@ -89,7 +86,7 @@ def maze(
     names: tuple[str, ...] = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_maze(
+            names = reports.write_maze(
                 result,
                 out,
                 design=kept,
@@ -99,7 +96,9 @@ def maze(
                 progress=tell,
                 force=force,
             )
-    record = files.maze_record(result, design=kept, start_seed=start_seed, layout_seed=layout_seed)
+    record = results.maze_record(
+        result, design=kept, start_seed=start_seed, layout_seed=layout_seed
+    )
     if as_json:
         show_json(record, out, names)
     else:

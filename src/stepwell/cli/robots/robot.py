@@ -5,10 +5,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import Force, Json, Out
-from stepwell.cli.options.robots import Robot, named, usable
-from stepwell.cli.screen.outcomes import EXIT_CODES
-from stepwell.cli.screen.show import styled
+from stepwell.cli.options import Force, Json, Out, Robot, named, usable
+from stepwell.cli.screen import EXIT_CODES, styled
 
 commands = typer.Typer(
     no_args_is_help=True,
@@ -26,10 +24,9 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     simulation. With --out, drawings from above and the side, the prediction and all numbers
     as JSON are written into a folder, together with the design.
     """
-    from stepwell import files
-    from stepwell.cli.options.folders import free
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import robot as _robot_text
 
     source = named(robot)
@@ -40,8 +37,8 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     names: tuple[str, ...] = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_robot(design, said, out, design=text, progress=tell, force=force)
-    record = files.robot_record(design, said, design=text)
+            names = reports.write_robot(design, said, out, design=text, progress=tell, force=force)
+    record = results.robot_record(design, said, design=text)
     if as_json:
         show_json(record, out, names)
     else:
@@ -98,12 +95,10 @@ def sweep(
     it stopped when it is called again. Table (CSV), data (NetCDF), JSON and a figure are
     written into the folder.
     """
-    from stepwell import files
-    from stepwell.cli.options import ranges as _ranges
-    from stepwell.cli.options.folders import free
+    from stepwell import files, reports, results
+    from stepwell.cli.options import free, ranges as _ranges
     from stepwell.cli.robots import sweep as _sweep
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import robot as _robot_text
 
     source = named(robot)
@@ -118,9 +113,11 @@ def sweep(
     with usable("--out"), progress("robots", kept=kept) as tell:
         result = _sweep.run(design, robot, values, cycles, keep, tell)
     with progress("writing") as tell:
-        names = files.write_sweep(result, out, design=text, seed=drawn, progress=tell, force=force)
+        names = reports.write_sweep(
+            result, out, design=text, seed=drawn, progress=tell, force=force
+        )
     _sweep.forget(keep)
-    record = files.sweep_record(result, design=text, seed=drawn)
+    record = results.sweep_record(result, design=text, seed=drawn)
     if as_json:
         show_json(record, out, names)
     else:
@@ -140,9 +137,8 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     What it does in a cycle, and what the floor carries under feet and supports, against the
     finest of them.
     """
-    from stepwell import files, simulation as physics
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json
+    from stepwell import files, results, simulation as physics
+    from stepwell.cli.screen import progress, show_json
     from stepwell.cli.text import robot as _robot_text
 
     source = named(robot)
@@ -150,7 +146,7 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     design = files.loads_robot(text, source)
     with usable(robot), progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    record = files.convergence_record(found, design=text)
+    record = results.convergence_record(found, design=text)
     if as_json:
         show_json(record)
     else:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.cli.screen.show import warn
+from stepwell.cli.screen import warn
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.robots import Robot, named, usable
+from stepwell.cli.options import Robot, named, usable
 
 _Arena = Annotated[
     str | None, typer.Option(metavar="ARENA", help="Put it there; see `stepwell maze --list`.")

@@ -33,7 +33,7 @@ def command(robot: Robot, settle: float) -> Callable[[Any, Any], None]:
 def model(robot: Robot, arena: Arena | None) -> tuple[Any, Any]:
     """The compiled model, and its data standing at the start."""
     from stepwell.simulation import spec
-    from stepwell.simulation.model.simulator import mujoco
+    from stepwell.simulation.model import mujoco
 
     compiled = spec(robot, arena).compile()
     data = mujoco.MjData(compiled)
@@ -46,7 +46,7 @@ def show(robot: Robot, arena: Arena | None) -> None:
     from importlib import import_module
 
     from stepwell.simulation import Settings
-    from stepwell.simulation.model.simulator import mujoco
+    from stepwell.simulation.model import mujoco
 
     viewer = import_module("mujoco.viewer")
     compiled, data = model(robot, arena)

@@ -4,8 +4,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options.common import Force, Json, Out
-from stepwell.cli.options.robots import NoVideo, Robot, named, usable
+from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, named, usable
 
 _Cycles = Annotated[float, typer.Option(help="How often the actuator goes out and back.", min=0.01)]
 
@@ -24,12 +23,10 @@ def walk(
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
     """
-    from stepwell import files, simulation
-    from stepwell.cli.options.folders import free
+    from stepwell import files, reports, results, simulation
+    from stepwell.cli.options import free
     from stepwell.cli.robots.video import film
-    from stepwell.cli.screen.outcomes import stopped
-    from stepwell.cli.screen.progress import progress
-    from stepwell.cli.screen.show import show_json, show_written
+    from stepwell.cli.screen import progress, show_json, show_written, stopped
     from stepwell.cli.text import walk as _walk_text
 
     source = named(robot)
@@ -41,7 +38,7 @@ def walk(
     names: tuple[str, ...] = ()
     if out is not None:
         with progress("writing") as tell:
-            names = files.write_walk(
+            names = reports.write_walk(
                 result,
                 out,
                 design=text,
@@ -49,7 +46,7 @@ def walk(
                 progress=tell,
                 force=force,
             )
-    record = files.walk_record(result, design=text)
+    record = results.walk_record(result, design=text)
     if as_json:
         show_json(record, out, names)
     else:

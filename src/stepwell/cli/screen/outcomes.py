@@ -9,7 +9,7 @@ from typing import Any, cast
 import typer
 from typer.core import TyperGroup
 
-from stepwell.base.setting import SettingError
+from stepwell.base import SettingError
 from stepwell.cli.screen.show import plain, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130

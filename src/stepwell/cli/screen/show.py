@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from stepwell.base.text import printable
+from stepwell.base import printable
 
 _WIDTH = 100
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table, show_text, wrapped
+from stepwell.cli.screen import number, show_lines, show_table, show_text, wrapped
 from stepwell.cli.text import yields
 
 # A list of more states than these helps nobody.
@@ -10,7 +10,7 @@ MOST_STATES = 16
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.design_record` or `files.impossible_record` returns."""
+    """Print what `results.design_record` or `results.impossible_record` returns."""
     if not record["possible"]:
         show_lines(*wrapped(record["reason"]))
         return

@@ -6,7 +6,7 @@ from collections import Counter
 from pathlib import PurePath
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table
+from stepwell.cli.screen import number, show_lines, show_table
 
 MOST_WINDOWS = 12
 

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table
+from stepwell.cli.screen import number, show_lines, show_table
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.map_record` or `files.parameter_map_record` returns."""
+    """Print what `results.map_record` or `results.parameter_map_record` returns."""
     if "across" in record:
         _of_parameters(record)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table
+from stepwell.cli.screen import number, show_lines, show_table
 from stepwell.cli.text.sources import show_sources
 
 MOST_ROWS = 40
@@ -17,7 +17,7 @@ _OUTCOMES = {
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.maze_record` returns."""
+    """Print what `results.maze_record` returns."""
     show_lines(*_head(record))
     if record["touched"]:
         show_table(

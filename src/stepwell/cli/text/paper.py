@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.cli.screen.show import show_lines, show_table
+from stepwell.cli.screen import show_lines, show_table
 
 
 def show(record: dict[str, Any]) -> None:

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table, show_text, wrapped
+from stepwell.cli.screen import number, show_lines, show_table, show_text, wrapped
 from stepwell.cli.text.run import MOST_CELLS, MOST_ROWS, show_events
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.program_record` or `files.unreachable_record` returns."""
+    """Print what `results.program_record` or `results.unreachable_record` returns."""
     title = [record["title"], ""] if record["title"] else []
     if record["arrives"] is None:
         show_lines(*title, *wrapped(record["reason"]))

@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table, show_text, signed
+from stepwell.cli.screen import number, show_lines, show_table, show_text, signed
 
 # Of the places on the way every so manieth is printed; --json and --out have all.
 EVERY = 5
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.reprogram_record` returns."""
+    """Print what `results.reprogram_record` returns."""
     title = [record["title"], ""] if record["title"] else []
     if not record["possible"]:
         wanted = record["target"] or "another sequence"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table
+from stepwell.cli.screen import number, show_lines, show_table
 from stepwell.cli.text.sources import value_text
 
 MOST_ROWS = 40
@@ -18,7 +18,7 @@ MOTIONS = {
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.robot_record` returns."""
+    """Print what `results.robot_record` returns."""
     said = record["prediction"]
     show_lines(
         *([record["title"], ""] if record["title"] else []),
@@ -125,7 +125,7 @@ def _range(flip: dict[str, Any]) -> str:
 
 
 def show_sweep(record: dict[str, Any]) -> None:
-    """Print what `files.sweep_record` returns."""
+    """Print what `results.sweep_record` returns."""
     trials, keys = record["trials"], record["keys"]
     rows = [
         [
@@ -149,7 +149,7 @@ def show_sweep(record: dict[str, Any]) -> None:
 
 
 def show_convergence(record: dict[str, Any]) -> None:
-    """Print what `files.convergence_record` returns."""
+    """Print what `results.convergence_record` returns."""
     show_table(
         f"{record['title'] or 'robot'}, by time step",
         ["time step [ms]", "d/u_max", "turn [deg]", "floor forces off [% of weight]", "jumps [%]"],

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table, signed
+from stepwell.cli.screen import number, show_lines, show_table, signed
 
 # Longer tables help nobody on a screen; --json and --out have everything.
 MOST_ROWS = 40
@@ -11,7 +11,7 @@ MOST_CELLS = 12
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.run_record` returns."""
+    """Print what `results.run_record` returns."""
     names = [cell["name"] for cell in record["cells"]]
     show_lines(*_head(record, names))
     _cells(record["cells"])

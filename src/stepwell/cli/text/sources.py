@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.cli.screen.show import show_lines
+from stepwell.cli.screen import show_lines
 
 _WIDTH = 96
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table
+from stepwell.cli.screen import number, show_lines, show_table
 from stepwell.cli.text.robot import feet_text
 from stepwell.cli.text.sources import show_sources
 
@@ -13,7 +13,7 @@ MOST_ROWS = 40
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.walk_record` returns."""
+    """Print what `results.walk_record` returns."""
     show_lines(*_head(record))
     _gaits(record["legs"])
     _feet(record)

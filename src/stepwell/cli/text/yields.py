@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from stepwell.cli.screen.show import number, show_lines, show_table, show_text
+from stepwell.cli.screen import number, show_lines, show_table, show_text
 
 MOST_ROWS = 12
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `files.yield_record` or `files.survival_record` returns."""
+    """Print what `results.yield_record` or `results.survival_record` returns."""
     title = [record["title"], ""] if record["title"] else []
     show_lines(*title, *lines(record, record["cells"]))
     if "outcomes" not in record:

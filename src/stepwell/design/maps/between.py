@@ -2,7 +2,7 @@
 
 from itertools import combinations
 
-from stepwell.design.plane.boundary import BoundaryKind
+from stepwell.design.plane import BoundaryKind
 from stepwell.sequences import Sequence
 
 # Longest chain whose sequences are written out, and pairs of cells that are named.

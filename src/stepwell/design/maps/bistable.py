@@ -5,11 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.parameters.pairs import with_q
-from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind
-from stepwell.design.plane.box import Box
-from stepwell.design.plane.polyline import kept, smoothed
-from stepwell.design.plane.search import searched
+from stepwell.design.parameters import with_q
+from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Box, kept, searched, smoothed
 from stepwell.mechanism import Cell, Linear
 
 Floats = NDArray[np.float64]

@@ -5,15 +5,21 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.concave.certificate import end_forces
+from stepwell.concave import end_forces
 from stepwell.design.maps import bistable
 from stepwell.design.maps.pathways import IMPOSSIBLE, Pathways
-from stepwell.design.parameters.pairs import axis, refuse_far, require_places, which
-from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind
-from stepwell.design.plane.box import Box
-from stepwell.design.plane.implicit import Level, curves
-from stepwell.design.plane.polyline import kept, smoothed
-from stepwell.design.plane.search import searched
+from stepwell.design.parameters import axis, refuse_far, require_places, which
+from stepwell.design.plane import (
+    RESOLVED,
+    Boundary,
+    BoundaryKind,
+    Box,
+    Level,
+    curves,
+    kept,
+    searched,
+    smoothed,
+)
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]

@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, simple
-from stepwell.concave.end_grid import look
+from stepwell.concave import Simple, closed, look, simple
 from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
-from stepwell.design.parameters.pairs import closed
-from stepwell.design.parameters.parameter import Knob
+from stepwell.design.parameters import Knob
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import StaticsError, StretchKind
@@ -175,7 +173,7 @@ class Outcomes:
         unloading = np.argsort(-force_1, axis=1, kind="stable")
         rows, kind = np.unique(np.hstack([loading, unloading]), axis=0, return_inverse=True)
         numbers = np.array(
-            [self._number(Sequence("0" * n, tuple((c,) for c in row))) for row in rows.tolist()]
+            [self._number(Sequence.full_cycle(row[:n], row[n:])) for row in rows.tolist()]
         )
         at = start + which
         found.number[at] = numbers[kind.reshape(-1)]

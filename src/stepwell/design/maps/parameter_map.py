@@ -11,16 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 from stepwell.design.maps.between import between
 from stepwell.design.maps.outcomes import Bools, Floats, Ints, Outcomes, snapping_steps
 from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
 from stepwell.design.maps.transition_map import TIE
-from stepwell.design.parameters.pairs import require_places
-from stepwell.design.parameters.parameter import Knob, knob
-from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind
-from stepwell.design.plane.trace import Line, trace
-from stepwell.design.tolerances.tolerances import WAY
+from stepwell.design.parameters import Knob, knob, require_places
+from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Line, trace
+from stepwell.design.tolerances import WAY
 from stepwell.mechanism import Chain, SlipError
 
 if TYPE_CHECKING:

@@ -5,9 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, simple
-from stepwell.concave.sweep import decide
-from stepwell.design.parameters.pairs import closed, moved
+from stepwell.concave import Simple, closed, decide, simple
+from stepwell.design.parameters import moved
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway, cycle
 from stepwell.statics import StaticsError

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base.version import __version__
-from stepwell.concave.certificate import simple
-from stepwell.concave.sweep import sweep
+from stepwell.base import __version__
+from stepwell.concave import closed, simple, sweep
 from stepwell.design.maps.pathways import BY_ORDER, IMPOSSIBLE, UNSOLVED
-from stepwell.design.parameters.pairs import axis, closed, moved, refuse_far, require_places, which
+from stepwell.design.parameters import axis, moved, refuse_far, require_places, which
 from stepwell.kernels import in_blocks
 from stepwell.mechanism import Chain
 from stepwell.sequences import Pathway, cycle

@@ -1,1 +1,23 @@
 """How far a chain is from doing something else, and the nearest place where it does."""
+
+from stepwell.design.margins.change import Change
+from stepwell.design.margins.margin import Margin, margin
+from stepwell.design.margins.reprogramming import Reprogramming, reprogram
+from stepwell.design.margins.resistance import Push
+from stepwell.design.margins.robustness import Robustness, robustness
+from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest
+
+__all__ = [
+    "SIDES",
+    "Change",
+    "Margin",
+    "Proof",
+    "Push",
+    "Reprogramming",
+    "Robustness",
+    "extremes",
+    "farthest",
+    "margin",
+    "reprogram",
+    "robustness",
+]

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from stepwell.concave.sorted_chain import SortedChain
+from stepwell.concave import SortedChain
 from stepwell.design.margins.change import Change, shifted, stiffened
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
@@ -24,7 +24,9 @@ RESOLUTION = (
 def sequence(chain: Chain) -> Sequence:
     """What the chain does, in closed form where it holds, else by the general engine."""
     forces = SortedChain.of(chain)
-    return cycle(chain).sequence if forces is None else forces.sequence
+    if forces is None:
+        return cycle(chain).sequence
+    return Sequence.full_cycle(forces.loading, forces.unloading)
 
 
 def anchor(chain: Chain, now: Sequence, cell: int, reach: float) -> Change:

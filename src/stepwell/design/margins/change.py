@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from stepwell.concave.nearest import nearest_of
-from stepwell.concave.sorted_chain import SortedChain
+from stepwell.concave import SortedChain, nearest_of
 from stepwell.design.margins.change import Change
 from stepwell.mechanism import Chain
 

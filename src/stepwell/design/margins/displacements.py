@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, certify
-from stepwell.concave.nearest import concave_disc
+from stepwell.concave import Simple, certify, concave_disc
 
 Floats = NDArray[np.float64]
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.usual import REACH
-from stepwell.base.value import ByValue
-from stepwell.concave.sorted_chain import SortedChain
+from stepwell.base import REACH, ByValue
+from stepwell.concave import SortedChain
 from stepwell.design.margins import by_engine, closed_form
 from stepwell.design.margins.change import Change
-from stepwell.design.tolerances.tolerances import refuse_reach
+from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]

@@ -11,9 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple
-from stepwell.concave.end_forces import end_force
-from stepwell.concave.sift import sift
+from stepwell.concave import Simple, end_force, sift
 from stepwell.design.margins.displacements import Ways
 
 Floats = NDArray[np.float64]

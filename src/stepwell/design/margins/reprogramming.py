@@ -11,17 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base.usual import REACH
-from stepwell.base.value import ByValue
-from stepwell.base.write import csv_text, write_atomic
-from stepwell.concave.sorted_chain import SortedChain
+from stepwell.base import REACH, ByValue, csv_text, write_atomic
+from stepwell.concave import SortedChain
 from stepwell.design.margins import by_engine, search as _hunt
 from stepwell.design.margins.displacements import Floats, Ways
 from stepwell.design.margins.nearest_places import Condition, nearest_places
 from stepwell.design.margins.resistance import Push
-from stepwell.design.orders.full_cycle import full_cycle
-from stepwell.design.parameters.parameter import Knob, knob
-from stepwell.design.tolerances.tolerances import refuse_reach
+from stepwell.design.orders import full_cycle
+from stepwell.design.parameters import Knob, knob
+from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError

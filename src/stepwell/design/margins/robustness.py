@@ -8,11 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
-from stepwell.concave.certificate import Simple
-from stepwell.concave.end_forces import end_forces_at
-from stepwell.concave.nearest import concave_disc
-from stepwell.concave.sorted_chain import SortedChain
+from stepwell.base import ByValue
+from stepwell.concave import Simple, SortedChain, concave_disc, end_forces_at
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
 

@@ -3,10 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple
-from stepwell.concave.certified import certified_within
-from stepwell.concave.end_forces import end_forces_at
-from stepwell.design.plane.box import Box
+from stepwell.concave import Simple, certified_within, end_forces_at
+from stepwell.design.plane import Box
 
 Floats = NDArray[np.float64]
 

@@ -46,7 +46,7 @@ def orders(wanted: str) -> Ints | None:
 
 def sorted_cycle(loading: list[int], unloading: list[int]) -> str:
     """The cycle in which the cells load and unload one by one in these orders."""
-    return str(Sequence("0" * len(loading), tuple((cell,) for cell in loading + unloading)))
+    return str(Sequence.full_cycle(loading, unloading))
 
 
 def numbered_cycle(number: int, cells: int) -> str:

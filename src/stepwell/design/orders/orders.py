@@ -30,8 +30,7 @@ class Orders:
     @property
     def sequence(self) -> Sequence:
         """The states of one full cycle."""
-        flips = tuple((cell,) for cell in self.loading + self.unloading)
-        return Sequence("0" * len(self), flips)
+        return Sequence.full_cycle(self.loading, self.unloading)
 
     @property
     def pattern(self) -> tuple[int, ...]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
+from stepwell.concave import closed
 from stepwell.design.orders.orders import Orders, by_cells_at_1
-from stepwell.design.parameters.pairs import closed
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle, graph
 from stepwell.statics import StaticsError, Tie

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base.limits import require
-from stepwell.concave.certificate import Simple, certify, simple
-from stepwell.design.tolerances.tolerances import WAY
+from stepwell.base import require
 from stepwell.mechanism import Cell, Chain, SlipError, sizes
 
 Floats = NDArray[np.float64]
+
+# How the odd true case is told.
+WAY = "If it is meant so, say unusual=True of a cell of the chain."
 
 
 def with_q(cell: Cell, x: float, y: float) -> Cell:
@@ -69,12 +70,3 @@ def refuse_far(chain: Chain, cell: int, x: Floats, y: Floats) -> None:
     far = tuple(slip for name, end in ends for slip in sizes.far(name, end, lever))
     if far and not chain.unusual:
         raise SlipError(far, WAY)
-
-
-def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:
-    """The cell as plain numbers where the closed forms are proved to hold, else None.
-
-    `reach` [m] asks for the proof at every anchor within that distance as well.
-    """
-    numbers = simple(cell)
-    return numbers if numbers is not None and certify(numbers, reach) else None

@@ -1,1 +1,46 @@
 """Places for all anchors at once, and how surely they serve."""
+
+from stepwell.design.placement.candidates import TIE, Candidates, Kind, Rule, differences, joined
+from stepwell.design.placement.covered import all_proved
+from stepwell.design.placement.holes import best_choice, fits
+from stepwell.design.placement.outline import outlines
+from stepwell.design.placement.placement import Placement, Search, choose, measured, shared
+from stepwell.design.placement.region import (
+    PAPER_BOX,
+    PAPER_LEVER,
+    AnchorBox,
+    AnchorPolygon,
+    Region,
+    lattice,
+    told,
+    usual_box,
+)
+from stepwell.design.placement.stock import PAPER_BAND, Stock
+
+__all__ = [
+    "PAPER_BAND",
+    "PAPER_BOX",
+    "PAPER_LEVER",
+    "TIE",
+    "AnchorBox",
+    "AnchorPolygon",
+    "Candidates",
+    "Kind",
+    "Placement",
+    "Region",
+    "Rule",
+    "Search",
+    "Stock",
+    "all_proved",
+    "best_choice",
+    "choose",
+    "differences",
+    "fits",
+    "joined",
+    "lattice",
+    "measured",
+    "outlines",
+    "shared",
+    "told",
+    "usual_box",
+]

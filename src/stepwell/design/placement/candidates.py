@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple
-from stepwell.concave.certified import certified_within
-from stepwell.concave.end_forces import end_forces_at
-from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest
+from stepwell.concave import Simple, certified_within, end_forces_at
+from stepwell.design.margins import SIDES, Proof, extremes, farthest
 from stepwell.design.placement.region import Region
 from stepwell.design.placement.stock import Stock
-from stepwell.design.plane.box import Box
-from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.design.plane import Box
+from stepwell.design.tolerances import Tolerances
 from stepwell.mechanism import Band, Cell
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from stepwell.concave.certified import certified_within
+from stepwell.concave import certified_within
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.orders.orders import Orders
-from stepwell.kernels import entry, in_blocks, kernel
-from stepwell.kernels.effort import overspent, watched
+from stepwell.design.orders import Orders
+from stepwell.kernels import entry, in_blocks, kernel, overspent, watched
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
-from stepwell.design.plane.box import Box
-from stepwell.design.plane.trace import trace
+from stepwell.design.plane import Box, trace
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
-from stepwell.design.orders.orders import Orders
+from stepwell.design.orders import Orders
 from stepwell.design.placement.candidates import Candidates, Rule, joined
 from stepwell.design.placement.holes import best_choice
 from stepwell.design.placement.region import Region

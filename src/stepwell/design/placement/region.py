@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
-from stepwell.design.plane.box import Box
+from stepwell.base import ByValue
+from stepwell.design.plane import Box
 
 Floats = NDArray[np.float64]
 

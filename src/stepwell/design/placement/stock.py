@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 
 @dataclass(frozen=True, slots=True, eq=False)

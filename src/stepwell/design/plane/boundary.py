@@ -6,7 +6,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 # Width [m] at which a search stops.
 RESOLVED = 1e-9

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 Floats = NDArray[np.float64]
 

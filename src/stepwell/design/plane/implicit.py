@@ -5,9 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple
-from stepwell.concave.certified import certified_within
-from stepwell.concave.end_forces import end_forces_at
+from stepwell.concave import Simple, certified_within, end_forces_at
 from stepwell.design.plane.trace import trace
 
 Floats = NDArray[np.float64]

@@ -7,12 +7,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.orders.orders import Orders
-from stepwell.design.placement.candidates import Candidates, Rule, differences, joined
-from stepwell.design.placement.holes import best_choice, fits
-from stepwell.design.placement.outline import outlines
-from stepwell.design.placement.placement import Placement, Search, choose, measured, shared
-from stepwell.design.placement.region import Region, lattice
+from stepwell.design.orders import Orders
+from stepwell.design.placement import (
+    Candidates,
+    Placement,
+    Region,
+    Rule,
+    Search,
+    best_choice,
+    choose,
+    differences,
+    fits,
+    joined,
+    lattice,
+    measured,
+    outlines,
+    shared,
+)
 from stepwell.mechanism import Cell, Chain
 
 Floats = NDArray[np.float64]

@@ -8,12 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
-from stepwell.concave.sorted_chain import SortedChain
-from stepwell.design.margins.robustness import Robustness, robustness
-from stepwell.design.orders.full_cycle import short
-from stepwell.design.orders.reached import Reached, reached
-from stepwell.design.tolerances.yields import Critical, Yield
+from stepwell.base import ByValue
+from stepwell.concave import SortedChain
+from stepwell.design.margins import Robustness, robustness
+from stepwell.design.orders import Reached, reached, short
+from stepwell.design.tolerances import Critical, Yield
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import Carried
-from stepwell.design.orders.full_cycle import short
-from stepwell.design.orders.goal import Goal
-from stepwell.design.placement.candidates import TIE
+from stepwell.base import Carried
+from stepwell.design.orders import Goal, short
+from stepwell.design.placement import TIE
 from stepwell.design.synthesis.attempt import Attempt
 
 Floats = NDArray[np.float64]

@@ -8,26 +8,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base.usual import ONE_BY_ONE, QUICKLY
-from stepwell.design.orders.full_cycle import short
-from stepwell.design.orders.goal import Goal
-from stepwell.design.orders.orders import Wish, by_cells_at_1, of_sequence, of_states
-from stepwell.design.orders.reached import unsearchable
-from stepwell.design.placement.candidates import Kind, Rule
-from stepwell.design.placement.region import (
+from stepwell.base import ONE_BY_ONE, QUICKLY
+from stepwell.design.orders import (
+    Goal,
+    Wish,
+    by_cells_at_1,
+    of_sequence,
+    of_states,
+    short,
+    unsearchable,
+)
+from stepwell.design.placement import (
+    PAPER_BAND,
     PAPER_LEVER,
     AnchorBox,
     AnchorPolygon,
+    Kind,
     Region,
+    Rule,
+    Stock,
     usual_box,
 )
-from stepwell.design.placement.stock import PAPER_BAND, Stock
-from stepwell.design.plane.box import Box
+from stepwell.design.plane import Box
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.tries import Placed, Tries
-from stepwell.design.tolerances.tolerances import USUAL, Tolerances, refuse_slips
-from stepwell.design.tolerances.yields import Yield, yields
+from stepwell.design.tolerances import USUAL, Tolerances, Yield, refuse_slips, yields
 from stepwell.mechanism import Chain, SlipError, sizes
 from stepwell.sequences import cycle
 

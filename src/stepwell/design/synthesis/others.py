@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
-from stepwell.design.orders.goal import Goal
-from stepwell.design.placement.candidates import TIE, Candidates, joined
-from stepwell.design.placement.placement import measured
+from stepwell.design.orders import Goal
+from stepwell.design.placement import TIE, Candidates, joined, measured
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.statics import StaticsError
 

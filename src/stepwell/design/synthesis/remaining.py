@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.design.orders.goal import Goal, Seen
-from stepwell.design.parameters.pairs import closed
-from stepwell.design.placement.candidates import Rule
-from stepwell.design.placement.region import Region, lattice
+from stepwell.concave import closed
+from stepwell.design.orders import Goal, Seen
+from stepwell.design.placement import Region, Rule, lattice
 from stepwell.design.synthesis.attempt import named
 from stepwell.mechanism import Cell, Chain
 from stepwell.statics import StaticsError

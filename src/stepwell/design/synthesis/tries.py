@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stepwell.design.orders.full_cycle import short
-from stepwell.design.orders.goal import Goal
-from stepwell.design.placement.candidates import Rule
-from stepwell.design.placement.covered import all_proved
-from stepwell.design.placement.region import Region, told
+from stepwell.design.orders import Goal, short
+from stepwell.design.placement import Region, Rule, all_proved, told
 from stepwell.design.synthesis.attempt import Attempt, look
 from stepwell.design.synthesis.impossible import Impossible, nothing_works
 from stepwell.design.synthesis.others import another
 from stepwell.design.synthesis.remaining import tried
-from stepwell.design.tolerances.tolerances import Tolerances
-from stepwell.design.tolerances.yields import yields
+from stepwell.design.tolerances import Tolerances, yields
 from stepwell.mechanism import Chain
 from stepwell.statics import StaticsError
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from stepwell.concave.samples import in_disc
+from stepwell.concave import in_disc
 from stepwell.design.tolerances.tolerances import Tolerances
 from stepwell.mechanism import Band, Chain
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.design.tolerances.draws import Draws
 
 Floats = NDArray[np.float64]

@@ -7,14 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from stepwell.base.limits import require
-from stepwell.base.usual import ONE_BY_ONE
-from stepwell.base.value import ByValue
+from stepwell.base import ONE_BY_ONE, ByValue, require
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
 from stepwell.mechanism import Chain, SlipError, sizes
-from stepwell.sequences.branches.checks import checked_state
+from stepwell.sequences.branches import checked_state
 from stepwell.statics import StaticsError
 
 

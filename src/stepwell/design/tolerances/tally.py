@@ -6,9 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge
-from stepwell.design.orders.full_cycle import numbered_cycle, orders
-from stepwell.design.orders.reached import one_travel, searched, unlike
+from stepwell.concave import ASK, DOES, OTHER, TIE, Judge
+from stepwell.design.orders import numbered_cycle, one_travel, orders, searched, unlike
 from stepwell.design.tolerances.draws import Draws
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError

@@ -3,11 +3,10 @@
 import math
 from dataclasses import dataclass, fields
 
-from stepwell.base import usual
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, usual
+from stepwell.design.parameters import WAY
 from stepwell.mechanism import Chain, SlipError, sizes
 
-WAY = "If it is meant so, say unusual=True of a cell of the chain."
 _UNITS = {"anchor": "m", "stiffness": "1", "rest_length": "1", "lever": "m", "friction": "N"}
 
 

@@ -3,7 +3,7 @@
 import math
 from itertools import pairwise
 
-from stepwell.design.orders.full_cycle import short
+from stepwell.design.orders import short
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError

@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.limits import require
-from stepwell.base.usual import ONE_BY_ONE, QUICKLY
-from stepwell.base.value import ByValue, ReadOnly
-from stepwell.base.version import __version__
-from stepwell.base.write import csv_text, write_atomic
-from stepwell.design.orders.full_cycle import full_cycle, short
-from stepwell.design.orders.orders import by_cells_at_1
-from stepwell.design.orders.reached import reached, unsearchable
+from stepwell.base import (
+    ONE_BY_ONE,
+    QUICKLY,
+    ByValue,
+    ReadOnly,
+    __version__,
+    csv_text,
+    require,
+    write_atomic,
+)
+from stepwell.design.orders import by_cells_at_1, full_cycle, reached, short, unsearchable
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities

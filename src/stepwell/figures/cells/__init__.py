@@ -1,1 +1,29 @@
 """Unit cells and the mechanism itself, drawn."""
+
+from stepwell.figures.cells.drawing import Drawing
+from stepwell.figures.cells.force_plane import force_plane
+from stepwell.figures.cells.linkage import Linkage
+from stepwell.figures.cells.mechanism import (
+    MOST_CELLS,
+    MOST_STATES,
+    arrange,
+    draw,
+    ground,
+    mechanism,
+)
+from stepwell.figures.cells.unit_cell import unit_cell_energy, unit_cell_force
+
+__all__ = [
+    "MOST_CELLS",
+    "MOST_CELLS",
+    "MOST_STATES",
+    "Drawing",
+    "Linkage",
+    "arrange",
+    "draw",
+    "force_plane",
+    "ground",
+    "mechanism",
+    "unit_cell_energy",
+    "unit_cell_force",
+]

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
 from stepwell.figures.cells.linkage import Linkage, Pose
-from stepwell.figures.common.style import BLOCK, FIXED_BLOCK, INK, cell_colours
+from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours
 
 Array = NDArray[np.float64]
 

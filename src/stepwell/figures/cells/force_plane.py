@@ -13,21 +13,22 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     COLUMN,
     FAINT,
     INK,
     VERMILLION,
     YELLOW,
+    Label,
+    beside,
     blank,
     cell_colours,
+    literal,
     pale,
     place,
+    shortened,
     styled,
 )
-from stepwell.figures.common.words import shortened
 from stepwell.mechanism import Chain
 
 Array = NDArray[np.float64]

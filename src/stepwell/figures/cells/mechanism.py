@@ -13,10 +13,17 @@ from matplotlib.lines import Line2D
 
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
 from stepwell.figures.cells.linkage import Linkage, Pose
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import INK, PAGE, canvas, cell_colours, direction_colour, styled
+from stepwell.figures.common import (
+    INK,
+    MM,
+    PAGE,
+    canvas,
+    cell_colours,
+    direction_colour,
+    literal,
+    marks,
+    styled,
+)
 from stepwell.mechanism import Chain
 
 # More than this is too small to see on a page.

@@ -11,10 +11,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks as _marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import COLUMN, INK, canvas, cell_colours, keep_inside, styled
+from stepwell.figures.common import (
+    COLUMN,
+    INK,
+    MM,
+    canvas,
+    cell_colours,
+    keep_inside,
+    literal,
+    marks as _marks,
+    styled,
+)
 from stepwell.mechanism import Cell
 
 Array = NDArray[np.float64]

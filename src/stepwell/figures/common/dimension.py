@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stepwell.figures.common.style import INK
+from stepwell.figures.common.style import INK, MM
 
-MM = 1e3
 _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
 _ON_WHITE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0}
 

@@ -8,7 +8,7 @@ from functools import cache
 from matplotlib.font_manager import FontProperties, findfont, fontManager
 from matplotlib.ft2font import FT2Font
 
-from stepwell.base.text import printable
+from stepwell.base import printable
 
 _FONT = "DejaVu Sans"  # comes with matplotlib
 # Fonts with the letters of East Asia: of Linux, Windows, macOS.

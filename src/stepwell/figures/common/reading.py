@@ -14,9 +14,6 @@ from stepwell.statics import Path
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
-MM = 1e3
-MJ = 1e3
-
 
 class Vertex(NamedTuple):
     """A sample where every cell rests at a stop."""

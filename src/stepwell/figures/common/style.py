@@ -16,6 +16,8 @@ from matplotlib.figure import Figure, SubFigure
 from stepwell.figures.common.names import families
 
 # Widths of one and of two columns of a journal page [mm].
+# Millimetres in a metre, millijoules in a joule.
+MM = MJ = 1e3
 COLUMN = 85.0
 PAGE = 180.0
 

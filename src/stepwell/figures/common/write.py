@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from stepwell.base.write import write_atomic
+from stepwell.base import write_atomic
 
 _VECTOR: dict[Any, Any] = {
     # The same figure gives the same file, so that a diff of results shows what changed.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.figures.common.style import COLUMN, PAGE
+from stepwell.figures.common import COLUMN, PAGE
 from stepwell.figures.graphs.columns import heights
 from stepwell.figures.graphs.graph_reading import Folded, Way
 

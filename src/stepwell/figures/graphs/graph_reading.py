@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from stepwell.sequences.graphs.node import TransitionKind
+from stepwell.sequences.graphs import TransitionKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from stepwell.sequences.graphs.transition_graph import TransitionGraph
-    from stepwell.sequences.programs.program import Program
+    from stepwell.sequences.graphs import TransitionGraph
+    from stepwell.sequences.programs import Program
 
 # Of the range of drives: closer ones are the same.
 _SLIP = 1e-9

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon
 
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
@@ -30,8 +30,8 @@ from stepwell.figures.graphs.graph_layout import DOT, NAMED, Layout, head
 from stepwell.figures.graphs.graph_reading import Folded, Way, folded, followed
 
 if TYPE_CHECKING:
-    from stepwell.sequences.graphs.transition_graph import TransitionGraph
-    from stepwell.sequences.programs.program import Program
+    from stepwell.sequences.graphs import TransitionGraph
+    from stepwell.sequences.programs import Program
 
 MOST_STATES = 64
 _DASHES = (3.0, 1.4)

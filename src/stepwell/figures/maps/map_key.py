@@ -9,9 +9,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import FAINT, INK, root
-from stepwell.figures.common.words import wrapped
+from stepwell.figures.common import FAINT, INK, literal, root, wrapped
 
 # Distance of two lines of text, and what a row has in addition [mm].
 _LINE, _GAP = 3.1, 1.5

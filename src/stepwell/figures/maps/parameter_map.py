@@ -13,9 +13,7 @@ from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     BLUE,
     GREEN,
@@ -29,14 +27,17 @@ from stepwell.figures.common.style import (
     UNLOADING,
     VERMILLION,
     YELLOW,
+    Label,
+    beside,
     blank,
     keep_inside,
+    literal,
     pale,
     place,
     root,
+    sequence_words,
     styled,
 )
-from stepwell.figures.common.words import sequence_words
 from stepwell.figures.maps.map_key import Key, Row, badge
 from stepwell.figures.maps.regions import name_regions
 from stepwell.sequences import Pathway

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.base.value import ByValue
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.base import ByValue
+from stepwell.figures.common import (
     FAINT,
     GREEN,
     INK,
@@ -21,6 +20,7 @@ from stepwell.figures.common.style import (
     PAGE,
     SKY,
     blank,
+    literal,
     pale,
     place,
     root,

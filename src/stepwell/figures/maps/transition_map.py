@@ -13,16 +13,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
     INK,
+    MM,
     PATHWAY,
+    Label,
+    beside,
     canvas,
+    literal,
     pale,
     styled,
     trim_above,

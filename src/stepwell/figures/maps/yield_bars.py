@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     COLUMN,
     FAINT,
     GREEN,
@@ -20,13 +19,15 @@ from stepwell.figures.common.style import (
     VERMILLION,
     blank,
     cell_colours,
+    literal,
     name_panel,
     pale,
     place,
     root,
+    sequence_words,
+    shortened,
     styled,
 )
-from stepwell.figures.common.words import sequence_words, shortened
 
 if TYPE_CHECKING:
     from stepwell.design import Sensitivities, Yield

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     BLUE,
     FAINT,
@@ -16,6 +15,7 @@ from stepwell.figures.common.style import (
     PURPLE,
     VERMILLION,
     blank,
+    marks,
     pale,
     place,
     styled,

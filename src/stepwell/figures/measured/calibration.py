@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from stepwell.figures.common.style import BLUE, FAINT, INK, PAGE, VERMILLION, blank, place, styled
+from stepwell.figures.common import BLUE, FAINT, INK, PAGE, VERMILLION, blank, place, styled
 from stepwell.lab import Calibration
 
 _SYMBOLS = {

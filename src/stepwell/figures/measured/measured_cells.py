@@ -11,15 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLUE,
     GREEN,
     INK,
     PAGE,
     VERMILLION,
     blank,
+    literal,
+    marks,
     name_panel,
     place,
     styled,

@@ -11,15 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     FAINT,
     INK,
     LOADING,
     PAGE,
     UNLOADING,
     blank,
+    literal,
+    marks,
     name_panel,
     pale,
     place,

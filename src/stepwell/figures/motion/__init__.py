@@ -1,1 +1,22 @@
 """What a chain does as its actuator moves."""
+
+from stepwell.figures.motion.animation import animation
+from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.motion.landscape import landscape
+from stepwell.figures.motion.overview import overview
+from stepwell.figures.motion.side_by_side import landscapes, strokes
+from stepwell.figures.motion.standard import standard
+from stepwell.figures.motion.stroke_program import stroke_program
+from stepwell.figures.motion.travel_stroke import travel_stroke
+
+__all__ = [
+    "animation",
+    "force_stroke",
+    "landscape",
+    "landscapes",
+    "overview",
+    "standard",
+    "stroke_program",
+    "strokes",
+    "travel_stroke",
+]

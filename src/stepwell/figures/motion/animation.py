@@ -15,14 +15,21 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.base.limits import require
-from stepwell.base.write import write_atomic
-from stepwell.figures.cells import mechanism as _mechanism
-from stepwell.figures.cells.drawing import Drawing
-from stepwell.figures.cells.linkage import Linkage
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM, path_of, snaps_of
-from stepwell.figures.common.style import BLACK, INK, YELLOW, blank, cell_colours, place, styled
+from stepwell.base import require, write_atomic
+from stepwell.figures.cells import MOST_CELLS, Drawing, Linkage, ground
+from stepwell.figures.common import (
+    BLACK,
+    INK,
+    MM,
+    YELLOW,
+    blank,
+    cell_colours,
+    literal,
+    path_of,
+    place,
+    snaps_of,
+    styled,
+)
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.plan import Window, draw_plan, limits, plan_of, windows_of
@@ -79,9 +86,9 @@ def animation(
     from PIL import Image
 
     path = path_of(result)
-    if len(path.chain) > _mechanism.MOST_CELLS:
+    if len(path.chain) > MOST_CELLS:
         raise ValueError(
-            f"the chain has {len(path.chain)} cells: at most {_mechanism.MOST_CELLS} can be seen."
+            f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
         )
     if not 0 < seconds < float("inf"):
         raise ValueError(f"seconds = {seconds}: must be > 0.")
@@ -208,7 +215,7 @@ class _Scene:
         )
         weight = float(np.clip(0.5 + 0.6 * scale, 0.6, 1.3))
         self.drawing = Drawing(ax, self.linkage, origin, scale * MM, weight)
-        _mechanism.ground(ax, self.linkage, origin, scale * MM)
+        ground(ax, self.linkage, origin, scale * MM)
 
         w, h = size
         line = (h - 7.0) / h

@@ -7,17 +7,23 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.reading import MM, curve, legs, path_of, snaps_of, vertices
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     COLUMN,
+    MM,
     PAGE,
+    Label,
+    beside,
     canvas,
+    curve,
     direction_colour,
     keep_inside,
+    legs,
+    marks,
+    path_of,
+    snaps_of,
     styled,
+    vertices,
 )
 
 if TYPE_CHECKING:

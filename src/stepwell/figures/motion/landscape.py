@@ -11,25 +11,23 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import (
-    MJ,
-    MM,
-    curve,
-    legs,
-    path_of,
-    require_two_cells,
-    snaps_of,
-)
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
+    MJ,
+    MM,
     canvas,
+    curve,
     direction_colour,
+    legs,
+    literal,
+    marks,
+    path_of,
     place,
+    require_two_cells,
     root,
+    snaps_of,
     styled,
 )
 from stepwell.mechanism import Chain

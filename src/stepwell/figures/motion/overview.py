@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from stepwell.figures.cells import mechanism as _mechanism
-from stepwell.figures.common.style import PAGE, blank, keep_inside, place, styled
+from stepwell.figures.cells import MOST_CELLS, arrange, draw
+from stepwell.figures.common import PAGE, blank, keep_inside, place, styled
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import colour_bar, draw_energy, draw_path
 from stepwell.figures.motion.travel_stroke import travel_stroke
@@ -30,8 +30,8 @@ def overview(cycle: Cycle) -> Figure:
         A figure of two columns' width.
     """
     chain = cycle.chain
-    drawable = len(chain) <= _mechanism.MOST_CELLS
-    sheet = _mechanism.arrange(chain, cycle.sequence) if drawable else None
+    drawable = len(chain) <= MOST_CELLS
+    sheet = arrange(chain, cycle.sequence) if drawable else None
     above = sheet.height + 3.0 if sheet is not None else 0.0
     lanes = max(46.0, min(20.0, 200.0 / len(chain)) * len(chain))
     body = 58.0 if len(chain) == 2 else lanes
@@ -39,7 +39,7 @@ def overview(cycle: Cycle) -> Figure:
     figure = blank(PAGE, height)
     letters: list[tuple[str, float, float]] = []
     if sheet is not None:
-        _mechanism.draw(place(figure, 0.0, height - sheet.height, PAGE, sheet.height), sheet)
+        draw(place(figure, 0.0, height - sheet.height, PAGE, sheet.height), sheet)
         letters.append(("A", 2.0, height - 4.0))
     below = body + 13.0
     if len(chain) == 2:

@@ -10,9 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.reading import MM, curve, snaps_of
-from stepwell.figures.common.style import INK, direction_colour
+from stepwell.figures.common import INK, MM, curve, direction_colour, marks, snaps_of
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import PAGE, blank, keep_inside, name_panel, place, styled
+from stepwell.figures.common import PAGE, blank, keep_inside, literal, name_panel, place, styled
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.travel_stroke import travel_stroke

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from stepwell.figures.cells.mechanism import MOST_CELLS, MOST_STATES, mechanism
+from stepwell.figures.cells import MOST_CELLS, MOST_STATES, mechanism
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.travel_stroke import MOST_LANES, travel_stroke

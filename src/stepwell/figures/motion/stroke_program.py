@@ -13,28 +13,32 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks as _marks
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM, curve, snaps_of, vertices
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
+    MM,
     PAGE,
+    Label,
+    beside,
     blank,
     cell_colours,
+    curve,
     keep_inside,
+    literal,
+    marks as _marks,
     pale,
     place,
     root,
+    shortened,
+    snaps_of,
     styled,
+    vertices,
 )
-from stepwell.figures.common.words import shortened
 from stepwell.figures.motion.plan import Plan, Window, draw_plan, limits, plan_of, windows_of
 
 if TYPE_CHECKING:
-    from stepwell.sequences.programs.program import Program
+    from stepwell.sequences.programs import Program
     from stepwell.statics import Path
 
 Array = NDArray[np.float64]

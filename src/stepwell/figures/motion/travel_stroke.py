@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import marks as _marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM, curve, path_of, snaps_of
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     COLUMN,
     FAINT,
+    MM,
     canvas,
     cell_colours,
+    curve,
     direction_colour,
     keep_inside,
+    literal,
+    marks as _marks,
+    path_of,
+    snaps_of,
     styled,
 )
 

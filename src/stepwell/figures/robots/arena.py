@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import FIXED_BLOCK, GREEN, INK, pale
+from stepwell.figures.common import FIXED_BLOCK, GREEN, INK, MM, pale
 from stepwell.robot import Arena, Wall
 
 Array = NDArray[np.float64]

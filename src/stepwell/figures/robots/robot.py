@@ -7,8 +7,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import INK, PAGE, blank, cell_colours, pale, place, root, styled
+from stepwell.figures.common import (
+    INK,
+    PAGE,
+    blank,
+    cell_colours,
+    literal,
+    pale,
+    place,
+    root,
+    styled,
+)
 from stepwell.figures.robots.robot_above import ANTENNA, FOOT, SUPPORT, above_limits, draw_above
 from stepwell.figures.robots.robot_side import draw_side, side_limits
 from stepwell.robot import Robot

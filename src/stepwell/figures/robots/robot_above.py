@@ -9,28 +9,27 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from stepwell.figures.common.dimension import (
-    MM,
-    along_x,
-    along_y,
-    arrow,
-    limits,
-    mm,
-    plain,
-    scale_bar,
-)
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLOCK,
     BLUE,
     FAINT,
     FIXED_BLOCK,
     INK,
+    MM,
     ORANGE,
     VERMILLION,
+    Label,
+    along_x,
+    along_y,
+    arrow,
+    beside,
     cell_colours,
+    limits,
+    literal,
+    mm,
     pale,
+    plain,
+    scale_bar,
 )
 from stepwell.figures.robots.robot_parts import (
     LegParts,

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from stepwell.figures.common.dimension import MM, along_x, along_y, arrow, mm, plain
-from stepwell.figures.common.style import BLOCK, FAINT, INK, pale
+from stepwell.figures.common import BLOCK, FAINT, INK, MM, along_x, along_y, arrow, mm, pale, plain
 from stepwell.figures.robots.robot_above import (
     ANTENNA,
     FOOT,

@@ -11,10 +11,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MJ, MM
-from stepwell.figures.common.style import FAINT, INK, LOADING, PAGE, UNLOADING, blank, place, styled
+from stepwell.figures.common import (
+    FAINT,
+    INK,
+    LOADING,
+    MJ,
+    MM,
+    PAGE,
+    UNLOADING,
+    blank,
+    literal,
+    marks,
+    place,
+    styled,
+)
 from stepwell.figures.runs.gait import refuse_empty
 from stepwell.figures.runs.walk_reading import intervals, leg_colours, span, standing, window
 

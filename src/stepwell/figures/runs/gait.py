@@ -11,9 +11,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import FAINT, INK, PAGE, blank, cell_colours, pale, place, styled
+from stepwell.figures.common import (
+    FAINT,
+    INK,
+    MM,
+    PAGE,
+    blank,
+    cell_colours,
+    literal,
+    pale,
+    place,
+    styled,
+)
 from stepwell.figures.runs.walk_reading import Interval, intervals, resting, span, standing, window
 
 if TYPE_CHECKING:

@@ -12,14 +12,34 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.dimension import limits, round_length, scale_bar
-from stepwell.figures.common.labels import Label, beside
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import BLOCK, FAINT, GREEN, INK, PAGE, blank, pale, place, styled
-from stepwell.figures.robots.arena import OBSTACLE, TOUCHED, draw_arena, outlines
-from stepwell.figures.robots.robot_parts import bracket, frame, in_world
+from stepwell.figures.common import (
+    BLOCK,
+    FAINT,
+    GREEN,
+    INK,
+    MM,
+    PAGE,
+    Label,
+    beside,
+    blank,
+    limits,
+    literal,
+    marks,
+    pale,
+    place,
+    round_length,
+    scale_bar,
+    styled,
+)
+from stepwell.figures.robots import (
+    OBSTACLE,
+    TOUCHED,
+    bracket,
+    draw_arena,
+    frame,
+    in_world,
+    outlines,
+)
 from stepwell.figures.runs.gait import refuse_empty
 from stepwell.figures.runs.walk_reading import MOTION, PRESSED, motions
 

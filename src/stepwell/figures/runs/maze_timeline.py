@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import FAINT, INK, PAGE, blank, pale, place, styled
+from stepwell.figures.common import FAINT, INK, PAGE, blank, literal, pale, place, styled
 from stepwell.figures.runs.gait import refuse_empty
 from stepwell.figures.runs.walk_reading import PRESSED, direction, gait_colours, intervals
 
@@ -122,7 +121,7 @@ def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
 
 
 def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
-    from stepwell.simulation.maze import TOUCHED
+    from stepwell.simulation import TOUCHED
 
     walk, names = maze.walk, list(maze.touched)
     step = walk.settings.sample

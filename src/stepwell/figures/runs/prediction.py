@@ -10,14 +10,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     FAINT,
     INK,
+    MM,
     PAGE,
     VERMILLION,
     blank,
+    literal,
     pale,
     place,
     root,
@@ -26,7 +26,7 @@ from stepwell.figures.common.style import (
 from stepwell.figures.runs.walk_reading import direction, leg_colours
 
 if TYPE_CHECKING:
-    from stepwell.robot.gait.predict import Prediction
+    from stepwell.robot.gait import Prediction
 
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0

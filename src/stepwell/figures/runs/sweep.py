@@ -10,9 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLUE,
     FAINT,
     GREEN,
@@ -22,6 +20,8 @@ from stepwell.figures.common.style import (
     PURPLE,
     VERMILLION,
     blank,
+    literal,
+    marks,
     pale,
     place,
     styled,

@@ -14,12 +14,21 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from stepwell.figures.common import marks
-from stepwell.figures.common.dimension import round_length
-from stepwell.figures.common.names import literal
-from stepwell.figures.common.reading import MM
-from stepwell.figures.common.style import BLUE, FAINT, INK, ORANGE, PAGE, blank, place, styled
-from stepwell.figures.robots.robot_parts import frame, in_world
+from stepwell.figures.common import (
+    BLUE,
+    FAINT,
+    INK,
+    MM,
+    ORANGE,
+    PAGE,
+    blank,
+    literal,
+    marks,
+    place,
+    round_length,
+    styled,
+)
+from stepwell.figures.robots import frame, in_world
 from stepwell.figures.runs.gait import refuse_empty
 
 if TYPE_CHECKING:

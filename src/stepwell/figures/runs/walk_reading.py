@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.figures.common.style import (
+from stepwell.figures.common import (
     BLUE,
     FAINT,
     GREEN,
@@ -80,7 +80,7 @@ def intervals(time: Array, held: NDArray[np.bool_], what: str = "") -> list[Inte
 
 def standing(force: Array) -> NDArray[np.bool_]:
     """Whether a foot or support that carries these forces [N] stands, of the same shape."""
-    from stepwell.simulation.walk import LOADED
+    from stepwell.simulation import LOADED
 
     return force > LOADED
 

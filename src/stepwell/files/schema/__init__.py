@@ -1,1 +1,16 @@
 """The keys of design files: what each may hold, and in which unit."""
+
+from stepwell.files.schema.keys import fields, slip_lines, slips_text, table_lines, told, unit_of
+from stepwell.files.schema.robot import ASSUMED
+from stepwell.files.schema.wording import worded
+
+__all__ = [
+    "ASSUMED",
+    "fields",
+    "slip_lines",
+    "slips_text",
+    "table_lines",
+    "told",
+    "unit_of",
+    "worded",
+]

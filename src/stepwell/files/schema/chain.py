@@ -17,8 +17,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from stepwell.base import limits
-from stepwell.base.check import short
+from stepwell.base import limits, short
 from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
 
 # Numbers stay the decimals of the file until they become SI floats, so nothing is rounded

@@ -8,10 +8,8 @@ from decimal import Decimal
 from typing import Any
 
 from stepwell.files.schema.chain import Keys
-from stepwell.files.text import units
-from stepwell.files.text.toml_text import array, quoted
-from stepwell.mechanism import Slip, SlipError
-from stepwell.mechanism.sizes import Size
+from stepwell.files.text import array, quoted, units
+from stepwell.mechanism import Size, Slip, SlipError
 
 # The end of a key and what it is called where it is shown; the longer ones first.
 UNITS = {

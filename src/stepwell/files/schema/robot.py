@@ -19,7 +19,7 @@ from stepwell.files.schema.chain import (
     numbers,
     refuse,
 )
-from stepwell.files.text.errors import did_you_mean, nearest
+from stepwell.files.text import did_you_mean, nearest
 from stepwell.robot import Profile
 
 

@@ -6,7 +6,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from stepwell.files.schema import chain as schema
-from stepwell.files.text.errors import MOST_LINES, did_you_mean, key_path, nearest, value_text
+from stepwell.files.text import MOST_LINES, did_you_mean, key_path, nearest, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant
 

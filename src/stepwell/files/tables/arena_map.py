@@ -15,8 +15,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from stepwell.base import limits
-from stepwell.files.text import units
-from stepwell.files.text.errors import DesignError, value_text
+from stepwell.files.text import DesignError, units, value_text
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 
 CYLINDER_RADIUS = 0.025

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from stepwell.files.schema import arena as schema
-from stepwell.files.schema.keys import table_lines
+from stepwell.files.schema import arena as schema, table_lines
 from stepwell.robot import Arena
-from stepwell.robot.parts.slips import of_arena
+from stepwell.robot.parts import of_arena
 
 
 def arena_text_of(arena: Arena) -> str:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import chain as schema
-from stepwell.files.schema.keys import told
-from stepwell.files.text import units
-from stepwell.files.text.errors import value_text
+from stepwell.files.schema import chain as schema, told
+from stepwell.files.text import units, value_text
 from stepwell.mechanism import Band, Cell, Cubic, Law, Linear, Load, Slip, SlipError, Table
 
 

@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from stepwell.files.text import units
-from stepwell.files.text.toml_text import Written, array, inline, lines, mm, number, quoted
+from stepwell.files.text import Written, array, inline, lines, mm, number, quoted, units
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 
 

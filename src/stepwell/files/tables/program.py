@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.files.schema import chain as schema
-from stepwell.files.text import units
-from stepwell.files.text.errors import value_text
-from stepwell.files.text.toml_text import array, quoted
+from stepwell.files.text import array, quoted, units, value_text
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from stepwell.files.schema import robot as schema
-from stepwell.files.schema.keys import fields, slip_lines
+from stepwell.files.schema import fields, robot as schema, slip_lines
 from stepwell.files.tables.cells import Shared, cell, merged
 from stepwell.files.tables.sources import sources
-from stepwell.files.text.errors import DesignError
+from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain, SlipError
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
 

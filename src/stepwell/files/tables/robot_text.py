@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from stepwell.files.schema import robot as schema
-from stepwell.files.schema.keys import table_lines
+from stepwell.files.schema import robot as schema, table_lines
 from stepwell.files.tables.chain_text import NOTHING, Shared, cell_lines, shared_by
-from stepwell.files.text.toml_text import array, quoted
+from stepwell.files.text import array, quoted
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
-from stepwell.robot.parts.slips import of_robot
+from stepwell.robot.parts import of_robot
 
 
 def robot_text(robot: Robot) -> str:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from stepwell.files.schema.robot import ASSUMED
+from stepwell.files.schema import ASSUMED
 from stepwell.files.tables.tree import is_number, leaves, tree_of
-from stepwell.files.text.errors import value_text
-from stepwell.files.text.paths import Steps, find
-from stepwell.files.text.toml_text import quoted
+from stepwell.files.text import Steps, find, quoted, value_text
 from stepwell.robot import Robot
 
 

@@ -7,8 +7,7 @@ from decimal import Decimal
 from typing import Any
 
 from stepwell.files.tables.robot_text import whole_text
-from stepwell.files.text.paths import Item, Steps
-from stepwell.files.text.toml import parsed
+from stepwell.files.text import Item, Steps, parsed
 from stepwell.robot import Robot
 
 Tree = dict[str, Any]

@@ -1,1 +1,34 @@
 """The text of design files: TOML, key paths, units, errors."""
+
+from stepwell.files.text.errors import (
+    MOST_LINES,
+    DesignError,
+    did_you_mean,
+    key_path,
+    nearest,
+    value_text,
+)
+from stepwell.files.text.paths import Item, Steps, find, spelled
+from stepwell.files.text.toml import parsed
+from stepwell.files.text.toml_text import Written, array, inline, lines, mm, number, quoted
+
+__all__ = [
+    "MOST_LINES",
+    "DesignError",
+    "Item",
+    "Steps",
+    "Written",
+    "array",
+    "did_you_mean",
+    "find",
+    "inline",
+    "key_path",
+    "lines",
+    "mm",
+    "nearest",
+    "number",
+    "parsed",
+    "quoted",
+    "spelled",
+    "value_text",
+]

@@ -8,8 +8,7 @@ from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 
-from stepwell.base.text import printable
-from stepwell.base.value import Carried
+from stepwell.base import Carried, printable
 
 MOST_LINES = 40
 

@@ -10,13 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.lab.bands.spread import Estimate, of_samples
-from stepwell.lab.recordings.errors import LabError
-from stepwell.lab.recordings.names import is_baseline, run_number, sample_number, stem_of
-from stepwell.lab.recordings.oddities import batch_oddities
-from stepwell.lab.recordings.read import natural
-from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings import (
+    LabError,
+    Recording,
+    batch_oddities,
+    is_baseline,
+    natural,
+    run_number,
+    sample_number,
+    stem_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

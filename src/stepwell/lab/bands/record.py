@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from stepwell.base.version import __version__, versions
+from stepwell.base import __version__, versions
 from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
 from stepwell.lab.bands.choice import Choice
 from stepwell.lab.bands.spread import Estimate, of_samples

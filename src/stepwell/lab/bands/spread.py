@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 CONFIDENCE = 0.95
 

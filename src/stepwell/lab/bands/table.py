@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.choice import NOTHING, Candidate, Choice
 from stepwell.lab.bands.spread import Estimate

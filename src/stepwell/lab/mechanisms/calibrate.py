@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
-from stepwell.lab.bands.spread import student
+from stepwell.base import ByValue
+from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.windows import judged, quiet_zones
-from stepwell.lab.recordings.errors import LabError
+from stepwell.lab.recordings import LabError
 from stepwell.mechanism import Band, Cell, Cubic
 
 if TYPE_CHECKING:

@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base.value import ByValue
-from stepwell.base.version import __version__, versions
-from stepwell.base.write import csv_text
+from stepwell.base import ByValue, __version__, csv_text, versions
 from stepwell.lab.mechanisms.cell_test import CellTest, cell_test, mean_rmse
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.series import sort_series
-from stepwell.lab.recordings.errors import LabError
-from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings import LabError, Recording
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:

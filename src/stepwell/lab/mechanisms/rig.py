@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.mechanism import Cell
 
 Array = NDArray[np.float64]

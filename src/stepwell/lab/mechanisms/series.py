@@ -11,14 +11,23 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.lab.mechanisms.predict import predicted_force
-from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve
-from stepwell.lab.recordings.errors import LabError
-from stepwell.lab.recordings.names import Setup, is_baseline, setup_of, stem_of
-from stepwell.lab.recordings.oddities import missing, oddities, unlike
-from stepwell.lab.recordings.read import natural
-from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings import (
+    Curve,
+    LabError,
+    Recording,
+    Setup,
+    from_zero,
+    is_baseline,
+    mean_curve,
+    missing,
+    natural,
+    oddities,
+    setup_of,
+    stem_of,
+    unlike,
+)
 from stepwell.mechanism import Band, Cell, Chain
 
 Array = NDArray[np.float64]

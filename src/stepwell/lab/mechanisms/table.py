@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.base.version import __version__
+from stepwell.base import __version__
 from stepwell.lab.mechanisms.calibrate import Calibration
 
 

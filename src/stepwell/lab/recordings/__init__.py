@@ -1,1 +1,42 @@
 """Recordings of test machines: read, named, looked at for oddities, averaged."""
+
+from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve
+from stepwell.lab.recordings.errors import LabError
+from stepwell.lab.recordings.names import (
+    Setup,
+    is_baseline,
+    run_number,
+    sample_number,
+    setup_of,
+    stem_of,
+)
+from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike
+from stepwell.lab.recordings.read import Batch, natural, read, read_all
+from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings.table import hashes, summary, table, table_csv
+
+__all__ = [
+    "Batch",
+    "Curve",
+    "LabError",
+    "Recording",
+    "Setup",
+    "batch_oddities",
+    "from_zero",
+    "hashes",
+    "is_baseline",
+    "mean_curve",
+    "missing",
+    "natural",
+    "oddities",
+    "read",
+    "read_all",
+    "run_number",
+    "sample_number",
+    "setup_of",
+    "stem_of",
+    "summary",
+    "table",
+    "table_csv",
+    "unlike",
+]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.lab.recordings.recording import Recording
 
 Array = NDArray[np.float64]

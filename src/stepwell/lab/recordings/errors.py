@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.base.value import Carried
+from stepwell.base import Carried
 
 
 class LabError(Carried, ValueError):

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from stepwell.base import limits
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, limits
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.text import parse

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base.version import __version__
-from stepwell.base.write import csv_text
+from stepwell.base import __version__, csv_text
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import Recording
 

@@ -1,1 +1,14 @@
 """A claim, and the table of verdicts."""
+
+from stepwell.paper.claims.claim import Claim, Finding, Judgement, Verdict, judged
+from stepwell.paper.claims.table import markdown, replaced
+
+__all__ = [
+    "Claim",
+    "Finding",
+    "Judgement",
+    "Verdict",
+    "judged",
+    "markdown",
+    "replaced",
+]

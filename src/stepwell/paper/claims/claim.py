@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 
 class Judgement(StrEnum):

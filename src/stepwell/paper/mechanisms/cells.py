@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import certify, simple
+from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms.designs import six_cells
 
 Array = NDArray[np.float64]

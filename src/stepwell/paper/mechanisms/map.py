@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stepwell.design import transition_map
 from stepwell.files import preset
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms.designs import PAIRS
 from stepwell.sequences import Pathway
 

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 from pathlib import Path
 
 from stepwell import lab
-from stepwell.paper.claims.claim import Claim, Finding, Judgement, judged
+from stepwell.paper.claims import Claim, Finding, Judgement, judged
 
 MISSING = (
     "Decided by the authors' recordings, which are not part of Stepwell: "

@@ -2,7 +2,7 @@
 
 import math
 
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms.designs import pair_cycle, six_cells
 from stepwell.sequences import Pathway
 

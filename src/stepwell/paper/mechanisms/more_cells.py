@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cache, partial
 
 from stepwell.design import Design, Tolerances, design
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.sequences import Sequence
 
 ANCHORS = (0.0001, 0.0003, 0.001)  # tolerances [m]

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from stepwell.mechanism import Chain
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms import random as _random
 from stepwell.sequences import Cycle
 from stepwell.statics import Event

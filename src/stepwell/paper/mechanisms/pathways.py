@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms.designs import PAIRS, monostable_pair, outer_anchor, pair_cycle
 from stepwell.paper.mechanisms.map import paper_map
 from stepwell.sequences import Cycle, Pathway

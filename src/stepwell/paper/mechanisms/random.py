@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stepwell.concave.certificate import certify, simple
+from stepwell.concave import certify, simple
 from stepwell.mechanism import Band, Cell, Chain
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from stepwell.concave.certificate import certify, simple
+from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.mechanisms.designs import PAIRS, monostable_pair, pair_cycle
 
 _NODES = 401

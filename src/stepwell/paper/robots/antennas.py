@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from stepwell.design.margins.reprogramming import Reprogramming, reprogram
+from stepwell.design.margins import Reprogramming, reprogram
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims.claim import Claim, Finding, Judgement
+from stepwell.paper.claims import Claim, Finding, Judgement
 from stepwell.paper.robots.robot import robot
 from stepwell.sequences import Pathway
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.robots.robot import simulated, walk_of
-from stepwell.robot.gait.states import TOLERANCE
+from stepwell.robot.gait import TOLERANCE
 
 SHUT = 0.02  # a cell that has opened by less than this share of its travel is shut
 NEAR = 0.005  # of the end of the stroke: near 11 [m], as in the claim about the snaps

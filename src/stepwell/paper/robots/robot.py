@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell import files
-from stepwell.paper.claims.claim import Claim, Finding, Judgement, judged
+from stepwell.paper.claims import Claim, Finding, Judgement, judged
 from stepwell.robot import Robot
 from stepwell.sequences import Pathway
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell import files
-from stepwell.paper.claims.claim import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, judged
 from stepwell.paper.robots.antennas import BANDS, NOT_SAID, decided
 from stepwell.paper.robots.robot import robot, simulated
 from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_start

@@ -1,1 +1,27 @@
 """What a robot will do, from statics alone."""
+
+from stepwell.robot.gait.predict import (
+    Flip,
+    LegPrediction,
+    Limit,
+    Motion,
+    Prediction,
+    Push,
+    depths,
+    predict,
+)
+from stepwell.robot.gait.states import TOLERANCE, gait, states
+
+__all__ = [
+    "TOLERANCE",
+    "Flip",
+    "LegPrediction",
+    "Limit",
+    "Motion",
+    "Prediction",
+    "Push",
+    "depths",
+    "gait",
+    "predict",
+    "states",
+]

@@ -11,13 +11,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
 from stepwell.robot.gait.search import changes, first_change
 from stepwell.robot.gait.slide import STEPS, Slide, slide
-from stepwell.robot.parts.antenna import Antenna
-from stepwell.robot.parts.leg import Leg
-from stepwell.robot.parts.robot import Robot
+from stepwell.robot.parts import Antenna, Leg, Robot
 from stepwell.statics import StaticsError
 
 Array = NDArray[np.float64]

@@ -13,8 +13,7 @@ from stepwell.mechanism import Chain, Load, curves
 from stepwell.robot.gait.stance import POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.standing import HANDOVER
 from stepwell.robot.gait.states import TOLERANCE, gait
-from stepwell.robot.parts.leg import Leg
-from stepwell.robot.parts.robot import Robot
+from stepwell.robot.parts import Leg, Robot
 
 Array = NDArray[np.float64]
 

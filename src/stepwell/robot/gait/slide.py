@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stepwell.robot.gait.round import Round
 from stepwell.robot.gait.stance import touch
 from stepwell.robot.gait.standing import feet_places, supports_load
-from stepwell.robot.parts.robot import Robot
+from stepwell.robot.parts import Robot
 
 Array = NDArray[np.float64]
 

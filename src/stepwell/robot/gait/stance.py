@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.robot.gait.standing import HANDOVER, feet_load, stands_proud
-from stepwell.robot.parts.leg import Leg
-from stepwell.robot.parts.robot import Robot
+from stepwell.robot.parts import Leg, Robot
 
 Array = NDArray[np.float64]
 

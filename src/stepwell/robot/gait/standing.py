@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.robot.parts.robot import Robot
+from stepwell.robot.parts import Robot
 
 Array = NDArray[np.float64]
 

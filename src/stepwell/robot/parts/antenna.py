@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,10 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.limits import require
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check, require
 from stepwell.mechanism import SlipError
 from stepwell.robot.parts.slips import WAY, of_arena
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stepwell.base import check
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, check
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.limits import require
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check, require
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,8 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import check
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, check
 
 
 class Profile(StrEnum):

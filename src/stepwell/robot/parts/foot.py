@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import check
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, check
 
 
 @dataclass(frozen=True, slots=True, eq=False)

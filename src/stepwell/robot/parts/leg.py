@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from stepwell.base import check
-from stepwell.base.check import Vec2
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, check
 from stepwell.mechanism import Chain
 
 

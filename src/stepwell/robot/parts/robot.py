@@ -7,9 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from stepwell.base.check import Vec2
-from stepwell.base.limits import require
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Vec2, require
 from stepwell.mechanism import SlipError
 from stepwell.robot.parts.antenna import Antenna
 from stepwell.robot.parts.arena import Arena
@@ -23,7 +21,7 @@ from stepwell.robot.parts.leg import Leg
 from stepwell.robot.parts.slips import WAY, of_robot
 
 if TYPE_CHECKING:
-    from stepwell.robot.gait.predict import Prediction
+    from stepwell.robot.gait import Prediction
     from stepwell.simulation import Maze, Settings, Walk
 
 Progress = Callable[[float, float], None]
@@ -176,7 +174,7 @@ class Robot(ByValue):
         Returns:
             Gait, advance, drag limits and antenna thresholds of every leg.
         """
-        from stepwell.robot.gait.predict import predict
+        from stepwell.robot.gait import predict
 
         return predict(self)
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stepwell.base.limits import most, problem
+from stepwell.base import most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.legs import Leg, Part, legs_of, state_of
 from stepwell.statics import Path, Stretch, Tie, drive_range, path

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import certify, end_forces, simple
+from stepwell.concave import certify, end_forces, simple
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.legs import legs_of
 from stepwell.statics import StaticsError, path

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence as Sized
 from dataclasses import dataclass
 from functools import cached_property
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 from stepwell.mechanism import Chain
 from stepwell.sequences.cycles.pathway import Pathway, pathway_of
 from stepwell.sequences.cycles.sequence import Sequence

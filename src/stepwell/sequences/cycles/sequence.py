@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +42,12 @@ class Sequence(ByValue):
             for a, b in pairwise(states)
         )
         return cls(states[0], flips)
+
+    @classmethod
+    def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> Sequence:
+        """The cycle in which the cells load, then unload, one by one in these orders."""
+        flips = tuple((cell,) for cell in (*loading, *unloading))
+        return cls("0" * (len(flips) // 2), flips)
 
     @property
     def orders(self) -> tuple[tuple[int, ...], tuple[int, ...]] | None:

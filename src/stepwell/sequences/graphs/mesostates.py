@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.sequences.branches.branches import drive_slip
+from stepwell.sequences.branches import drive_slip
 from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
 

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.branches import Branches
-from stepwell.sequences.branches.relays import Relays
+from stepwell.sequences.branches import Branches, Relays
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, about
 

@@ -10,18 +10,22 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from stepwell.base.limits import most, problem
-from stepwell.base.value import same
+from stepwell.base import most, problem, same
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.branches import Branches
-from stepwell.sequences.branches.checks import Drive, checked_state, driven, refuse_friction
-from stepwell.sequences.branches.legs import state_of
-from stepwell.sequences.branches.relays import relays
+from stepwell.sequences.branches import (
+    Branches,
+    Drive,
+    checked_state,
+    driven,
+    refuse_friction,
+    relays,
+    state_of,
+)
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.statics import Tie
 
 if TYPE_CHECKING:
-    from stepwell.sequences.memory.reading import Reading
+    from stepwell.sequences.memory import Reading
 
 
 class TransitionGraph(nx.DiGraph):
@@ -95,7 +99,7 @@ class TransitionGraph(nx.DiGraph):
     @cached_property
     def reading(self) -> Reading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
-        from stepwell.sequences.memory.reading import read
+        from stepwell.sequences.memory import read
 
         return read(self)
 

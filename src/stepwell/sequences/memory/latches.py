@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from stepwell.base.value import ByValue
-from stepwell.sequences.graphs.mesostates import Atlas
-from stepwell.sequences.graphs.node import Transition
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.base import ByValue
+from stepwell.sequences.graphs import Atlas, Transition, TransitionGraph
 
 
 @dataclass(frozen=True, slots=True, eq=False)

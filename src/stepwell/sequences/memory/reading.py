@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base.value import ByValue
-from stepwell.sequences.graphs.mesostates import Atlas, Routes, atlas
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.base import ByValue
+from stepwell.sequences.graphs import Atlas, Routes, TransitionGraph, atlas
 from stepwell.sequences.memory.counting import Counting, counting
 from stepwell.sequences.memory.latches import Latch, gardens, groups_of, latches
 from stepwell.sequences.memory.loops import Loop, loop_of, loop_pairs, main_loop

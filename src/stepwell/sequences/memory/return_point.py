@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base.value import ByValue
-from stepwell.sequences.graphs.mesostates import Atlas, Mesostates, Routes
+from stepwell.base import ByValue
+from stepwell.sequences.graphs import Atlas, Mesostates, Routes
 
 # Of all failures this many are compared for the one that is reached most simply.
 _COMPARED = 200

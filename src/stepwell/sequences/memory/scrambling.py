@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base.value import ByValue
-from stepwell.sequences.graphs.mesostates import Atlas, Mask
+from stepwell.base import ByValue
+from stepwell.sequences.graphs import Atlas, Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,1 +1,11 @@
 """Stroke programs: the turning points that bring a chain to a state."""
+
+from stepwell.sequences.programs.plan import program
+from stepwell.sequences.programs.program import Program, Turn, Unreachable
+
+__all__ = [
+    "Program",
+    "Turn",
+    "Unreachable",
+    "program",
+]

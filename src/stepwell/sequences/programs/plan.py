@@ -9,10 +9,17 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.branches import Branches, Travels
-from stepwell.sequences.branches.checks import checked_state
-from stepwell.sequences.branches.legs import legs_of
-from stepwell.sequences.branches.relays import Order, Relays, order_kept, relays, shortest
+from stepwell.sequences.branches import (
+    Branches,
+    Order,
+    Relays,
+    Travels,
+    checked_state,
+    legs_of,
+    order_kept,
+    relays,
+    shortest,
+)
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
 from stepwell.sequences.programs.search import grope
 from stepwell.statics import path

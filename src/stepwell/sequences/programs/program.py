@@ -8,12 +8,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base.value import ByValue, Carried
-from stepwell.base.write import csv_text, write_atomic
+from stepwell.base import ByValue, Carried, csv_text, write_atomic
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.windows import windows
-from stepwell.sequences.cycles.sequence import Sequence
-from stepwell.sequences.cycles.vertices import arrival, sequence_of
+from stepwell.sequences.branches import windows
+from stepwell.sequences.cycles import Sequence, arrival, sequence_of
 from stepwell.statics import Path
 
 _GIVEN = "as it was given"

@@ -12,8 +12,7 @@ from collections import deque
 from collections.abc import Callable
 
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.branches import Branches, Travels
-from stepwell.sequences.branches.legs import Part, legs_of
+from stepwell.sequences.branches import Branches, Part, Travels, legs_of
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
 from stepwell.statics import StaticsError, path
 

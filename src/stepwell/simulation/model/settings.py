@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from stepwell.base import check as _check
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, check as _check
 
 
 class Integrator(StrEnum):

@@ -7,9 +7,8 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 
 import numpy as np
 
-from stepwell.kernels import kernel
-from stepwell.kernels.effort import overspent
-from stepwell.mechanism.law import Floats, Ints, Laws, law, summed
+from stepwell.kernels import kernel, overspent
+from stepwell.mechanism import Floats, Ints, Laws, law, summed
 from stepwell.statics.following.pieces import Pieces, invert
 
 

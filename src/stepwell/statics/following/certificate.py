@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from stepwell.kernels import entry, kernel
-from stepwell.kernels.effort import overspent
-from stepwell.mechanism.law import Floats, Ints, Laws, law, stored
+from stepwell.kernels import entry, kernel, overspent
+from stepwell.mechanism import Floats, Ints, Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.follow import (
     CELL,

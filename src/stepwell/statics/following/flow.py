@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from stepwell.kernels import kernel
-from stepwell.kernels.effort import overspent
-from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows, summed
+from stepwell.kernels import kernel, overspent
+from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, summed
 from stepwell.statics.following.branch import smallest_eigenvalue
 
 _STEPS = 30_000

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.kernels import entry, kernel
-from stepwell.kernels.effort import LEGS, SPENT, overspent
-from stepwell.mechanism.law import Floats, Ints, Laws, law, stored, summed
+from stepwell.kernels import LEGS, SPENT, entry, kernel, overspent
+from stepwell.mechanism import Floats, Ints, Laws, law, stored, summed
 from stepwell.statics.following.branch import (
     compliance,
     drive_of,

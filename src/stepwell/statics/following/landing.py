@@ -7,9 +7,8 @@ first place where the driving force vanishes, or at a stop.
 
 import numpy as np
 
-from stepwell.kernels import kernel
-from stepwell.kernels.effort import overspent
-from stepwell.mechanism.law import Ints, Laws, law
+from stepwell.kernels import kernel, overspent
+from stepwell.mechanism import Ints, Laws, law
 from stepwell.statics.following.pieces import Pieces, find_piece
 
 LANDED, STOPPED, JOINED, UNDECIDED = 0, 1, 2, 3

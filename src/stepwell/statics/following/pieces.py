@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows
+from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows
 
 _NODES = 13
 _DEPTH = 40

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from stepwell.kernels import entry
-from stepwell.kernels.effort import overspent
-from stepwell.mechanism.law import Floats, Ints, Laws, law, summed
+from stepwell.kernels import entry, overspent
+from stepwell.mechanism import Floats, Ints, Laws, law, summed
 from stepwell.statics.following.branch import point_at
 from stepwell.statics.following.certificate import certify
 from stepwell.statics.following.follow import (
