@@ -265,7 +265,7 @@ def test_hysterons_that_drag_each_other_forget():
         up, down, pull = rng.uniform(0, 1, 3), rng.uniform(-1, 0, 3), rng.normal(0, 0.3, (3, 3))
         np.fill_diagonal(pull, 0)
         try:
-            found = hysterons(lambda s, i: (down if s[i] else up)[i] - pull[i] @ s, 3)
+            found = hysterons(lambda s, i: (down if s[i] else up)[i] - pull[i] @ s, 3)  # noqa: B023
         except ValueError:
             continue
         witness = found.reading.return_point_memory.witness

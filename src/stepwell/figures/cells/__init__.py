@@ -15,7 +15,6 @@ from stepwell.figures.cells.unit_cell import unit_cell_energy, unit_cell_force
 
 __all__ = [
     "MOST_CELLS",
-    "MOST_CELLS",
     "MOST_STATES",
     "Drawing",
     "Linkage",
