@@ -10,8 +10,8 @@ from stepwell.concave.certificate import (
     travel_at,
 )
 from stepwell.concave.certified import certified_within
-from stepwell.concave.end_forces import end_force, end_forces_at
 from stepwell.concave.end_grid import look
+from stepwell.concave.ends import end_force, end_forces_at
 from stepwell.concave.nearest import concave_disc, nearest_of
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sift import sift

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from stepwell.concave.certificate import Simple, band_length, certify
-from stepwell.concave.end_forces import end_force, steepest
+from stepwell.concave.ends import end_force, steepest
 from stepwell.kernels import entry, kernel
 
 _DIRECTIONS = 64

@@ -1,7 +1,7 @@
 """Which pieces of the anchor plane can hold given end forces: bounds that throw the others out."""
 
 from stepwell.concave.certificate import Simple
-from stepwell.concave.end_forces import end_force, steepest
+from stepwell.concave.ends import end_force, steepest
 from stepwell.kernels import entry
 
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stepwell.base import most, problem, write_atomic
-from stepwell.simulation import render
-from stepwell.simulation.maze import Maze
 from stepwell.simulation.model import mujoco, spec
-from stepwell.simulation.walk import Walk
+from stepwell.simulation.runs import render
+from stepwell.simulation.runs.maze import Maze
+from stepwell.simulation.runs.walk import Walk
 
 Frame = NDArray[np.uint8]
 
@@ -145,7 +145,7 @@ def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
     if system:
         environment |= {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system}
     return subprocess.Popen(
-        [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)],
+        [sys.executable, "-m", "stepwell.simulation.runs.render", str(model), str(run)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=environment,
