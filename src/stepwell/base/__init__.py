@@ -1,5 +1,6 @@
 """What every room stands on: equality and checks of values, limits, text, files written whole."""
 
+from stepwell.base import check, limits, usual
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.limits import most, problem, require
 from stepwell.base.setting import SettingError
@@ -19,9 +20,11 @@ __all__ = [
     "SettingError",
     "Vec2",
     "__version__",
+    "check",
     "csv_text",
     "draft_beside",
     "finite",
+    "limits",
     "most",
     "printable",
     "problem",
@@ -30,6 +33,7 @@ __all__ = [
     "short",
     "sync_folder",
     "told_of",
+    "usual",
     "versions",
     "write_atomic",
 ]

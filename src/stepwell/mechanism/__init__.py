@@ -1,5 +1,6 @@
 """What a mechanism is made of: bands, unit cells, loads, chains. Values only, no solving."""
 
+from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
@@ -37,10 +38,12 @@ __all__ = [
     "SlipError",
     "Table",
     "band_length",
+    "curves",
     "law",
     "length_slopes",
     "pack",
     "pick_rows",
+    "sizes",
     "slips",
     "stored",
     "summed",

@@ -7,15 +7,15 @@ from stepwell.simulation.runs.video import VideoError, video
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
 
 __all__ = [
+    "LOADED",
+    "TOUCHED",
     "Change",
     "Contact",
     "Convergence",
-    "LOADED",
     "Maze",
     "Outcome",
     "Resolution",
     "Sweep",
-    "TOUCHED",
     "Trial",
     "VideoError",
     "Walk",
