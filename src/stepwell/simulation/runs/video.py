@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base import most, problem, write_atomic
+from stepwell.base import ExtraError, StepwellError, most, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.runs import render
 from stepwell.simulation.runs.maze import Maze
@@ -34,7 +34,7 @@ GIF_WIDTH = 480
 GIF_COLOURS = 192
 
 
-class VideoError(RuntimeError):
+class VideoError(StepwellError, RuntimeError):
     """No frames can be drawn here, or no file written; the text says what to do."""
 
 
@@ -213,7 +213,7 @@ class _Mp4:
         try:
             import av
         except ModuleNotFoundError as error:
-            raise ModuleNotFoundError(
+            raise ExtraError(
                 "MP4 files need PyAV, which is not installed here. Install it with: pip install "
                 "'stepwell[video]'. Its wheel bundles the encoder that writes them, libx264, "
                 "which is under the GPL; GIF files need neither.",
