@@ -1,0 +1,64 @@
+"""Figures written at once, with their size and their words but without their lines.
+
+Drawing takes most of the time of a command that writes figures, and other tests look at what is
+drawn. Here only the size in pixels and the words count.
+"""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html import escape
+from unittest.mock import patch
+
+from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import Figure
+from PIL import Image
+
+
+class _Words(RendererBase):
+    """Draws nothing and remembers every word."""
+
+    def __init__(self, figure: Figure):
+        super().__init__()
+        self.width, self.height = figure.bbox.size
+        self.words: list[str] = []
+
+    def get_canvas_width_height(self):
+        return self.width, self.height
+
+    def draw_text(self, gc, x, y, s, prop, angle, ismath=False, mtext=None):
+        self.words.append(s)
+
+    def _nothing(self, *_, **__):
+        pass
+
+    draw_path = draw_markers = draw_path_collection = draw_quad_mesh = _nothing
+    draw_gouraud_triangles = draw_image = _nothing
+
+
+def _words(figure: Figure) -> list[str]:
+    # A figure is saved two or three times as it is.
+    if figure.stale or not hasattr(figure, "_golden_words"):
+        renderer = _Words(figure)
+        figure.draw(renderer)
+        figure._golden_words = renderer.words
+    return figure._golden_words
+
+
+def _save(figure: Figure, file, *, format, dpi=100.0, metadata=None) -> None:
+    width, height = figure.get_size_inches()
+    if format == "png":
+        Image.new("1", (int(width * dpi), int(height * dpi))).save(file, "png")
+        return
+    assert format == "svg", format
+    words = "".join(f"<text>{escape(word)}</text>" for word in _words(figure))
+    size = f'width="{width * 72:g}pt" height="{height * 72:g}pt"'
+    text = f"<svg {size}>{words}</svg>"
+    file.write(text.encode() if isinstance(file, io.BytesIO) else text)
+
+
+@contextmanager
+def sketched() -> Iterator[None]:
+    """Figures are saved as PNG without a drawing, and as SVG that holds only their words."""
+    with patch.object(Figure, "savefig", _save):
+        yield
