@@ -8,7 +8,9 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from html import escape
+from typing import IO, Any
 from unittest.mock import patch
+from weakref import WeakKeyDictionary
 
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
@@ -36,29 +38,34 @@ class _Words(RendererBase):
     draw_gouraud_triangles = draw_image = _nothing
 
 
-def _words(figure: Figure) -> list[str]:
-    # A figure is saved two or three times as it is.
-    if figure.stale or not hasattr(figure, "_golden_words"):
-        renderer = _Words(figure)
-        figure.draw(renderer)
-        figure._golden_words = renderer.words
-    return figure._golden_words
-
-
-def _save(figure: Figure, file, *, format, dpi=100.0, metadata=None) -> None:
-    width, height = figure.get_size_inches()
-    if format == "png":
-        Image.new("1", (int(width * dpi), int(height * dpi))).save(file, "png")
-        return
-    assert format == "svg", format
-    words = "".join(f"<text>{escape(word)}</text>" for word in _words(figure))
-    size = f'width="{width * 72:g}pt" height="{height * 72:g}pt"'
-    text = f"<svg {size}>{words}</svg>"
-    file.write(text.encode() if isinstance(file, io.BytesIO) else text)
-
-
 @contextmanager
-def sketched() -> Iterator[None]:
-    """Figures are saved as PNG without a drawing, and as SVG that holds only their words."""
-    with patch.object(Figure, "savefig", _save):
+def sketched(*, words: bool = True) -> Iterator[None]:
+    """Figures are saved as PNG without a drawing, and as SVG that holds only their words.
+
+    Args:
+        words: look for them, which takes half as long as drawing.
+    """
+    # A figure is saved two or three times as it is.
+    seen: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+
+    def words_of(figure: Figure) -> list[str]:
+        if words and (figure.stale or figure not in seen):
+            renderer = _Words(figure)
+            figure.draw(renderer)
+            seen[figure] = renderer.words
+        return seen.get(figure, [])
+
+    def save(figure: Figure, file: IO[Any], *, format: str, dpi: float, metadata: object) -> None:
+        width, height = figure.get_size_inches()
+        if format == "png":
+            size = int(width * dpi), int(height * dpi)
+            Image.new("1", size).save(file, "png")
+            return
+        assert format == "svg", format
+        found = "".join(f"<text>{escape(word)}</text>" for word in words_of(figure))
+        size = f'width="{width * 72:g}pt" height="{height * 72:g}pt"'
+        text = f"<svg {size}>{found}</svg>"
+        file.write(text.encode() if isinstance(file, io.BytesIO) else text)
+
+    with patch.object(Figure, "savefig", save):
         yield

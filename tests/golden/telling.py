@@ -12,6 +12,7 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -37,11 +38,15 @@ def file_lines(file: Path) -> list[str]:
 
 def text_lines(text: str) -> list[str]:
     """Text as it is, but for what changes by itself; the text of a preset only by its name."""
-    for name in presets():
-        if text == preset_text(name):
-            return [f"(the text of preset:{name})"]
+    if text in (known := _presets()):
+        return [f"(the text of preset:{known[text]})"]
     # The end of the last line is told too, by an empty line that is there or not.
     return [_lasting(line) for line in text.split("\n")]
+
+
+@cache
+def _presets() -> dict[str, str]:
+    return {preset_text(name): name for name in presets()}
 
 
 def json_lines(text: str) -> list[str]:
