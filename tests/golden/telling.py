@@ -27,6 +27,7 @@ from stepwell.files import preset_text, presets
 # Lists and tables up to this long are told in full; longer ones by so many of their rows.
 SHORT, ROWS = 8, 5
 _WIDTH = 110
+_DIGITS = re.compile(r"[\d.e+-]{5,}")
 _HASH = re.compile(r"\b[0-9a-f]{64}\b")
 
 
@@ -70,7 +71,9 @@ def _tree(value: Any, indent: str, key: str = "") -> Iterator[str]:
         value = "<version>"
     line = head + _flat(value)
     scalar = not isinstance(value, Mapping | list)
-    if scalar or (len(line) <= _WIDTH and "\n" not in line and not _is_deep(value)):
+    # Where lines break shall not hang on the digits of a number.
+    width = len(_DIGITS.sub("12345678", line))
+    if scalar or (width <= _WIDTH and not _is_deep(value)):
         yield line
     elif isinstance(value, Mapping) and all(_HASH.fullmatch(str(v)) for v in value.values()):
         yield f"{head}{{"
@@ -251,7 +254,7 @@ def _video(file: Path) -> list[str]:
 class _Page(HTMLParser):
     """Tags with their attributes and all text, a row of a table on a line; images only named."""
 
-    _ALONE, _BESIDE = ("meta", "img", "br", "link", "hr"), ("td", "th", "dd", "title", "style")
+    _ALONE, _BESIDE = ("meta", "img", "br", "link", "hr"), ("td", "th", "dd")
 
     def __init__(self):
         super().__init__()
