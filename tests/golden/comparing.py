@@ -28,9 +28,11 @@ class Tolerance:
 
 # Of statics: another BLAS library, or another order of a sum, changes the last digits.
 EXACT = Tolerance(1e-9, 1e-11)
-# Of MuJoCo: every contact enlarges what rounding began. Where the state at the start of each piece of
-# a walk is off by 1e-15 of itself, work and distance are off by up to 1e-5 of themselves, and the
-# turn of a robot that walks straight on by up to 3e-5 degrees.
+# Of fits by least squares, which stop where a step gains less than about this.
+FITTED = Tolerance(1e-6, 1e-8)
+# Of MuJoCo: every contact enlarges what rounding began. Where the state at the start of each piece
+# of a walk is off by 1e-15 of itself, work and distance are off by up to 1e-5 of themselves, and
+# the turn of a robot that walks straight on by up to 3e-5 degrees.
 SIMULATED = Tolerance(1e-4, 1e-4)
 
 

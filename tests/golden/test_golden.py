@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from golden.cases import CASES, Case, commands
-from golden.comparing import EXACT, SIMULATED, differences
+from golden.comparing import differences
 from golden.running import FROZEN, told
 
 # Digits and the places of ticks are those of the locked dependencies.
@@ -30,7 +30,7 @@ _NOT_FROZEN = {"paper --all"}
 def test_a_user_sees_what_was_frozen(case: Case, tmp_path):
     frozen = (FROZEN / f"{case.name}.txt").read_text("utf-8")
     found = told(case, tmp_path)
-    lines = differences(frozen, found, SIMULATED if case.simulated else EXACT)
+    lines = differences(frozen, found, case.within)
     more = [f"and {len(lines) - _SHOWN} more lines"] if len(lines) > _SHOWN else []
     accept = f"If this is better: python tests/golden/freeze.py {case.name}"
     assert not lines, "\n".join([*lines[:_SHOWN], *more, accept])
