@@ -82,7 +82,7 @@ MAPS = [
     ),
     _both(
         "map/three-cells",
-        "map preset:three-wave --across 1.stiffness=20:40:4 --up 3.stiffness=20:40:3:log",
+        "map preset:three-wave --across 1.q.x=2:20:5 --up 3.stiffness=15:40:4:log",
     ),
 ]
 
@@ -133,7 +133,10 @@ DESIGNS = [
 ]
 
 YIELDS = [
-    _both("yield/cycle", "yield preset:paper-forward --samples 100 --seed 2"),
+    _both(
+        "yield/cycle",
+        "yield preset:paper-forward --anchor 6 --stiffness-spread 20 --samples 100 --seed 2",
+    ),
     _both(
         "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
     ),
@@ -219,6 +222,7 @@ ROBOTS = [
             "walk preset:robot-left --cycles 0.3",
         ),
         within=SIMULATED,
+        slow=True,
     ),
     Case("walk/video", ("walk robot-forward --cycles 0.01 --out out",), within=SIMULATED),
     Case(
@@ -260,7 +264,12 @@ ROBOTS = [
         given={"yard.txt": "#####\n#S.G#\n#####\n"},
         within=SIMULATED,
     ),
-    Case("maze/video", ("maze robot-forward open --limit 1 --out out",), within=SIMULATED),
+    Case(
+        "maze/video",
+        ("maze robot-forward open --limit 1 --out out",),
+        within=SIMULATED,
+        slow=True,
+    ),
     Case(
         "export",
         ("export robot-explorer --arena cylinder --out model.xml",),
@@ -272,6 +281,8 @@ PAPER = [
     Case(
         "paper",
         ("paper --out out", "paper --json", "paper --data gone"),
+        within=SIMULATED,
+        slow=True,
     ),
 ]
 
