@@ -8,7 +8,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from figures.drawn import collisions, cut_off, says, words
+from figures.drawn import cut_off, says, untidy, words
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -22,16 +22,26 @@ def test_no_word_covers_another_or_leaves_the_page(name):
     drawn = figures.standard(cycle)
     drawn["overview"] = figures.overview(cycle)
     for kind, figure in drawn.items():
-        assert collisions(figure) == [], kind
-        assert cut_off(figure) == [], kind
+        assert untidy(figure) == [], kind
+
+
+def test_words_on_each_other_off_the_page_or_too_small_are_seen():
+    figure = Figure()
+    assert untidy(figure) == []
+    for x, word in ((0.5, "one"), (0.5, "other"), (0.99, "far out")):
+        figure.text(x, 0.5, word, fontsize=9 if word != "other" else 5)
+    assert untidy(figure, 7.0) == [
+        "one covers other",
+        "far out leaves the page",
+        "other is too small",
+    ]
 
 
 def test_words_stay_apart_in_longer_chains_too():
     cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.002 * i, 0.001 * (i % 3)))) for i in range(6)]
     cycle = Chain(tuple(cells)).cycle()
     for figure in figures.standard(cycle).values():
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
+        assert untidy(figure) == []
 
 
 def test_every_axis_with_a_dimension_names_its_unit():

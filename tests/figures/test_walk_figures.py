@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, points, says, words
+from figures.drawn import legend_of, lines, points, says, untidy
 from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from stepwell import figures
@@ -52,9 +52,7 @@ KINDS = (
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_walk_is_drawn_with_words_apart(draw, kind, walks):
     figure = draw(walks[kind])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
 
 
 @pytest.mark.parametrize("draw", DRAWINGS)
@@ -147,8 +145,7 @@ def test_several_walks_share_one_scale_and_keep_their_names(walks):
     assert scales == pytest.approx([scales[0]] * 3)
     for column in (1, 2):
         assert len({ax.get_ylim() for ax in figure.axes[column::3]}) == 1
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_no_walks_are_refused():

@@ -4,7 +4,7 @@ import pytest
 from PIL import Image
 
 from cli.folders import written
-from figures.drawn import collisions, cut_off, says
+from figures.drawn import says, untidy
 from stepwell import paper
 from stepwell.paper import figures
 
@@ -14,8 +14,7 @@ DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
     figure = DRAWN[name]()
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_every_figure_of_the_paper_about_one_and_two_cells_is_there():
