@@ -104,7 +104,7 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
         "robot-forward",
         values,
         "--cycles",
-        "2",
+        "1",
         "--out",
         "out",
     ]

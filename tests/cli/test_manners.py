@@ -185,7 +185,7 @@ def test_a_terminal_gets_boxes_and_no_color_keeps_it_plain(tmp_path):
 @posix
 def test_a_terminal_sees_progress_and_a_pipe_does_not(tmp_path):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
-    arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "10")
+    arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "5")
     assert "frames" in in_terminal(*arguments, cwd=tmp_path, env=env)
     result = installed(*arguments, "--force", cwd=tmp_path)
     assert (result.stdout, result.stderr) == ("Wrote cycle.gif\n", "")
