@@ -15,7 +15,7 @@ export NO_MKDOCS_2_WARNING := 1
 help:
 	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
 	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
-	@echo "make test-lowest  run the quick tests on the oldest supported dependencies"
+	@echo "make test-lowest  run the tests on the oldest supported dependencies"
 	@echo "make coverage     run all tests and tell which lines they never reach"
 	@echo "make bench        print speed ratios against named peers"
 	@echo "make docs         build the documentation into site/"
@@ -38,14 +38,14 @@ test: .venv/.ready
 	.venv/bin/pyright
 	.venv/bin/lint-imports
 	.venv/bin/mkdocs build --strict --quiet
-	.venv/bin/pytest --numprocesses=auto
+	.venv/bin/pytest
 
 # By itself, for it makes all of Python half as fast again.
 coverage: .venv/.ready
-	.venv/bin/pytest --numprocesses=auto --cov --cov-report=term
+	.venv/bin/pytest --cov --cov-report=term
 
 test-lowest: .venv-lowest/.ready
-	.venv-lowest/bin/pytest --numprocesses=auto -m "not slow and not shown"
+	.venv-lowest/bin/pytest -m "not shown"
 
 bench: .venv/.ready
 	.venv/bin/python benchmarks/run.py

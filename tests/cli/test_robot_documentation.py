@@ -42,6 +42,7 @@ def records():
     ]
 
 
+@pytest.mark.slow
 def test_every_name_of_the_robots_json_is_documented(records):
     names = {name for record in records for name in keys_of(record)}
     assert {"pushes", "flips", "contacts", "changes", "trials"} <= names

@@ -36,6 +36,7 @@ def concave_margins(seed: int, count: int) -> list[tuple[sw.Chain, sw.Margin]]:
     return [(chain, sw.margin(chain)) for chain in chains]
 
 
+@pytest.mark.slow
 def test_nearer_than_the_margin_no_displacement_changes_the_sequence():
     for chain, margin in concave_margins(1, examples(2)):
         now = sequence(chain)
@@ -91,6 +92,7 @@ def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
     assert exact > 10
 
 
+@pytest.mark.slow
 def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
     rng = np.random.default_rng(4)
     for _ in range(examples(6)):

@@ -64,7 +64,10 @@ def boxes(figure, gid: str) -> int:
     return sum(isinstance(p, FancyBboxPatch) and p.get_gid() == gid for p in patches)
 
 
-@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS],
+)
 def test_every_state_has_its_name_and_no_word_covers_another(name):
     graph = graph_of(name)
     figure = figures.transition_graph(graph)
@@ -75,6 +78,7 @@ def test_every_state_has_its_name_and_no_word_covers_another(name):
     assert 25.4 * figure.get_size_inches()[0] == pytest.approx(85.0 if graph.cells <= 3 else 180.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["nested 6", "force 6", "spring 6", "shuffle"])
 def test_boxes_do_not_touch(name):
     ax = figures.transition_graph(graph_of(name)).axes[0]

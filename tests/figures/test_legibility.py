@@ -13,10 +13,15 @@ from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
 
 PRESETS = sorted(name for name in files.presets() if not name.startswith("robot-"))
+# One of two cells, one of three, one behind a spring.
+QUICK = ("paper-forward", "three-wave", "compliant-actuator")
 OF_A_PATH = (figures.force_stroke, figures.travel_stroke, figures.landscape)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PRESETS],
+)
 def test_no_word_covers_another_or_leaves_the_page(name):
     cycle = files.preset(name).cycle()
     drawn = figures.standard(cycle)
@@ -76,6 +81,7 @@ def test_no_word_is_smaller_than_seven_points():
         assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
 
 
+@pytest.mark.slow
 def test_drawing_leaves_the_settings_of_matplotlib_alone(tmp_path):
     cycle = files.preset("paper-forward").cycle()
     before = dict(mpl.rcParams)
@@ -120,6 +126,7 @@ def test_axes_without_a_figure_are_refused_with_advice():
         figures.force_stroke(files.preset("paper-forward").cycle(), ax=ax)
 
 
+@pytest.mark.slow
 def test_no_figure_needs_pyplot():
     script = (
         "import sys; from stepwell import figures, files;"

@@ -119,11 +119,13 @@ def robots():
     return list(of_robots(ALL))
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_chain_draws_names_as_text(chains):
     # A transition graph calls cells by their places.
     assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 1
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_robot_draws_names_as_text(robots):
     assert sum(check(draw, ALL) > 0 for draw in robots) >= 10
 

@@ -48,6 +48,7 @@ KINDS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_walk_is_drawn_with_words_apart(draw, kind, walks):
@@ -214,6 +215,7 @@ def test_the_legend_names_what_is_drawn(forward):
     assert legend_of(figures.contacts(forward))[-2:] == ["out", "back"]
 
 
+@pytest.mark.slow
 def test_figures_of_a_walk_are_the_same_every_time(forward):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -118,6 +118,7 @@ def some_chain(rng: np.random.Generator) -> sw.Chain:
     return sw.Chain(cells, actuator_stiffness=drive)
 
 
+@pytest.mark.slow
 def test_a_path_has_the_same_bits_interpreted_and_compiled(each_way):
     def paths():
         rng = np.random.default_rng(11)

@@ -119,6 +119,7 @@ def lab_estimate(values):
     return of_samples(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", range(examples(1, full=20)))
 def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
     assert lab.choose_law(curves(lambda f: line(f * 28.5), seed=draw)).chosen.law.name == "linear"
@@ -128,6 +129,7 @@ def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
     assert cubic.folds == "sample"
 
 
+@pytest.mark.slow
 def test_a_single_sample_is_said_to_show_no_scatter():
     test = curves(softening, samples=1, cycles=(5, 6, 7))
     found = lab.stiffness(test)
@@ -147,6 +149,7 @@ def test_with_one_curve_no_law_is_preferred_to_the_line():
     assert "was tried on no other curve" in lab.band_table(test, lab.stiffness(test), choice)
 
 
+@pytest.mark.slow
 def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
     test, unknown = softened(), chosen()
     assert unknown.rest_length is None

@@ -125,6 +125,7 @@ def test_a_page_with_the_table_shows_what_is_computed_now(page, computed):
     assert same(text, table.replaced(text, paper.markdown(computed.values())))
 
 
+@pytest.mark.slow
 def test_the_page_of_the_recordings_shows_what_they_give_now(kamp2024):
     asked = (claim for claim in paper.claims(kamp2024) if claim.id in _measured.IDS)
     verdicts = [claim.judge() for claim in asked]
@@ -165,6 +166,7 @@ def test_a_bar_in_a_claim_does_not_break_the_table(verdicts):
     assert len(rows) == 2 + len(verdicts)
 
 
+@pytest.mark.slow
 def test_the_module_says_how_to_be_called():
     asked = subprocess.run(
         [sys.executable, "-m", "stepwell.paper"], capture_output=True, text=True, check=False

@@ -11,6 +11,7 @@ from stepwell.paper import figures
 DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
     figure = DRAWN[name]()
@@ -39,6 +40,7 @@ def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
     assert {"(20, 0)", "(0, 0)", "(10, \N{MINUS SIGN}15)", "(10, 15)"} <= set(written)
 
 
+@pytest.mark.slow
 def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch, known_verdicts):
     chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
     monkeypatch.setattr(figures, "FIGURES", chosen)

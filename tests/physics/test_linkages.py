@@ -11,6 +11,7 @@ from stepwell.robot import Robot
 HINGES = Settings(linkage=Linkage.HINGES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("left", "right"),
     [(0.020, 0.020), (0.005, 0.005), (0.005, 0.020), (0.020, 0.005), (0.015, 0.015)],

@@ -60,6 +60,7 @@ def test_the_paper_robots_advance_and_turn_about_as_far_as_measured():
     assert abs(turn.advance) < 0.15
 
 
+@pytest.mark.slow
 def test_q_out_15_is_clockwise_in_the_air_and_walks_nowhere_on_the_floor():
     # Kamp et al. 2024, Fig. 3: weight, and not the drag, changes its gait.
     hung = robot(0.015, floor=Floor(gravity=0.0)).predict()
@@ -76,6 +77,7 @@ def test_gaits_and_displacement_are_those_that_the_other_tests_take_without_the_
     assert (said.advance, said.sideways, said.turn) == without[1:]
 
 
+@pytest.mark.slow
 @given(designs)
 @settings(max_examples=examples(5))
 def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
@@ -84,6 +86,7 @@ def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
     assert (found.advance, found.sideways, found.turn) == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.slow
 @given(designs, floors, feet)
 @settings(max_examples=examples(6))
 def test_like_legs_go_straight(q, floor, foot):
@@ -94,6 +97,7 @@ def test_like_legs_go_straight(q, floor, foot):
     assert abs(found.advance) <= 1.0 + foot.contact_travel / 0.020
 
 
+@pytest.mark.slow
 @given(designs, designs, floors, feet)
 @settings(max_examples=examples(4))
 def test_a_mirrored_robot_turns_the_other_way(left, right, floor, foot):
@@ -104,12 +108,14 @@ def test_a_mirrored_robot_turns_the_other_way(left, right, floor, foot):
     assert one.turn == pytest.approx(-other.turn, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_robot_gets_further_where_the_floor_drags_less():
     gains = [motion(robot(floor=Floor(drag=drag))).advance for drag in (0.1, 0.7, 1.6)]
     assert gains == sorted(gains, reverse=True)
     assert gains[-1] < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [0.004, 0.0155, 0.023])
 def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
     one = robot(q)
@@ -120,6 +126,7 @@ def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
     assert outside == {said.gait, said.nearest}
 
 
+@pytest.mark.slow
 def test_a_robot_close_to_another_gait_says_so():
     # At q_x = 10 mm both cells are alike; the weight alone decides.
     for q in np.linspace(0.010, 0.025, 31):
@@ -133,11 +140,13 @@ def test_a_robot_close_to_another_gait_says_so():
         pytest.fail("the gait never changed")
 
 
+@pytest.mark.slow
 def test_slow_drives_leave_less_unknown():
     fast, slow = (robot(drive=Drive(period=t)).predict().legs[0] for t in (2.0, 20.0))
     assert slow.uncertainty == pytest.approx(fast.uncertainty / 10)
 
 
+@pytest.mark.slow
 def test_a_push_slips_beyond_its_largest_drag_and_not_well_before():
     push = robot().predict().legs[0].pushes[0]
     assert push.limit is Limit.SLIP
@@ -164,6 +173,7 @@ def test_the_largest_drag_is_friction_at_balance_by_hand():
     assert push.safety == push.largest_drag / one.floor.drag
 
 
+@pytest.mark.slow
 def test_an_antenna_flips_the_opposite_leg_where_it_says():
     one = explorer()
     said = one.predict()
@@ -183,10 +193,12 @@ def test_an_antenna_flips_the_opposite_leg_where_it_says():
     assert after.turn < -TURNS
 
 
+@pytest.mark.slow
 def test_an_antenna_whose_lever_is_off_flips_nothing():
     assert explorer(connected=False).predict().flips == ()
 
 
+@pytest.mark.slow
 def test_a_leg_of_three_cells_is_predicted_too():
     def long(name, side):
         cells = [cell("first", 0.008), cell("second", 0.010), cell("lift", 0.022)]
@@ -203,6 +215,7 @@ def test_a_leg_of_three_cells_is_predicted_too():
     assert found.turn == pytest.approx(0.0, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_drive_that_turns_back_early_never_opens_both_cells():
     said = robot(drive=Drive(amplitude=0.020)).predict()
     assert "11" not in said.gaits["left"]
@@ -257,6 +270,7 @@ def test_feet_stand_in_the_middle_of_the_depths_at_which_the_papers_robots_do_as
     assert Foot().below == pytest.approx((least + most) / 2, abs=3e-5)
 
 
+@pytest.mark.slow
 def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_it_is_not():
     one = robot()
     low, high = one.predict().depths[0]
@@ -268,6 +282,7 @@ def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_
     assert depths(deep) == ((deep.foot.below,) * 2,) * 2
 
 
+@pytest.mark.slow
 def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_text(monkeypatch):
     one = replace(robot(), title="Robot of this test alone")
     module = sys.modules[depths.__module__]  # its name is that of its function
@@ -284,6 +299,7 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
     assert "feet 0.00 to 0.9" in repr(said)
 
 
+@pytest.mark.slow
 def test_the_depths_of_unlike_legs_are_told_for_each():
     said = robot(0.005, 0.020).predict()
     backward, forward = said.depths

@@ -214,6 +214,7 @@ def test_a_cell_that_lets_go_at_no_force_at_all_is_no_tie():
     assert str(cycle.sequence) == "00>10>11>01>00"
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_cells_cycle_in_sorted_order(monkeypatch):
     monkeypatch.setenv("STEPWELL_LIMITS", "cells=100000")  # on purpose
     x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, 100_000))
