@@ -70,7 +70,7 @@ def test_every_mechanism_does_by_the_engine_what_the_closed_form_says(actuator, 
         if lever:
             chain = with_levers(chain, rng)
         draws = Draws(chain, tolerances, 3)
-        verdict, does = judged(draws, examples(50))
+        verdict, does = judged(draws, examples(25, full=1000))
         for number in np.flatnonzero(verdict != ASK).tolist():
             proved += 1
             assert str(draws.sample(number).cycle().sequence) == does[number]

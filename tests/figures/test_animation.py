@@ -65,7 +65,7 @@ def test_the_actuator_moves_at_constant_speed_between_snaps():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["paper-forward", "three-wave", "force-control"])
+@pytest.mark.parametrize("name", ["three-wave", "force-control"])
 def test_a_program_moves_too_with_its_plan_below(tmp_path, name):
     chain = files.preset(name)
     program = chain.program("01" if len(chain) == 2 else "010", start="1" + "0" * (len(chain) - 1))

@@ -77,7 +77,7 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     yield partial(figures.robot_drawing, robot)
     yield partial(figures.robot_above, robot)
     yield partial(figures.robot_side, robot)
-    yield partial(figures.prediction, robot.predict())
+    yield partial(figures.prediction, replace(robot, antennas=antennas[:1]).predict())
     yield partial(figures.maze, maze)
     yield partial(figures.maze_timeline, maze)
     for draw in (figures.gait, figures.trajectory, figures.contacts):

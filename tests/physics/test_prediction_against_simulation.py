@@ -45,11 +45,11 @@ def test_gaits_are_predicted_right_and_wrong_only_near_a_boundary():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", SEEDS[:1] if SIZE == "ci" else SEEDS)
 def test_unlike_legs_turn_about_as_far_as_predicted_where_it_is_sure(seed):
     random = np.random.default_rng(seed)
     off = []
-    for _ in range(examples(5, full=160)):
+    for _ in range(examples(6, full=160)):
         left, right = random.uniform(0.002, 0.025, 2)
         one = robot(left, right, foot=Foot(below=random.uniform(0.0002, 0.0012)))
         said = one.predict()
