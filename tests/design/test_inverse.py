@@ -299,7 +299,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
     rule = _candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
-    for loading, unloading in PAIRS[: examples(3, full=36)]:
+    for loading, unloading in PAIRS[: examples(3, full=6)]:
         orders = _orders.Orders(loading, unloading)
         made = _attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete

@@ -27,7 +27,7 @@ def test_no_word_covers_another_or_leaves_the_page(name):
     cycle = files.preset(name).cycle()
     drawn = {"overview": figures.overview(cycle)}
     if name in QUICK or SIZE == "full":
-        # The same drawings, each with more room than in the overview.
+        # What the overview holds, each by itself.
         drawn |= figures.standard(cycle)
     for kind, figure in drawn.items():
         assert untidy(figure) == [], kind
