@@ -64,6 +64,7 @@ def test_nothing_to_read_is_an_error_that_is_told(stepwell):
     assert "holds no recording that can be read" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     result = stepwell("lab", "band", "bands", "--gauge-mm", "15", "--out", "band")
     assert result.exit_code == 0, result.stderr

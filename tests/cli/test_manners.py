@@ -90,6 +90,7 @@ def test_every_help_page_ends_with_the_exit_codes(stepwell_help, command):
     assert text == stepwell_help(*([command] if command else []), "-h")
 
 
+@pytest.mark.slow
 def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
     # Not pydantic: some versions of Typer use it themselves.
     heavy = {"numba", "scipy", "xarray", "matplotlib", "rich"}
@@ -156,6 +157,7 @@ def test_an_interrupted_animation_leaves_no_file(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 @posix
 def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
     process = subprocess.Popen(

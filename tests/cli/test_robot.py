@@ -53,6 +53,7 @@ def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
     assert names == {"robot.toml", "robot.json"} | drawn
 
 
+@pytest.mark.slow
 def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, tmp_path):
     result = stepwell(
         "robot", "sweep", "robot-forward", "chain.cell.outer.q_mm[0]=5:20:2",

@@ -196,6 +196,7 @@ def test_on_the_limits_of_bistability_an_end_force_is_zero():
             assert abs(force) < 1e-12 * 28.5 * moved.lever
 
 
+@pytest.mark.slow
 def test_chains_without_closed_form_have_searched_boundaries_only():
     chain = sw.Chain((replace(cell(10, 0), friction=0.05), cell(20, 0)))
     found = boundaries(chain, x=X, y=Y, search=9)

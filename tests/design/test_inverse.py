@@ -69,6 +69,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
     assert made.yield_.share == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [1, 2, 4, 5, 6, 8])
 def test_random_cycles_of_more_cells_are_found(cells):
     rng = np.random.default_rng(cells)
@@ -490,6 +491,7 @@ L_SHAPE = AnchorPolygon(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", ["yield", "worst"])
 @pytest.mark.parametrize(
     "within", [L_SHAPE, AnchorPolygon(((0, -0.012), (0.020, -0.002), (0.004, 0.014)))]

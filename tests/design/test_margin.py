@@ -229,6 +229,7 @@ def test_without_a_closed_form_the_margin_is_searched_and_says_so(chain):
         assert sequence(nearer) == now
 
 
+@pytest.mark.slow
 def test_friction_widens_the_gap_that_two_forces_must_cross():
     # Cell i leaves 0 at F0 + f: rubbing in the second cell to load sets the two further apart.
     plain = sw.margin(sw.Chain((cell(10, 0), cell(15, 0))))

@@ -76,6 +76,7 @@ def test_small_boxes_and_stocks_in_which_a_cell_overtakes_give_no_design_that_re
     assert "random choices in the wanted orders were looked at" in str(refusal.value)
 
 
+@pytest.mark.slow
 def test_where_only_some_placements_overtake_another_is_taken():
     made = design(states=WANTED, within=PARTLY, bands=OTHERS, p=(0, 0), tolerances=FINE, n=20)
     assert "what seemed better does not by the engine (also reaches 011)" in made.method
@@ -142,6 +143,7 @@ def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
     assert levers.by_engine == 5
 
 
+@pytest.mark.slow
 def test_what_cannot_be_searched_whole_says_so():
     def told(made: Design) -> str:
         return str(made) + made.reached.how + made.assumptions

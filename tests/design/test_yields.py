@@ -78,6 +78,7 @@ def test_every_mechanism_does_by_the_engine_what_the_closed_form_says(actuator, 
     assert (proved > 0) == (lever == 0 or actuator != 200.0)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), cells=st.integers(2, 5))
 def test_one_mechanism_of_any_concave_chain_is_judged_as_the_engine_does(seed, cells):
     rng = np.random.default_rng(seed)

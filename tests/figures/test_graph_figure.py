@@ -108,6 +108,7 @@ def test_loading_and_unloading_differ_in_colour_and_line():
     assert {line.get_linestyle() for line in down} == {"--"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 4", "nested 6", "force 6"])
 def test_every_snap_is_marked(name):
     graph = graph_of(name)
@@ -180,6 +181,7 @@ def test_a_program_is_highlighted_from_start_to_end():
     assert collisions(figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [float("inf"), 30.0, 0.0])
 def test_every_turn_of_a_long_program_has_its_number(stiffness):
     chain = nested(5, stiffness)

@@ -102,6 +102,7 @@ def check(draw: Callable[[], object], name: str) -> int:
     return shown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_is_drawn_letter_by_letter(name):
     cycle = named(sw.preset("paper-forward"), name).cycle()

@@ -9,6 +9,8 @@ from figures.robots import explorer, walker
 from figures.shapes import boxes
 from stepwell import figures
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def predictions():

@@ -13,6 +13,7 @@ def cycles():
     return {name: files.preset(name).cycle() for name in NAMES}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("draw", "panels"), [(figures.landscapes, 4), (figures.strokes, 8)])
 @pytest.mark.parametrize("count", [1, 4])
 def test_every_cycle_has_its_panels_and_its_name(draw, panels, count, cycles):

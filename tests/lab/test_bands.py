@@ -141,6 +141,7 @@ def test_a_single_sample_is_said_to_show_no_scatter():
     assert record["stiffness_N_per_m"]["low"] is None
 
 
+@pytest.mark.slow
 def test_with_one_curve_no_law_is_preferred_to_the_line():
     test = curves(softening, samples=1, cycles=(5,))
     choice = lab.choose_law(test)

@@ -131,6 +131,7 @@ def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
             assert np.linalg.norm(line[:, None] - other, axis=2).min() > _steering.GAP
 
 
+@pytest.mark.slow
 def test_every_change_of_an_assumed_number_makes_another_robot_of_each():
     for result in _sensitivity.RESULTS:
         one = _robot.robot(result.robot)

@@ -13,6 +13,7 @@ from stepwell.physics.sweep import Trial
 ANCHORS = (0.005, 0.015, 0.020)
 
 
+@pytest.mark.slow
 def test_each_robot_of_a_sweep_does_what_it_does_alone():
     swept = sweep([robot(q) for q in ANCHORS], values={"q_m": ANCHORS}, cycles=4, threads=2)
     for q, trial in zip(ANCHORS, swept.trials, strict=True):

@@ -39,7 +39,7 @@ def with_force(one: Robot, force: float) -> Robot:
     [
         (0.020, 0.020, Motion.FORWARD, (FORWARD, FORWARD)),
         (0.005, 0.005, Motion.BACKWARD, (BACKWARD, BACKWARD)),
-        (0.020, 0.005, Motion.RIGHT, (FORWARD, BACKWARD)),
+        pytest.param(*(0.020, 0.005, Motion.RIGHT, (FORWARD, BACKWARD)), marks=pytest.mark.slow),
         (0.005, 0.020, Motion.LEFT, (BACKWARD, FORWARD)),
         (0.015, 0.015, Motion.NONE, (VIA_01, VIA_01)),
     ],
@@ -70,6 +70,7 @@ def test_q_out_15_is_clockwise_in_the_air_and_walks_nowhere_on_the_floor():
     assert set(dragless.gaits.values()) == {VIA_01}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", [robot(), robot(0.005, 0.020)], ids=["forward", "left"])
 def test_gaits_and_displacement_are_those_that_the_other_tests_take_without_the_doubts(one):
     said, without = one.predict(), motion(one)

@@ -51,6 +51,7 @@ def same(one: TransitionGraph, other: TransitionGraph) -> bool:
 # --- text -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("out", "back"), WAYS)
 @settings(max_examples=examples(15))
 @given(seed=SEEDS, cells=st.integers(1, 4), drive=DRIVES)

@@ -197,6 +197,7 @@ def _followed(found: TransitionGraph, label: str, direction: int, drive: float):
     return found.chain.path([within(node, 0.5), drive], start=middle(found, node)).end
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(25))
 @given(SEEDS, st.integers(1, 6))
 def test_concave_cells_under_a_force_have_the_engines_graph_in_closed_form(seed, cells):

@@ -164,6 +164,7 @@ def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cell
     assert found == wanted
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(seed, cells):

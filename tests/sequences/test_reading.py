@@ -333,6 +333,7 @@ def test_the_extremes_of_a_count_may_be_off_by_its_slack():
             assert state_of(found, travels) == found.node(label).state, cycles
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(30))
 @given(SEEDS, st.integers(2, 4), DRIVES)
 def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):

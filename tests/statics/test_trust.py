@@ -298,6 +298,7 @@ def _balanced(laws, pieces) -> tuple[float, float]:
 # --- an answer in time ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_alike_cells_whose_forces_turn_are_followed():
     # 25 s and "two events keep undoing each other" before.
     chain = sw.Chain([held(x, -10.0, 28.5, 20.0) for x in (8.0, 8.0, 18.0)])
