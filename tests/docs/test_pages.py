@@ -29,8 +29,18 @@ def read(page: str) -> str:
     return (ROOT / page).read_text("utf-8")
 
 
+# The README's, and one of every kind, in the quick run.
+QUICK = ("README.md", "docs/index.md", "docs/theory.md", "docs/how-to/read-a-result.md")
+
+
 @pytest.mark.shown
-@pytest.mark.parametrize("page", [*PAGES, *HOW_TO])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (page not in QUICK))
+        for page in (*PAGES, *HOW_TO)
+    ],
+)
 def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = run(page, read(page))
@@ -101,6 +111,7 @@ def test_the_readmes_claims_are_those_of_the_claims_file():
             assert claim["claim"] in text
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 def test_the_pictures_are_those_of_the_model(tmp_path):
     draw = runpy.run_path(str(ROOT / "examples" / "00_figures_of_the_pages.py"))["draw"]
