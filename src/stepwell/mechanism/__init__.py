@@ -5,6 +5,7 @@ from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, cubic
 from stepwell.mechanism.geometry import (
+    band_direction,
     band_force,
     band_length,
     force_by,
@@ -38,6 +39,7 @@ __all__ = [
     "Slip",
     "SlipError",
     "Table",
+    "band_direction",
     "band_force",
     "band_length",
     "cubic",

@@ -57,16 +57,22 @@ def length_slopes(
 
 
 @kernel
-def slopes_by_anchor(
-    sin: Any, cos: Any, length: Any, first: Any, dx: Any, dy: Any, lever: Any
-) -> tuple[Any, Any, Any, Any]:
-    """∂ℓ/∂d, the unit vector u along the band, and ∂ℓ'/∂d; x and y of each.
+def band_direction(
+    sin: Any, cos: Any, length: Any, dx: Any, dy: Any, lever: Any
+) -> tuple[Any, Any]:
+    """∂ℓ/∂d: the unit vector (x, y) along the band, from p to q."""
+    return (lever * cos + dx) / length, (lever * sin + dy) / length
 
-    ℓ' = g/ℓ with ∂g/∂d = (-tan θ, 1), so ∂ℓ'/∂d = (∂g/∂d - ℓ' u)/ℓ.
+
+@kernel
+def slopes_by_anchor(
+    sin: Any, cos: Any, length: Any, first: Any, x: Any, y: Any
+) -> tuple[Any, Any]:
+    """∂ℓ'/∂d, of a band along (x, y).
+
+    ℓ' = g/ℓ with ∂g/∂d = (-tan θ, 1), so ∂ℓ'/∂d = (∂g/∂d - ℓ' (x, y))/ℓ.
     """
-    x = (lever * cos + dx) / length
-    y = (lever * sin + dy) / length
-    return x, y, (-sin / cos - first * x) / length, (1.0 - first * y) / length
+    return (-sin / cos - first * x) / length, (1.0 - first * y) / length
 
 
 @kernel
