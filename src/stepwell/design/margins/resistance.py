@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue
-from stepwell.mechanism import Band, Cell
+from stepwell.mechanism import Band, Cell, band_direction, band_length
 
 Floats = NDArray[np.float64]
 Vec2 = tuple[float, float]
