@@ -24,7 +24,7 @@ from stepwell.files import DesignError
 from stepwell.files.schema import wording
 from stepwell.files.source import preset_text
 from stepwell.robot import Arena, Body, Cylinder, Wall
-from stepwell.simulation.video import VideoError
+from stepwell.simulation.runs.video import VideoError
 
 CHAIN = preset_text("paper-forward")
 ROBOT = preset_text("robot-forward")

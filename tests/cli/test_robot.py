@@ -91,7 +91,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
     whole = json.loads(stepwell(*arguments, "--out", "whole").stdout)
 
     # One robot at a time, and no second one.
-    module = import_module("stepwell.simulation.sweep")
+    module = import_module("stepwell.simulation.runs.sweep")
     monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module, "PER_CORE", 1)
     add, added = module._Kept.add, []

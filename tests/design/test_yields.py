@@ -13,7 +13,7 @@ import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
 from sizes import examples
 from stepwell.concave.samples import ASK, Judge
-from stepwell.design.orders.full_cycle import numbered_cycle, orders
+from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, tally
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
@@ -155,7 +155,7 @@ def test_an_independent_formula_finds_the_same_orders():
         proved = verdict != ASK
         assert np.mean(proved) > 0.5
         for i in np.flatnonzero(proved):
-            told = orders(does[i])
+            told = orders_of(does[i])
             assert told is not None
             assert told.tolist() == [loading[i].tolist(), unloading[i].tolist()]
 
@@ -167,7 +167,7 @@ def test_cells_in_another_order_change_nothing_but_their_names():
     order = [2, 0, 3, 1]
     other = replace(chain, cells=tuple(chain.cells[i] for i in order))
     draws, moved = Draws(chain, ALL, 0), Draws(other, ALL, 0)
-    wanted = orders(str(chain.cycle().sequence))
+    wanted = orders_of(str(chain.cycle().sequence))
     assert wanted is not None
     here = Judge.of(chain, draws.spread, wanted)
     renamed = np.array([[order.index(i) for i in side] for side in wanted])

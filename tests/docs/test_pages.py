@@ -20,7 +20,7 @@ PAGES = [
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
-    *("robot", "physics", "files", "figures", "paper"),
+    *("robot", "simulation", "files", "results", "figures", "paper", "reports"),
 )
 
 

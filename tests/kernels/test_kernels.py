@@ -23,16 +23,12 @@ from stepwell.statics.following.flow import _smooth_rates
 
 SOURCE = Path(sw.__file__).parents[1]
 MODULES = [
-    *(
-        f"stepwell.statics.{n}"
-        for n in ("_follow", "_pieces", "_certificate", "_sample", "_sorted")
-    ),
-    "stepwell.concave.certificate",
-    *(f"stepwell.design.{n}" for n in ("_certified", "_end", "_end_grid", "_holes", "_many")),
-    *(f"stepwell.design.{n}" for n in ("_nearest", "_sift", "_sweep")),
+    ".".join(file.relative_to(SOURCE).with_suffix("").parts)
+    for file in sorted(SOURCE.glob("stepwell/**/*.py"))
+    if "\n@entry(" in file.read_text("utf-8")
 ]
 SMALL = """
-    from stepwell.statics.concave import Simple, end_forces
+    from stepwell.concave import Simple, end_forces
     print(end_forces(Simple(0.02, 0.0, 28.5, 0.01, 0.0141, 0.7)))
 """
 
@@ -162,7 +158,7 @@ def test_an_edited_formula_gives_new_answers_wherever_the_compiled_ones_are_kept
         return result.stdout
 
     before = answer()
-    geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "_geometry.py"
+    geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "geometry.py"
     old = "return np.sqrt(x * x + y * y)"
     text = geometry.read_text()
     assert old in text

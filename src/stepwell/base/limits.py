@@ -7,7 +7,7 @@ import os
 from functools import lru_cache
 from typing import NamedTuple
 
-from stepwell.base.setting import SettingError
+from stepwell.base.errors import SettingError
 
 VARIABLE = "STEPWELL_LIMITS"
 

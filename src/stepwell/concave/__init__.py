@@ -18,7 +18,7 @@ from stepwell.concave.certificate import (
     concave_disc,
     concave_line,
 )
-from stepwell.concave.end_forces import (
+from stepwell.concave.ends import (
     end_force,
     end_force_field,
     end_forces,
@@ -33,8 +33,8 @@ from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sorting import (
     TIED,
     SortedChain,
+    motion_orders,
     one_travel,
-    orders_of,
     proved_cells,
     same_travel,
     smallest_gap,
@@ -71,7 +71,7 @@ __all__ = [
     "nearest_of",
     "of_row",
     "one_travel",
-    "orders_of",
+    "motion_orders",
     "proved_cells",
     "proved_ends",
     "relays",

@@ -142,9 +142,7 @@ def most_bend(cell: Simple) -> float:
     t = cell.sin_limit
     c = np.sqrt(1.0 - t * t)
     r = cell.lever
-    shortest = min(
-        band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r)
-    )
+    shortest = min(band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r))
     longest = r + np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
     g = abs(cell.dy) + cell.dx * t / c
     g1 = cell.dx / (r * c * c * c)

@@ -3,12 +3,11 @@
 import math
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from stepwell.concave.cell import Simple
 from stepwell.concave.certificate import concave_disc
-from stepwell.concave.end_forces import end_force, steepest
+from stepwell.concave.ends import end_force, steepest
 from stepwell.kernels import entry, kernel
 from stepwell.mechanism import band_length
 
@@ -101,9 +100,7 @@ def nearest(
 
 
 @entry(1e-2, "side")
-def nearest_of(
-    cell: Simple, side: Ints, force: Floats, up: Ints, most: float, out: Floats
-) -> None:
+def nearest_of(cell: Simple, side: Ints, force: Floats, up: Ints, most: float, out: Floats) -> None:
     """The nearest of several curves: side, force and up are (m,); out is (3,), as `nearest`.
 
     Distance -1 where the proof does not reach that far and the closed form says nothing.

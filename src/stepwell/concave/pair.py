@@ -1,18 +1,17 @@
 """Two concave cells: what one full cycle of a rigid actuator does to them, in closed form."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.concave.cell import Simple, full_travel, travel_at, with_d
 from stepwell.concave.certificate import certify
-from stepwell.concave.end_forces import end_forces
+from stepwell.concave.ends import end_forces
 from stepwell.kernels import entry, kernel
 
 Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Numbers = NDArray[np.integer]
+Out = NDArray[Any]
 
 
 class Pair(NamedTuple):
@@ -83,11 +82,11 @@ def sweep(
     fixed: Simple,
     moving: Simple,
     cell: int,
-    pathway: Numbers,
-    snap_loading: Floats,
-    snap_unloading: Floats,
-    margin: Floats,
-    monostable: Bools,
+    pathway: Out,
+    snap_loading: Out,
+    snap_unloading: Out,
+    margin: Out,
+    monostable: Out,
 ) -> None:
     """Fill the (y, x) arrays; designs that are not certified keep what was in them.
 
@@ -122,7 +121,7 @@ def sweep(
 
 
 @entry(4e-5, "d")
-def decide(d: Floats, fixed: Simple, moving: Simple, cell: int, out: Numbers) -> None:
+def decide(d: Floats, fixed: Simple, moving: Simple, cell: int, out: Out) -> None:
     """The same for a list of differences d = q - p, (m, 2) [m]: only the pathway, as in `sweep`."""
     for i in range(len(d)):
         here = with_d(moving, d[i, 0], d[i, 1])

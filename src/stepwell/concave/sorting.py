@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.concave.cell import Simple, simple
-from stepwell.concave.end_forces import proved_ends
+from stepwell.concave.ends import proved_ends
 from stepwell.kernels import kernel
 from stepwell.mechanism import Chain
 
@@ -44,7 +44,7 @@ def proved_cells(chain: Chain) -> tuple[tuple[Simple, ...], Floats] | None:
     return (cells, ends) if np.all(proved) else None
 
 
-def orders_of(ends: Floats) -> tuple[Ints, Ints]:
+def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
     """The cells in order of loading and of unloading, (..., N) each, by end forces (..., N, 2).
 
     Of equal forces the inner cell goes first, as in the engine.
@@ -108,7 +108,7 @@ class SortedChain:
         if found is None:
             return None
         cells, ends = found
-        loading, unloading = orders_of(ends)
+        loading, unloading = motion_orders(ends)
         return cls(
             cells,
             (ends[:, 0], ends[:, 1]),

@@ -1,5 +1,6 @@
 """What a mechanism is made of: bands, unit cells, loads, chains. Values only, no solving."""
 
+from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
@@ -45,12 +46,14 @@ __all__ = [
     "cubic",
     "force_by",
     "force_slopes",
+    "curves",
     "law",
     "length_slopes",
     "pack",
     "pick_rows",
     "reach_along",
     "sine_at",
+    "sizes",
     "slips",
     "slopes_by_anchor",
     "slopes_by_lever",

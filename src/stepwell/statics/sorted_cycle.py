@@ -13,8 +13,8 @@ from stepwell.concave import (
     energy_at,
     force_at,
     most_bend,
+    motion_orders,
     of_row,
-    orders_of,
     proved_ends,
     same_travel,
     simple_rows,
@@ -151,7 +151,7 @@ def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     forces, proved = proved_ends(table)
     if not np.all(proved):
         return None
-    loading, unloading = orders_of(forces)
+    loading, unloading = motion_orders(forces)
     mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
     n = len(table)
     scale = float(np.max(np.abs(forces)))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stepwell.concave import (
     Simple,
     closed,
-    orders_of,
+    motion_orders,
     proved_ends,
     same_travel,
     simple,
@@ -174,7 +174,7 @@ class Outcomes:
         if len(which) == 0:
             return
         ends = ends[which]
-        loading, unloading = orders_of(ends)
+        loading, unloading = motion_orders(ends)
         rows, kind = np.unique(np.hstack([loading, unloading]), axis=0, return_inverse=True)
         numbers = np.array(
             [self._number(Sequence.full_cycle(row[:n], row[n:])) for row in rows.tolist()]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import Carried
+from stepwell.base import StepwellError
 from stepwell.concave import TIED
 from stepwell.design.orders import Goal, short
 from stepwell.design.synthesis.attempt import Attempt
@@ -14,7 +14,7 @@ from stepwell.design.synthesis.attempt import Attempt
 Floats = NDArray[np.float64]
 
 
-class Impossible(Carried, ValueError):
+class Impossible(StepwellError, ValueError):
     """What is wanted cannot be had within what is allowed; `str` of it says why.
 
     Attributes:

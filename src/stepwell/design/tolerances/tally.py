@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
-from stepwell.design.orders import numbered_cycle, orders, searched, unlike
+from stepwell.design.orders import numbered_cycle, orders_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
@@ -64,7 +64,7 @@ class Tally:
     """
 
     def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
-        self.draws, self.orders, self.states = draws, orders(wanted), states
+        self.draws, self.orders, self.states = draws, orders_of(wanted), states
         self._success = wanted if states is None else ""
         cells = len(draws.chain)
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").

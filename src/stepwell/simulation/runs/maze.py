@@ -14,9 +14,9 @@ import numpy as np
 from stepwell.base import ByValue
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.engine import Run, affordable, chunks
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.walk import Walk, recorded
+from stepwell.simulation.runs.engine import Run, affordable, chunks
+from stepwell.simulation.runs.walk import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
 PRESSED = 0.05  # an antenna turned by more than this share of its swing is pressed

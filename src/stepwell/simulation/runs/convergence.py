@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stepwell.base import ByValue
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings
-from stepwell.simulation.walk import LOADED, Walk, walk
+from stepwell.simulation.runs.walk import LOADED, Walk, walk
 
 Array = NDArray[np.float64]
 

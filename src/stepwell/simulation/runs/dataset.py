@@ -12,7 +12,7 @@ from stepwell.base import __version__, write_atomic
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stepwell.simulation.walk import Walk
+    from stepwell.simulation.runs.walk import Walk
 
 VARIABLES = {
     "x": ("m", "body's origin, along the start's x axis", ()),

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from stepwell.base import ByValue
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
-from stepwell.simulation.engine import Run, Samples, affordable, chunks
 from stepwell.simulation.model import Settings, obstacle_names
+from stepwell.simulation.runs.engine import Run, Samples, affordable, chunks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -173,7 +173,7 @@ class Walk(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """The samples with their units, for xarray, NetCDF or Zarr."""
-        from stepwell.simulation.dataset import dataset
+        from stepwell.simulation.runs.dataset import dataset
 
         return dataset(self)
 
@@ -183,7 +183,7 @@ class Walk(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        from stepwell.simulation.dataset import write_netcdf
+        from stepwell.simulation.runs.dataset import write_netcdf
 
         write_netcdf(self.to_xarray(), path)
 

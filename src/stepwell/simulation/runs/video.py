@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base import most, problem, write_atomic
-from stepwell.simulation import render
-from stepwell.simulation.maze import Maze
+from stepwell.base import ExtraError, StepwellError, most, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
-from stepwell.simulation.walk import Walk
+from stepwell.simulation.runs import render
+from stepwell.simulation.runs.maze import Maze
+from stepwell.simulation.runs.walk import Walk
 
 Frame = NDArray[np.uint8]
 
@@ -34,7 +34,7 @@ GIF_WIDTH = 480
 GIF_COLOURS = 192
 
 
-class VideoError(RuntimeError):
+class VideoError(StepwellError, RuntimeError):
     """No frames can be drawn here, or no file written; the text says what to do."""
 
 
@@ -145,7 +145,7 @@ def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
     if system:
         environment |= {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system}
     return subprocess.Popen(
-        [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)],
+        [sys.executable, "-m", "stepwell.simulation.runs.render", str(model), str(run)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=environment,
@@ -213,7 +213,7 @@ class _Mp4:
         try:
             import av
         except ModuleNotFoundError as error:
-            raise ModuleNotFoundError(
+            raise ExtraError(
                 "MP4 files need PyAV, which is not installed here. Install it with: pip install "
                 "'stepwell[video]'. Its wheel bundles the encoder that writes them, libx264, "
                 "which is under the GPL; GIF files need neither.",

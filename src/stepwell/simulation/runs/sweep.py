@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from stepwell.base import ByValue, __version__, csv_text, require, write_atomic
 from stepwell.kernels import cores
 from stepwell.robot import Robot
-from stepwell.simulation.engine import Run, Samples, affordable, stopped_at
 from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
-from stepwell.simulation.walk import Walk, recorded
+from stepwell.simulation.runs.engine import Run, Samples, affordable, stopped_at
+from stepwell.simulation.runs.walk import Walk, recorded
 
 if TYPE_CHECKING:
     import xarray as xr
