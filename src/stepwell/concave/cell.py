@@ -143,7 +143,8 @@ def most_bend(cell: Simple) -> float:
     c = np.sqrt(1.0 - t * t)
     r = cell.lever
     shortest = min(band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r))
-    longest = r + np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
+    d = np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
+    longest = band_length(cell.dy / d, cell.dx / d, cell.dx, cell.dy, r)
     g = abs(cell.dy) + cell.dx * t / c
     g1 = cell.dx / (r * c * c * c)
     g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)

@@ -17,6 +17,7 @@ from stepwell.mechanism.geometry import (
     slopes_by_anchor,
     slopes_by_lever,
     travel_of,
+    turn_at,
 )
 from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows, stored, summed
 from stepwell.mechanism.pack import pack
@@ -60,4 +61,5 @@ __all__ = [
     "stored",
     "summed",
     "travel_of",
+    "turn_at",
 ]

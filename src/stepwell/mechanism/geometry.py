@@ -32,6 +32,13 @@ def band_length(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> Any:
 
 
 @kernel
+def turn_at(length: Any, reach: Any, lever: Any) -> Any:
+    """The inverse: cos(θ - θmax) of a band with |d| = `reach`, by the law of cosines."""
+    # Where the band does not turn with the lever, no turn makes it longer: infinite or nearly.
+    return (length * length - lever * lever - reach * reach) / (2.0 * lever * reach + 1e-300)
+
+
+@kernel
 def reach_along(sin: Any, cos: Any, dx: Any, dy: Any) -> Any:
     """g = ℓ dℓ/ds = d_y - d_x tan θ: half the slope of ℓ² by travel."""
     return dy - dx * sin / cos
