@@ -9,29 +9,35 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from unittest import mock
 
 import numpy as np
 
 import stepwell as sw
 from stepwell import design, lab, robot
 from stepwell.concave import (
+    Judge,
     SortedChain,
     certify,
     concave_disc,
     end_force,
     end_forces,
     force_at,
-    relays,
     simple,
     slopes_by_sizes,
 )
+from stepwell.design import parameter_boundaries
+from stepwell.design.margins import Push
+from stepwell.design.placement import Kind, Rule, Stock
+from stepwell.design.plane import Box, Level
+from stepwell.robot.gait import round as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
-ROUTES: dict[str, tuple[int, Callable[[], object]]] = {}
+ROUTES: dict[str, tuple[int | None, Callable[[], object]]] = {}
 
 
-def route(name: str, power: int):
-    """A way to numbers that go as the force to this power: N, N/m; 1/N; m, rad."""
+def route(name: str, power: int | None):
+    """A way to numbers that go as the force to this power (N, N/m; m; 1/N), or to none of them."""
 
     def kept(way: Callable[[], object]):
         ROUTES[name] = power, way
@@ -100,7 +106,6 @@ def _():
 @route("force of a full cycle by sorting", FORCE)
 def _():
     path = many().cycle().path
-    assert all("sorted" in str(path.certificates) or True for _ in "1")
     return [path.force.max(), path.force.min()]
 
 
@@ -144,26 +149,34 @@ def _():
     return [*found.forces[0][:3], *found.forces[1][:3], found.smallest_gap()]
 
 
+@cache
+def _margin() -> sw.Margin:
+    return PAIR.margin()
+
+
+def _of(parameter: str) -> list[float]:
+    return [c.distance for c in _margin().changes if c.parameter == parameter]
+
+
 @route("margin of an anchor", PLACE)
 def _():
-    return [c.size for c in PAIR.margin().changes if c.kind == "anchor"]
+    return _of("anchor")
 
 
 @route("margin of a stiffness", PLACE)
 def _():
-    return [c.size for c in PAIR.margin().changes if c.kind == "stiffness"]
+    return _of("stiffness")
 
 
 @route("smallest displacement that reprograms", PLACE)
 def _():
-    return PAIR.reprogram("00>01>11>10>00", "outer.q", along=(1, 0)).displacement
+    return [PAIR.reprogram("00>01>11>10>00", "outer.q", along=(1, 0)).displacement[0]]
 
 
 @route("pull against the displacement of an anchor", PLACE)
 def _():
-    # The tension along the displacement: no force along travel.
-    push = PAIR.reprogram("00>01>11>10>00", "outer.q", along=(1, 0)).push
-    return [push.work_0, push.work_1]
+    # The tension itself, along the displacement: no force along travel.
+    return Push.of(INNER, "q", (0.002, 0.003)).force_0
 
 
 @route("robustness", PLACE)
@@ -186,17 +199,18 @@ def _():
     return [v for v in np.ravel(_map().snap_loading.values) if not math.isnan(v)]
 
 
-@route("gaps of a map over two parameters", FORCE)
+@route("boundaries of a map over two parameters", PLACE)
 def _():
-    found = design.parameter_map(
-        many(), "1.q.x", "2.q.y", x=np.array([0.0151, 0.0171]), y=np.array([0.001, 0.002])
+    found = parameter_boundaries(
+        PAIR, ("inner.q.x", (0.006, 0.016)), ("outer.q.y", (-0.012, -0.002)), search=5
     )
-    return found.margin.values
+    # One of the two is that of the grid.
+    return [np.sum(line.points[0]) for line in found]
 
 
 @route("boundary of a map", PLACE)
 def _():
-    level = design.plane.Level(plain(INNER), -1, 0.3)
+    level = Level(plain(INNER), -1, 0.3)
     return level.project(np.array([[0.02, -0.01], [0.025, -0.008]]))
 
 
@@ -207,4 +221,77 @@ def _():
 
 @route("gaps of many that are made", FORCE)
 def _():
-    return PAIR.yields(n=20).gap
+    draws = np.random.default_rng(0).random((3, 16))
+    judge = Judge.of(PAIR, np.array([3e-4, 0.0, 0.0, 1e-4, 0.0]), np.array([[0, 1], [0, 1]]))
+    assert judge is not None
+    return judge(draws).gap
+
+
+@route("fields of the graph of relays", FORCE)
+def _():
+    graph = PAIR.graph("force")
+    drives = [t.drive for *_, edge in graph.edges(data=True) for t in edge["transitions"]]
+    return sorted(drives)
+
+
+@route("drives of the graph that is followed", PLACE)
+def _():
+    graph = PAIR.graph("stroke")
+    drives = [t.drive for *_, edge in graph.edges(data=True) for t in edge["transitions"]]
+    return [drive for drive in sorted(drives) if 1e-6 < drive < PAIR.full_stroke - 1e-6]
+
+
+@route("turning points of a program", PLACE)
+def _():
+    return PAIR.program("01").turning_points[1:-1]
+
+
+@cache
+def _candidates():
+    band = Stock(28.5, 0.010)
+    kind = Kind(band, INNER.lever, INNER.limit)
+    box = Box(0.005, 0.02, -0.01, 0.01)
+    sizes = sw.Tolerances(anchor=1e-4, stiffness=0.02, rest_length=0.02, lever=1e-4)
+    rule = Rule((-0.010, 0.0), (kind,), sizes, 10.0, False, box)
+    return rule, np.array([[0.011, 0.002], [0.016, -0.004]])
+
+
+@route("end forces of places for an anchor", FORCE)
+def _():
+    rule, q = _candidates()
+    return rule.end_forces(q, 0)
+
+
+@route("deviations of places for an anchor", FORCE)
+def _():
+    rule, q = _candidates()
+    return rule.these(q, np.zeros(2, int)).down
+
+
+@route("stiffness of a calibration", OVER_FORCE)
+def _():
+    recorded = np.linspace(0.2, -0.3, 12)
+    samples = []
+    for x, y in ((10, 0), (20, 5), (20, -5)):
+        one = cell(x, y)
+        theta = one.angle(np.linspace(0.001, 0.019, 12))
+        samples.append(lab.Sample("", one.bands[0].d, 1, one, theta, recorded, False))
+    return [lab.calibrate(samples, "linear")["stiffness_1"].value]
+
+
+@route("snap of the gait that is predicted", None)
+def _():
+    legs = [
+        robot.Leg(side, sw.Chain((INNER, replace(OUTER, name=""))), (0.008, way * 0.0575))
+        for side, way in (("left", 1), ("right", -1))
+    ]
+    # What `predict` is made of, in one pass; its doubts would take the interpreter a minute.
+    with mock.patch.object(round_, "PASSES", 1):
+        travel = round_.rounds(robot.Robot(legs))[0].out.travel
+    jump = np.argmax(np.abs(np.diff(travel[:, -1])))
+    return [np.sum(travel[jump])]
+
+
+if __name__ == "__main__":
+    told = {name: np.ravel(way()).tolist() for name, (_, way) in ROUTES.items()}
+    json.dump(told, sys.stdout)
