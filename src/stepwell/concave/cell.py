@@ -15,7 +15,9 @@ from stepwell.mechanism import (
     Linear,
     band_length,
     force_slopes,
+    hooke,
     length_slopes,
+    reach_along,
     sine_at,
     travel_of,
 )
@@ -80,8 +82,8 @@ def force_of(cell: Simple, sin: float) -> tuple[float, float]:
     cos = np.sqrt(1.0 - sin * sin)
     length = band_length(sin, cos, cell.dx, cell.dy, cell.lever)
     first, second, third = length_slopes(sin, cos, length, cell.dx, cell.dy, cell.lever)
-    tension = cell.stiffness * (length - cell.rest)
-    force, slope, _ = force_slopes(tension, cell.stiffness, 0.0, first, second, third)
+    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
+    force, slope, _ = force_slopes(tension, stiffness, 0.0, first, second, third)
     return force, slope
 
 
@@ -96,7 +98,7 @@ def energy_at(cell: Simple, travel: float) -> float:
     """E [J] of a taut band at a travel [m]."""
     sin = sine_at(travel, cell.lever, cell.sin_limit)
     length = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever)
-    return 0.5 * cell.stiffness * (length - cell.rest) * (length - cell.rest)
+    return hooke(cell.stiffness, length - cell.rest)[2]
 
 
 @kernel
@@ -145,10 +147,11 @@ def most_bend(cell: Simple) -> float:
     shortest = min(band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r))
     d = np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
     longest = band_length(cell.dy / d, cell.dx / d, cell.dx, cell.dy, r)
-    g = abs(cell.dy) + cell.dx * t / c
+    g = reach_along(t, c, -cell.dx, abs(cell.dy))
     g1 = cell.dx / (r * c * c * c)
     g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
     first = g / shortest
     second = (g1 + first * first) / shortest
     third = (g2 + 3.0 * first * second) / shortest
-    return cell.stiffness * (3.0 * first * second + (longest - cell.rest) * third)
+    tension, stiffness, _ = hooke(cell.stiffness, longest - cell.rest)
+    return force_slopes(tension, stiffness, 0.0, first, second, third)[2]

@@ -14,6 +14,7 @@ from stepwell.mechanism import (
     band_force,
     band_length,
     force_by,
+    hooke,
     length_slopes,
     reach_along,
     slopes_by_anchor,
@@ -39,11 +40,11 @@ def end_force(cell: Simple, side: int, dx: float, dy: float) -> tuple[float, flo
     first, _, _ = length_slopes(t, c, length, dx, dy, cell.lever)
     x, y = band_direction(t, c, length, dx, dy, cell.lever)
     first_x, first_y = slopes_by_anchor(t, c, length, first, x, y)
-    tension = cell.stiffness * (length - cell.rest)
+    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
     return (
         band_force(tension, first),
-        force_by(tension, cell.stiffness, first, x, first_x),
-        force_by(tension, cell.stiffness, first, y, first_y),
+        force_by(tension, stiffness, first, x, first_x),
+        force_by(tension, stiffness, first, y, first_y),
     )
 
 
@@ -54,11 +55,8 @@ def slopes_by_sizes(cell: Simple, side: Any, dx: Any, dy: Any) -> tuple[Any, Any
     length = band_length(t, c, dx, dy, cell.lever)
     first, _, _ = length_slopes(t, c, length, dx, dy, cell.lever)
     by, first_by = slopes_by_lever(t, c, length, first, dx, dy, cell.lever)
-    tension = cell.stiffness * (length - cell.rest)
-    return (
-        band_force(-cell.stiffness, first),
-        force_by(tension, cell.stiffness, first, by, first_by),
-    )
+    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
+    return band_force(-stiffness, first), force_by(tension, stiffness, first, by, first_by)
 
 
 @entry(1e-5, "d")
@@ -112,4 +110,6 @@ def steepest(cell: Simple, side: int, dx: float, dy: float, radius: float) -> fl
         return inf
     g = abs(reach_along(t, c, dx, dy)) + radius / c
     stretch = max(abs(1.0 - cell.rest / shortest), abs(1.0 - cell.rest / longest))
-    return cell.stiffness * (cell.rest * g / (shortest * shortest) + stretch / c)
+    # ∂F/∂d = (T' - T/ℓ) ℓ' ∂ℓ/∂d + T/ℓ ∂g/∂d, every factor at its worst.
+    k = cell.stiffness
+    return force_by(k * stretch, k * cell.rest / shortest, g / shortest, 1.0, 1.0 / c)

@@ -4,7 +4,7 @@ from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
-from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, cubic
+from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, cubic, hooke
 from stepwell.mechanism.geometry import (
     band_direction,
     band_force,
@@ -47,6 +47,7 @@ __all__ = [
     "cubic",
     "force_by",
     "force_slopes",
+    "hooke",
     "curves",
     "law",
     "length_slopes",

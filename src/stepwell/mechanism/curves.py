@@ -37,6 +37,12 @@ def cubic_area(x: Any, c0: Any, c1: Any, c2: Any, c3: Any, area: Any) -> Any:
     return area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
 
 
+@kernel
+def hooke(stiffness: Any, extension: Any) -> tuple[Any, Any, Any]:
+    """Tension k e of a linear band that is taut, its slope k, and the energy k e²/2 it stores."""
+    return stiffness * extension, stiffness, 0.5 * stiffness * extension * extension
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Linear(ByValue):
     """Hooke's law: tension is stiffness times extension (Kamp et al. 2024, Eq. 1)."""
