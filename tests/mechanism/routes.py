@@ -9,12 +9,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from typing import Any
 from unittest import mock
 
 import numpy as np
 
 import stepwell as sw
-from stepwell import design, lab, robot
+from stepwell import lab, robot
 from stepwell.concave import (
     Judge,
     SortedChain,
@@ -27,19 +28,19 @@ from stepwell.concave import (
     slopes_by_sizes,
 )
 from stepwell.design import parameter_boundaries
-from stepwell.design.margins import Push
+from stepwell.design.margins import Push, robustness
 from stepwell.design.placement import Kind, Rule, Stock
 from stepwell.design.plane import Box, Level
 from stepwell.robot.gait import round as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
-ROUTES: dict[str, tuple[int | None, Callable[[], object]]] = {}
+ROUTES: dict[str, tuple[int | None, Callable[[], Any]]] = {}
 
 
 def route(name: str, power: int | None):
     """A way to numbers that go as the force to this power (N, N/m; m; 1/N), or to none of them."""
 
-    def kept(way: Callable[[], object]):
+    def kept(way: Callable[[], Any]):
         ROUTES[name] = power, way
         return way
 
@@ -182,7 +183,7 @@ def _():
 
 @route("robustness", PLACE)
 def _():
-    return [design.robustness(sw.Chain((cell(50, 0), cell(53, 4)))).radius]
+    return [robustness(sw.Chain((cell(50, 0), cell(53, 4)))).radius]
 
 
 @cache

@@ -78,7 +78,7 @@ def pair(inner: Simple, outer: Simple) -> Pair:
 def sweep(
     x: Floats,
     y: Floats,
-    p: Floats,
+    p: tuple[float, float],
     fixed: Simple,
     moving: Simple,
     cell: int,

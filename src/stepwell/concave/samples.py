@@ -75,16 +75,18 @@ def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, orde
     S_j - S_min the force that moves j is still above all those that hold them. Unloading is
     the same in a mirror.
     """
-    shortest, release = full[order[0, 0]], key[1, order[0, 0]]
+    first: int = order[0, 0]
+    shortest, release = full[first], key[1, first]
     for place in range(1, len(full)):
-        j = order[0, place]
+        j: int = order[0, place]
         spare = full[j] - shortest
         if spare > 0.0 and not force_at(made[j], spare)[0] + friction[j] > -release:
             return False
         shortest, release = min(shortest, full[j]), min(release, key[1, j])
-    shortest, release = full[order[1, 0]], key[0, order[1, 0]]
+    first = order[1, 0]
+    shortest, release = full[first], key[0, first]
     for place in range(1, len(full)):
-        j = order[1, place]
+        j: int = order[1, place]
         if shortest < full[j] and not force_at(made[j], shortest)[0] - friction[j] < release:
             return False
         shortest, release = min(shortest, full[j]), min(release, key[0, j])

@@ -86,7 +86,8 @@ class Push(ByValue):
 
 
 def _lengths(band: Band, lever: float, theta: Floats, change: Floats) -> Floats:
-    return band_length(np.sin(theta), np.cos(theta), *(np.array(band.d) + change), lever)
+    dx, dy = np.array(band.d) + change
+    return band_length(np.sin(theta), np.cos(theta), dx, dy, lever)
 
 
 def _against(band: Band, lever: float, theta: Floats, fraction: Floats, change: Floats) -> Floats:
