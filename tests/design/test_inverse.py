@@ -572,7 +572,7 @@ def test_bands_that_fold_back_are_left_out():
 
 
 def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
-    from stepwell.concave.certificate import certify, simple
+    from stepwell.concave import certify, simple
 
     wide = AnchorBox(-0.010, 0.020, -0.015, 0.015)
     made = design(NESTED, within=wide, tolerances=ROUGH, n=FEW)

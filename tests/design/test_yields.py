@@ -12,7 +12,7 @@ from scipy.stats import norm
 import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
 from sizes import examples
-from stepwell.concave.samples import ASK, Judge
+from stepwell.concave import ASK, Judge
 from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, tally
 from stepwell.design.tolerances.draws import Draws

@@ -11,8 +11,9 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
+from stepwell.concave import relays
 from stepwell.sequences.branches.branches import Branches
-from stepwell.sequences.branches.relays import order_kept, relays
+from stepwell.sequences.branches.relays import order_kept
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.node import Node, TransitionKind
 from stepwell.sequences.graphs.preisach import preisach

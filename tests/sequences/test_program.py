@@ -12,9 +12,10 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
+from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.sequences import Unreachable, graph
 from stepwell.sequences.branches.branches import Branches, reach
-from stepwell.sequences.branches.relays import Relays, order_kept, relays, shortest
+from stepwell.sequences.branches.relays import order_kept
 from stepwell.sequences.cycles.vertices import sequence_of
 from stepwell.sequences.programs.plan import _by_fields
 from stepwell.statics import StaticsError
@@ -193,7 +194,7 @@ def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
         distance = breadth_first(up, down)
         relay = Relays(up, down, equal=True)
         for (start, to), strokes in distance.items():
-            assert len(shortest(relay, start, to).states) == strokes, (start, to, up, down)
+            assert len(fewest_strokes(relay, start, to).states) == strokes, (start, to, up, down)
 
 
 def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int]:
@@ -325,7 +326,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
     assert fields is not None
     order = order_kept(chain, fields)
     assert order.only_ideals and not order.leaders_win
-    program, plan = chain.program("011"), shortest(fields, "000", "011")
+    program, plan = chain.program("011"), fewest_strokes(fields, "000", "011")
     assert (program.strokes, len(plan.states)) == (2, 3)
     assert program.shortest
     # So what is planned from the fields is not called the shortest.

@@ -11,7 +11,7 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.sequences.branches.relays import relays
+from stepwell.concave import relays
 from stepwell.sequences.cycles.vertices import sequence_of
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.mesostates import Routes, atlas

@@ -1,16 +1,22 @@
-"""The nearest anchor at which an end force has a given value."""
+"""Where in the plane of an anchor an end force has a given value: the nearest place, and bounds."""
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, band_length, certify
+from stepwell.concave.cell import Simple
+from stepwell.concave.certificate import concave_disc
 from stepwell.concave.ends import end_force, steepest
 from stepwell.kernels import entry, kernel
+from stepwell.mechanism import band_length
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 _DIRECTIONS = 64
 _STEPS = 400
-_DEPTH = 7
 
 
 @kernel
@@ -93,42 +99,8 @@ def nearest(
     return best, math.cos(at), math.sin(at)
 
 
-@entry()
-def concave_disc(cell: Simple, radius: float) -> bool:
-    """Whether every anchor within `radius` [m] of the cell's own is proved concave and taut.
-
-    The proof for a disc is tried first, then for smaller ones that cover it.
-    """
-    if certify(cell, radius):
-        return True
-    x = np.empty(4 * _DEPTH + 4)
-    y = np.empty(4 * _DEPTH + 4)
-    half = np.empty(4 * _DEPTH + 4)
-    x[0], y[0], half[0] = 0.0, 0.0, radius
-    waiting = 1
-    while waiting > 0:
-        waiting -= 1
-        u, v, h = x[waiting], y[waiting], half[waiting]
-        # The square's nearest point: squares outside the disc need no proof.
-        near_u, near_v = max(abs(u) - h, 0.0), max(abs(v) - h, 0.0)
-        if near_u * near_u + near_v * near_v > radius * radius:
-            continue
-        here = Simple(
-            cell.dx + u, cell.dy + v, cell.stiffness, cell.rest, cell.lever, cell.sin_limit
-        )
-        if certify(here, np.sqrt(2.0) * h):
-            continue
-        if h <= radius * 0.5**_DEPTH:
-            return False
-        for su in (-0.5, 0.5):
-            for sv in (-0.5, 0.5):
-                x[waiting], y[waiting], half[waiting] = u + su * h, v + sv * h, 0.5 * h
-                waiting += 1
-    return True
-
-
 @entry(1e-2, "side")
-def nearest_of(cell: Simple, side, force, up, most: float, out):
+def nearest_of(cell: Simple, side: Ints, force: Floats, up: Ints, most: float, out: Floats) -> None:
     """The nearest of several curves: side, force and up are (m,); out is (3,), as `nearest`.
 
     Distance -1 where the proof does not reach that far and the closed form says nothing.
@@ -140,3 +112,38 @@ def nearest_of(cell: Simple, side, force, up, most: float, out):
             out[0], out[1], out[2] = away, ux, uy
     if len(side) > 0 and not concave_disc(cell, min(most, out[0])):
         out[0] = -1.0
+
+
+@entry(1e-5, "d", "side")
+def sift(
+    cell: Simple,
+    d: Floats,
+    radius: float,
+    side: Ints,
+    force: Floats,
+    up: Ints,
+    held: Bools,
+    inside: Bools,
+) -> None:
+    """Look at discs around the differences d = q - p, (m, 2) [m], `radius` [m] wide.
+
+    Args:
+        cell: whose end forces they are; its own anchors are not looked at.
+        d: middles of the discs.
+        radius: of every disc.
+        side, force, up: (c,) conditions: F0 (side -1) or F1 (side +1) is above (up +1) or below
+            (up -1) a force [N].
+        held: (m,) bool out: False where a bound on the slope proves that no anchor in the disc
+            meets all conditions.
+        inside: (m,) bool out: whether the middle of the disc meets them all.
+    """
+    for i in range(len(d)):
+        held[i], inside[i] = True, True
+        for k in range(len(side)):
+            value, _, _ = end_force(cell, side[k], d[i, 0], d[i, 1])
+            lack = up[k] * (force[k] - value)
+            if lack >= 0.0:
+                inside[i] = False
+                if lack > radius * steepest(cell, side[k], d[i, 0], d[i, 1], radius):
+                    held[i] = False
+                    break

@@ -3,14 +3,7 @@
 from stepwell.design.orders.full_cycle import full_cycle, numbered_cycle, orders_of, short
 from stepwell.design.orders.goal import Goal, Seen
 from stepwell.design.orders.orders import Orders, Wish, by_cells_at_1, of_sequence, of_states
-from stepwell.design.orders.reached import (
-    Reached,
-    one_travel,
-    reached,
-    searched,
-    unlike,
-    unsearchable,
-)
+from stepwell.design.orders.reached import Reached, reached, searched, unlike, unsearchable
 
 __all__ = [
     "Goal",
@@ -23,7 +16,6 @@ __all__ = [
     "numbered_cycle",
     "of_sequence",
     "of_states",
-    "one_travel",
     "orders_of",
     "reached",
     "searched",

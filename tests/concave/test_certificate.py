@@ -10,7 +10,8 @@ import stepwell as sw
 from chains import LEVER, LIMIT, concave_cell
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.concave.certificate import Simple, certify, end_forces, pair, push, simple, travel_at
+from stepwell.concave import Simple, certify, end_forces, force_at, simple, travel_at
+from stepwell.concave.pair import pair
 
 PAPER = [(10, 0), (0, 0), (20, 0), (10, -15), (20, 15), (0, -15)]
 BY_ORDER = {
@@ -112,10 +113,10 @@ def test_forces_and_their_slope_are_those_of_the_cell():
         ends = cell.force_0, cell.force_1
         assert end_forces(s) == pytest.approx(ends, rel=1e-12, abs=1e-14)
         travel = rng.uniform(0.01, 0.99) * cell.full_travel
-        force, slope = push(s, travel)
+        force, slope = force_at(s, travel)
         assert force == pytest.approx(float(cell.force(cell.angle(travel))), abs=1e-13)
         step = 1e-6
-        difference = (push(s, travel + step)[0] - push(s, travel - step)[0]) / (2 * step)
+        difference = (force_at(s, travel + step)[0] - force_at(s, travel - step)[0]) / (2 * step)
         assert slope == pytest.approx(difference, rel=1e-5)
 
 
@@ -138,7 +139,7 @@ def test_the_travel_at_a_force_is_exact_to_rounding():
                 low = middle
             else:
                 high = middle
-        rounding = 4e-16 * (abs(f0) + abs(f1)) / abs(push(s, float(low))[1])
+        rounding = 4e-16 * (abs(f0) + abs(f1)) / abs(force_at(s, float(low))[1])
         assert abs(travel_at(s, force) - float(low)) <= rounding + 4e-16 * float(2 * r)
 
 
