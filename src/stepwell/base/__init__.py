@@ -1,9 +1,10 @@
 """What every room stands on: equality and checks of values, limits, text, files written whole."""
 
+from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.limits import most, problem, require
 from stepwell.base.setting import SettingError
-from stepwell.base.text import printable
+from stepwell.base.text import nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, Carried, ReadOnly, same
 from stepwell.base.version import __version__, versions
@@ -19,10 +20,12 @@ __all__ = [
     "SettingError",
     "Vec2",
     "__version__",
+    "bisected",
     "csv_text",
     "draft_beside",
     "finite",
     "most",
+    "nearest_word",
     "printable",
     "problem",
     "require",

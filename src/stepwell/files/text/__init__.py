@@ -5,7 +5,6 @@ from stepwell.files.text.errors import (
     DesignError,
     did_you_mean,
     key_path,
-    nearest,
     value_text,
 )
 from stepwell.files.text.paths import Item, Steps, find, spelled
@@ -25,7 +24,6 @@ __all__ = [
     "key_path",
     "lines",
     "mm",
-    "nearest",
     "number",
     "parsed",
     "quoted",
