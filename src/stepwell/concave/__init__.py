@@ -10,11 +10,10 @@ from stepwell.concave.certificate import (
     travel_at,
 )
 from stepwell.concave.certified import certified_within
-from stepwell.concave.end_forces import end_force, end_forces_at
+from stepwell.concave.disc import concave_disc
+from stepwell.concave.end_forces import end_force, end_forces_at, steepest
 from stepwell.concave.end_grid import look
-from stepwell.concave.nearest import concave_disc, nearest_of
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
-from stepwell.concave.sift import sift
 from stepwell.concave.sorted_chain import SortedChain
 from stepwell.concave.sweep import decide, sweep
 
@@ -36,10 +35,9 @@ __all__ = [
     "end_forces_at",
     "in_disc",
     "look",
-    "nearest_of",
     "push",
-    "sift",
     "simple",
+    "steepest",
     "sweep",
     "travel_at",
 ]
