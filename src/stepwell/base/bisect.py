@@ -4,23 +4,21 @@ from collections.abc import Callable
 
 
 def bisected(
-    holds: Callable[[float], bool], good: float, bad: float, resolution: float
+    holds: Callable[[float], bool], good: float, bad: float, halvings: int
 ) -> tuple[float, float]:
-    """The last place where it still holds, and the first where it does not any more.
+    """The last place found where it still holds, and the first where it does not any more.
 
     Args:
         holds: what to ask at a place between the two.
         good: a place where it holds.
         bad: one where it does not, above it or below.
-        resolution: how near the two come, > 0; nearer than two neighbouring floats they cannot.
+        halvings: of the stretch between them.
 
     Returns:
         The two places; of several changes between them, some one.
     """
-    while abs(bad - good) > resolution:
+    for _ in range(halvings):
         middle = (good + bad) / 2
-        if middle in (good, bad):
-            break
         if holds(middle):
             good = middle
         else:

@@ -143,7 +143,8 @@ def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
     """The place on the ray to u, beyond `low` [m], from which on it does; it does at u."""
     away = float(np.linalg.norm(u))
     along = u / away
-    return bisected(lambda away: not does(away * along), low, away, resolution)[1] * along
+    halvings = math.ceil(math.log2(max(1.0, (away - low) / resolution)))
+    return bisected(lambda away: not does(away * along), low, away, halvings)[1] * along
 
 
 def _shortest(does: Does, u: Floats, count: int) -> Floats:

@@ -74,7 +74,8 @@ def _searched(chain: Chain, now: Sequence, cell: int) -> list[tuple[float, int]]
         for k in reversed(range(_RATIOS)):
             bad = sign * min(abs(_STIFFEST ** (sign * 0.5**k) - 1.0), least)
             if not same(bad):
-                found.append((bisected(same, good, bad, _RESOLUTION)[1], sign))
+                halvings = math.ceil(math.log2(max(1.0, abs(bad - good) / _RESOLUTION)))
+                found.append((bisected(same, good, bad, halvings)[1], sign))
                 least = abs(found[-1][0])
             if abs(bad) >= least:
                 break
