@@ -23,7 +23,8 @@ _STEPS = {1: 200, 2: 20}
 _HALVES = 6  # of the first step
 # When a place is found, one more ring just beyond it says whether another side is nearer.
 _AROUND = 48
-_BEYOND = 1.06
+_BEYOND = 1.03
+_SETTLED = 0.99  # what is shorter by less than that needs no further ring
 _RESOLUTION = 1e-7  # m, where bisection stops
 _SMALLEST_TURN = 1e-3  # of the ray, to either side
 
@@ -84,7 +85,7 @@ def nearest_found(
         ring = _ring(ways, min(_BEYOND * before, within), _AROUND, 0)
         best = _behind(does, ring, np.array([does(u) for u in ring]), best)
         assert best is not None
-        if not float(np.linalg.norm(best)) < before / _BEYOND:
+        if float(np.linalg.norm(best)) > _SETTLED * before:
             break
     return best
 
@@ -115,9 +116,15 @@ def _behind(
     """The nearest place behind the places of a ring that do it, or `best` if that is nearer."""
     plane = ring.shape[1] == 2
     for arc in _arcs(hits) if plane else np.flatnonzero(hits)[:, None].tolist():
-        if plane and best is not None and np.argmax(ring @ best) in arc:
-            continue
         u = ring[arc[len(arc) // 2]]
+        if plane and best is not None and np.argmax(ring @ best) in arc:
+            # The side of the best may run into another one that is nearer.
+            length = float(np.linalg.norm(best)) - _RESOLUTION
+            rays = [u * (length / np.linalg.norm(u)) for u in ring[arc]]
+            shorter = [u for u in rays if length > 0 and does(u)]
+            if not shorter:
+                continue
+            u = shorter[len(shorter) // 2]
         found = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
         if best is None or np.linalg.norm(found) < np.linalg.norm(best):
             best = found
