@@ -5,7 +5,7 @@ import json
 import pytest
 
 import stepwell as sw
-from stepwell.design import knob, knobs
+from stepwell.design import parameter, parameters
 from stepwell.files import DesignError, dumps, loads, preset_text
 from stepwell.sequences.memory.scrambling import Scrambling
 
@@ -38,9 +38,9 @@ def test_the_number_of_a_cell_without_a_name_is_the_number_that_means_it():
     chain = sw.Chain(sw.preset("paper-forward").cells[:1] * 3)
     for place, name in enumerate(sw.Chain([sw.Cell(c.band) for c in chain.cells]).names):
         assert name == f"cell {place + 1}"
-    for one in knobs(chain)[:-1]:
+    for one in parameters(chain)[:-1]:
         assert one.cell is not None
-        assert knob(chain, f"{one.cell + 1}.{one.part}") == one
+        assert parameter(chain, f"{one.cell + 1}.{one.part}") == one
 
 
 def test_an_antennas_cell_counts_from_1_in_a_file_and_from_0_in_python():

@@ -20,7 +20,7 @@ def test_it_prints_the_displacement_the_force_and_what_comes_then(stepwell):
     assert result.exit_code == 0
     assert f"Now    {found.before}" in lines
     assert f"Then   {BACK}" in lines
-    assert f"Force  up to {found.push.largest:.4g} N against the displacement" in lines
+    assert f"Force  up to {found.resistance.largest:.4g} N against the displacement" in lines
     (move,) = (line for line in lines if line.startswith("Move"))
     assert f"{found.distance * 1e3:.4g} mm" in move
     assert "(exact)" in move
@@ -35,8 +35,8 @@ def test_json_alone_says_everything(stepwell):
     assert record["displacement_mm"] == [part * 1e3 for part in found.displacement]
     assert record["after"] == found.after
     assert record["way"][-1]["at_mm"] == pytest.approx(record["displacement_mm"])
-    assert record["way"][-1]["force_at_0_N"] == found.push.force_0[-1]
-    assert record["work_at_1_mJ"] == found.push.work_1 * 1e3
+    assert record["way"][-1]["force_at_0_N"] == found.resistance.force_0[-1]
+    assert record["work_at_1_mJ"] == found.resistance.work_1 * 1e3
 
 
 def test_the_folder_holds_the_design_past_the_change_and_the_way(stepwell, tmp_path):

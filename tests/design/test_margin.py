@@ -11,12 +11,22 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.design import Change
-from stepwell.design.margins import by_engine
-from stepwell.design.margins.change import shifted, stiffened
+from stepwell.design.margins.displacements import Displacements
+from stepwell.design.margins.nearest import nearest
+from stepwell.design.margins.stiffness import stiffness
+from stepwell.design.parameters import of_cell
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:
     return sw.Cell(sw.Band((-0.010, 0.0), (x * 1e-3, y * 1e-3), **band))
+
+
+def shifted(chain: sw.Chain, number: int, move: tuple[float, float]) -> sw.Chain:
+    return of_cell(chain, number, "q").displaced(chain, move)
+
+
+def stiffened(chain: sw.Chain, number: int, ratio: float) -> sw.Chain:
+    return of_cell(chain, number, "stiffness").scaled(chain, ratio)
 
 
 def sequence(chain: sw.Chain) -> str:
@@ -192,12 +202,13 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
     exact = sw.margin(chain)
     assert exact.method == "exact"
     now = chain.cycle().sequence
+    ways = Displacements.of(None, False, 0.020)
     for number in range(2):
-        found = by_engine.anchor(chain, now, number, 0.020)
+        found = nearest(chain, None, now, of_cell(chain, number, "q"), None, ways)
         assert found.method == "search"
         assert exact.anchors[number] - 1e-9 <= found.distance
-        assert found.distance <= exact.anchors[number] * 1.0005 + 2e-6
-        stiff = by_engine.stiffness(chain, now, number)
+        assert found.distance <= exact.anchors[number] + 1.5e-7
+        stiff = stiffness(chain, None, now, number)
         assert stiff.distance == pytest.approx(exact.stiffness[number], abs=2e-6)
 
 

@@ -18,7 +18,7 @@ from stepwell.design.maps.parameter_map import (
     parameter_boundaries,
     parameter_map,
 )
-from stepwell.design.parameters.parameter import knob, knobs
+from stepwell.design.parameters.parameter import parameter, parameters
 
 
 def cell(x: float, y: float, **band) -> sw.Cell:
@@ -41,7 +41,7 @@ def meaning(data: xr.Dataset, row: int, column: int) -> str:
 
 def design(chain: sw.Chain, names: tuple[str, str], values: tuple[float, float]) -> sw.Chain:
     for name, value in zip(names, values, strict=True):
-        chain = knob(chain, name).turned(chain, value)
+        chain = parameter(chain, name).changed(chain, value)
     return chain
 
 
@@ -95,7 +95,7 @@ def maps(draw) -> tuple[sw.Chain, tuple[str, str]]:
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     kind = draw(st.sampled_from([concave_chain, concave_chain, any_chain]))
     chain = kind(rng, draw(st.integers(1, 4)))
-    names = [one.name for one in knobs(chain) if not one.is_anchor]
+    names = [one.name for one in parameters(chain) if not one.is_anchor]
     return chain, tuple(draw(st.lists(st.sampled_from(names), min_size=2, max_size=2, unique=True)))
 
 
@@ -103,7 +103,7 @@ def maps(draw) -> tuple[sw.Chain, tuple[str, str]]:
 @given(maps())
 def test_every_node_does_what_the_engine_says(case):
     chain, names = case
-    ranges = [RANGES[knob(chain, name).unit] for name in names]
+    ranges = [RANGES[parameter(chain, name).unit] for name in names]
     x, y = (np.linspace(*one, 3) for one in ranges)
     try:
         data = parameter_map(chain, (names[0], x), (names[1], y))

@@ -11,10 +11,10 @@ from hypothesis import assume, given, strategies as st
 import stepwell as sw
 from chains import any_cell, concave_chain
 from sizes import examples
-from stepwell.design.margins import by_engine
+from stepwell.design.margins.nearest import sequence
 from stepwell.design.margins.reprogramming import Reprogramming, reprogram
-from stepwell.design.margins.resistance import Push
-from stepwell.design.parameters.parameter import knob
+from stepwell.design.margins.resistance import Resistance
+from stepwell.design.parameters.parameter import parameter
 
 CLOCKWISE = "00>10>11>01>00"
 COUNTERCLOCKWISE = "00>01>11>10>00"
@@ -31,14 +31,12 @@ PAIR = sw.Chain((cell(10, 0), cell(15, 10)))
 
 
 def displaced(chain: sw.Chain, by: str, move: tuple[float, float]) -> sw.Chain:
-    anchor = knob(chain, by)
-    x, y = anchor.read(chain)  # pyright: ignore[reportGeneralTypeIssues]
-    return anchor.turned(chain, (x + move[0], y + move[1]))
+    return parameter(chain, by).displaced(chain, move)
 
 
 def does(chain: sw.Chain, by: str, move: tuple[float, float]) -> str:
     """By the closed form where it is proved, else by the engine."""
-    return str(by_engine.sequence(displaced(chain, by, move)))
+    return str(sequence(displaced(chain, by, move)))
 
 
 def somewhere(rng: np.random.Generator, most: float) -> tuple[float, float]:
@@ -138,8 +136,8 @@ def test_moving_p_is_moving_q_the_other_way():
         assert p.distance == pytest.approx(q.distance, rel=1e-12)
         assert p.displacement == pytest.approx((-q.displacement[0], -q.displacement[1]))
         assert p.after == q.after
-        np.testing.assert_allclose(p.push.peak, q.push.peak, rtol=1e-9)
-        assert p.push.work_0 == pytest.approx(q.push.work_0, rel=1e-9)
+        np.testing.assert_allclose(p.resistance.peak, q.resistance.peak, rtol=1e-9)
+        assert p.resistance.work_0 == pytest.approx(q.resistance.work_0, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -184,7 +182,7 @@ def test_what_is_done_already_needs_no_displacement():
     assert result.distance == 0.0
     assert result.displacement == (0.0, 0.0)
     assert result.chain_after == PAIR
-    assert result.push.work_0 == result.push.largest == 0.0
+    assert result.resistance.work_0 == result.resistance.largest == 0.0
     assert "already" in repr(result)
 
 
@@ -205,8 +203,8 @@ def test_where_the_other_cells_do_not_do_their_part_there_is_no_displacement():
     assert result.method == "exact"
     assert (result.chain_after, result.after) == (None, "")
     assert all(math.isnan(part) for part in (*result.displacement, *result.place))
-    assert len(result.push.peak) == 0
-    assert math.isnan(result.push.largest)
+    assert len(result.resistance.peak) == 0
+    assert math.isnan(result.resistance.largest)
     assert "no displacement of cell 1.q up to 4 mm" in repr(result)
 
 
@@ -292,7 +290,7 @@ def test_the_push_is_the_slope_of_the_bands_energy_at_fixed_travel(seed, anchor)
             raise
         return design.cells[0].energy(np.array([-loose.limit, loose.limit]))
 
-    push = Push.of(loose, anchor, move)
+    push = Resistance.of(loose, anchor, move)
     here, there = energy(0.0), energy(1.0)
     scale = np.max(np.abs([here, there])) + 1e-9
     assert push.work_0 == pytest.approx(there[0] - here[0], abs=1e-12 * scale)
@@ -311,7 +309,7 @@ def test_the_push_is_the_slope_of_the_bands_energy_at_fixed_travel(seed, anchor)
 def test_the_force_at_the_start_is_tension_along_the_displacement():
     # d = (20, 0) mm at state 1: from p to q (30, 10) mm.
     chain = sw.Chain((cell(10, 0), cell(20, 0)))
-    push = Push.of(chain.cells[0], "p", (-0.001, 0.0))
+    push = Resistance.of(chain.cells[0], "p", (-0.001, 0.0))
     length = math.hypot(0.030, 0.010)
     pull = 28.5 * (length - 0.010) * 0.030 / length
     assert push.force_1[0] == pytest.approx(pull, rel=1e-12)
@@ -320,12 +318,12 @@ def test_the_force_at_the_start_is_tension_along_the_displacement():
     straight = 28.5 * (0.010 * math.sqrt(2) + 0.020 - 0.010)
     assert push.peak[0] == pytest.approx(straight, rel=1e-9)
     # The other way round it helps.
-    assert Push.of(chain.cells[0], "p", (0.001, 0.0)).force_1[0] == pytest.approx(-pull)
+    assert Resistance.of(chain.cells[0], "p", (0.001, 0.0)).force_1[0] == pytest.approx(-pull)
 
 
 def test_the_peak_is_the_largest_over_the_travel_and_the_work_lies_under_the_force():
     result = reprogram(PAIR, CLOCKWISE, "inner.p")
-    push = result.push
+    push = result.resistance
     assert push.largest == np.max(push.peak)
     assert np.all(push.peak >= np.maximum(push.force_0, push.force_1))
     for force, work in ((push.force_0, push.work_0), (push.force_1, push.work_1)):
@@ -335,16 +333,16 @@ def test_the_peak_is_the_largest_over_the_travel_and_the_work_lies_under_the_for
 def test_the_result_exports_its_way(tmp_path):
     result = reprogram(PAIR, CLOCKWISE, "inner.p")
     data = result.to_xarray()
-    assert data.sizes == {"fraction": len(result.push.fraction)}
+    assert data.sizes == {"fraction": len(result.resistance.fraction)}
     assert data.force_0.attrs["units"] == "N"
     assert float(data.x[-1]) == result.displacement[0]
     assert data.attrs["distance_m"] == result.distance
     result.to_csv(tmp_path / "way.csv")
     with open(tmp_path / "way.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(result.push.fraction)
+    assert len(rows) == len(result.resistance.fraction)
     assert float(rows[-1]["x_mm"]) == pytest.approx(result.displacement[0] * 1e3)
-    assert float(rows[0]["force_0_N"]) == pytest.approx(result.push.force_0[0])
+    assert float(rows[0]["force_0_N"]) == pytest.approx(result.resistance.force_0[0])
 
 
 def test_a_result_reads_as_what_to_do():

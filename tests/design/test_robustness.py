@@ -10,9 +10,9 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.concave import Simple, concave_disc
-from stepwell.design.margins.change import shifted
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.margins.worst import Proof, farthest
+from stepwell.design.parameters import of_cell
 from stepwell.design.placement.candidates import Kind
 from stepwell.design.placement.stock import Stock
 from stepwell.design.plane.box import Box
@@ -64,7 +64,7 @@ def test_the_radius_is_that_of_dense_sampling(x, known):
 
 def moved(chain: sw.Chain, moves: np.ndarray) -> sw.Chain:
     for i, (x, y) in enumerate(moves.tolist()):
-        chain = shifted(chain, i, (x, y))
+        chain = of_cell(chain, i, "q").displaced(chain, (x, y))
     return chain
 
 

@@ -1,10 +1,11 @@
 """What every room stands on: equality and checks of values, limits, text, files written whole."""
 
 from stepwell.base import check, limits, usual
+from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
 from stepwell.base.limits import most, problem, require
-from stepwell.base.text import printable
+from stepwell.base.text import nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
@@ -22,12 +23,14 @@ __all__ = [
     "StepwellError",
     "Vec2",
     "__version__",
+    "bisected",
     "check",
     "csv_text",
     "draft_beside",
     "finite",
     "limits",
     "most",
+    "nearest_word",
     "printable",
     "problem",
     "require",

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from functools import lru_cache
 from typing import NamedTuple
 
 from stepwell.base.errors import SettingError
+from stepwell.base.text import nearest_word
 
 VARIABLE = "STEPWELL_LIMITS"
 
@@ -89,8 +89,8 @@ def _told(text: str) -> dict[str, int]:
     for part in text.replace(",", " ").split():
         name, _, number = part.partition("=")
         if name not in LIMITS:
-            near = difflib.get_close_matches(name[:80], LIMITS, n=1)
-            advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(LIMITS)}."
+            near = nearest_word(name, LIMITS)
+            advice = f"Did you mean {near}?" if near else f"Known: {', '.join(LIMITS)}."
             raise SettingError(f"{VARIABLE}: {name[:80]!r} is no limit. {advice}")
         if not (number.isdecimal() and number.isascii() and len(number) < 19 and int(number)):
             raise SettingError(

@@ -25,8 +25,8 @@ from stepwell.concave.ends import (
     end_forces_at,
     proved_ends,
     slopes_by_sizes,
+    steepest,
 )
-from stepwell.concave.nearest import nearest_of, sift
 from stepwell.concave.pair import decide, sweep
 from stepwell.concave.relays import Plan, Relays, fewest_strokes, relays
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
@@ -68,20 +68,19 @@ __all__ = [
     "force_at",
     "in_disc",
     "most_bend",
-    "nearest_of",
+    "motion_orders",
     "of_row",
     "one_travel",
-    "motion_orders",
     "proved_cells",
     "proved_ends",
     "relays",
     "same_travel",
-    "sift",
     "simple",
     "simple_rows",
     "slopes_by_sizes",
     "smallest_gap",
     "snaps_of",
+    "steepest",
     "sweep",
     "travel_at",
 ]

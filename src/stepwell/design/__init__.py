@@ -17,15 +17,15 @@ from stepwell.design.maps import (
 from stepwell.design.margins import (
     Change,
     Margin,
-    Push,
     Reprogramming,
+    Resistance,
     Robustness,
     margin,
     reprogram,
     robustness,
 )
 from stepwell.design.orders import Reached
-from stepwell.design.parameters import Knob, knob, knobs
+from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
 from stepwell.design.plane import Boundary, BoundaryKind
 from stepwell.design.synthesis import Design, Impossible, design
@@ -52,12 +52,12 @@ __all__ = [
     "Critical",
     "Design",
     "Impossible",
-    "Knob",
     "Margin",
+    "Parameter",
     "ParameterBoundary",
-    "Push",
     "Reached",
     "Reprogramming",
+    "Resistance",
     "Robustness",
     "Sensitivities",
     "Stock",
@@ -66,11 +66,11 @@ __all__ = [
     "Yield",
     "boundaries",
     "design",
-    "knob",
-    "knobs",
     "margin",
+    "parameter",
     "parameter_boundaries",
     "parameter_map",
+    "parameters",
     "reprogram",
     "robustness",
     "survival",

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import stat
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import limits
+from stepwell.base import limits, nearest_word
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.folder import doubt
 from stepwell.files.shipped import preset_text, presets
@@ -137,5 +136,5 @@ def _neighbour(path: Path) -> str:
         names = [other.name for other in path.parent.iterdir() if other.suffix in suffixes]
     except OSError:
         return ""
-    near = difflib.get_close_matches(path.name, names, n=1)
-    return f" Did you mean {path.with_name(near[0])}?" if near else ""
+    near = nearest_word(path.name, names)
+    return f" Did you mean {path.with_name(near)}?" if near else ""

@@ -124,7 +124,7 @@ def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict
     Returns:
         The record that docs/commands.md describes, in mm, N and mJ.
     """
-    push = found.push
+    push = found.resistance
     rows = zip(push.fraction, push.force_0, push.force_1, push.peak, strict=True)
     return {
         **head(REPROGRAM_SCHEMA, design or found.chain),

@@ -11,12 +11,12 @@ from stepwell.cli.options import (
     Force,
     Grid,
     Json,
-    KnobRange,
     Out,
+    ParameterRange,
     cell_of,
     grid,
-    knob_range,
     marks,
+    parameter_range,
 )
 from stepwell.cli.screen import usable
 
@@ -37,10 +37,10 @@ _Cell = Annotated[
         "innermost."
     ),
 ]
-_Knob = Annotated[
-    KnobRange | None,
+_Parameter = Annotated[
+    ParameterRange | None,
     typer.Option(
-        parser=knob_range,
+        parser=parameter_range,
         metavar="NAME=FROM:TO:COUNT",
         help=f"A parameter along this axis instead, in mm, deg, N or N/m, as in {EXAMPLE}.",
         show_default=False,
@@ -61,8 +61,8 @@ def map_(
     cell: _Cell = CELL,
     x: _Axis = ACROSS,
     y: _Axis = UP,
-    across: _Knob = None,
-    up: _Knob = None,
+    across: _Parameter = None,
+    up: _Parameter = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -96,7 +96,7 @@ def map_(
 
 
 _Shown = tuple[dict[str, Any], tuple[str, ...]]
-_Axes = tuple[KnobRange, KnobRange]
+_Axes = tuple[ParameterRange, ParameterRange]
 
 
 def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _Shown:
@@ -152,7 +152,9 @@ def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
     return results.parameter_map_record(dataset, curves, here, text=place.text), names
 
 
-def _both(cell: str, x: Grid, y: Grid, across: KnobRange | None, up: KnobRange | None) -> _Axes:
+def _both(
+    cell: str, x: Grid, y: Grid, across: ParameterRange | None, up: ParameterRange | None
+) -> _Axes:
     """Two parameters, without options of the other kind of map."""
     if across is None or up is None:
         missing, given = ("--across", "--up") if across is None else ("--up", "--across")

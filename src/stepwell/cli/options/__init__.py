@@ -5,7 +5,7 @@ from stepwell.cli.options.common import Design, Force, ForceFile, Json, Out
 from stepwell.cli.options.drive import Drive, NewDrive, stiffness_of
 from stepwell.cli.options.folders import free, free_file
 from stepwell.cli.options.grid import Grid, cell_of, grid, marks
-from stepwell.cli.options.parameter import EXAMPLE, KnobRange, knob_range
+from stepwell.cli.options.parameter import EXAMPLE, ParameterRange, parameter_range
 from stepwell.cli.options.programs import From, To, own, planned
 from stepwell.cli.options.robots import NoVideo, Robot, named, usable
 from stepwell.cli.options.wishes import Span, span, stock, wish
@@ -19,10 +19,10 @@ __all__ = [
     "From",
     "Grid",
     "Json",
-    "KnobRange",
     "NewDrive",
     "NoVideo",
     "Out",
+    "ParameterRange",
     "Robot",
     "Span",
     "To",
@@ -30,10 +30,10 @@ __all__ = [
     "free",
     "free_file",
     "grid",
-    "knob_range",
     "marks",
     "named",
     "own",
+    "parameter_range",
     "planned",
     "ranges",
     "span",

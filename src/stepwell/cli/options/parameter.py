@@ -20,7 +20,7 @@ EXAMPLE = "outer.q.x=0:20:41"
 
 
 @dataclass(frozen=True)
-class KnobRange:
+class ParameterRange:
     """Values of a parameter from `start` to `stop`, both included, as the user writes them."""
 
     name: str
@@ -31,9 +31,9 @@ class KnobRange:
 
     def read(self, chain: Chain) -> float:
         """The parameter of a chain as it is, in SI; a number, as all that have values here."""
-        from stepwell.design import knob
+        from stepwell.design import parameter
 
-        value = knob(chain, self.name).read(chain)
+        value = parameter(chain, self.name).value(chain)
         assert not isinstance(value, tuple)
         return value
 
@@ -41,21 +41,21 @@ class KnobRange:
         """The parameter and its values in SI, for a chain that has it."""
         import numpy as np
 
-        from stepwell.design import knob
+        from stepwell.design import parameter
         from stepwell.results import told_in
 
-        factor = told_in(knob(chain, self.name).unit)[1]
+        factor = told_in(parameter(chain, self.name).unit)[1]
         space = np.geomspace if self.log else np.linspace
         return self.name, space(self.start / factor, self.stop / factor, self.count)
 
 
-def knob_range(text: str) -> KnobRange:
+def parameter_range(text: str) -> ParameterRange:
     """NAME=FROM:TO:COUNT, with :log at the end for equal ratios instead of equal steps."""
     parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+):(\d{1,15})(:log)?", text)
     try:
         if parsed is None:
             raise ValueError
-        found = KnobRange(
+        found = ParameterRange(
             parsed[1], float(parsed[2]), float(parsed[3]), int(parsed[4]), parsed[5] is not None
         )
     except ValueError:

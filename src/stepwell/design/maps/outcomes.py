@@ -20,7 +20,7 @@ from stepwell.concave import (
     snaps_of,
 )
 from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
-from stepwell.design.parameters import Knob
+from stepwell.design.parameters import Parameter
 from stepwell.mechanism import Chain, travel_of
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import StaticsError, StretchKind
@@ -63,8 +63,8 @@ class Outcomes:
         spans: (2,) how far their values reach.
     """
 
-    def __init__(self, chain: Chain, x: Knob, y: Knob, spans: Floats):
-        self.chain, self.knobs, self._spans = chain, (x, y), spans
+    def __init__(self, chain: Chain, x: Parameter, y: Parameter, spans: Floats):
+        self.chain, self.parameters, self._spans = chain, (x, y), spans
         # Two cells have their four pathways under the same numbers in every map.
         known = [p for p in Pathway if p is not Pathway.OTHER] if len(chain) == 2 else []
         self.sequences = [Sequence.parse(p.value) for p in known]
@@ -76,8 +76,8 @@ class Outcomes:
     def design(self, values: Floats) -> Chain:
         """The chain at (x, y); ValueError where there is none."""
         chain = self.chain
-        for knob, value in zip(self.knobs, values.tolist(), strict=True):
-            chain = knob.turned(chain, value)
+        for parameter, value in zip(self.parameters, values.tolist(), strict=True):
+            chain = parameter.changed(chain, value)
         return chain
 
     def closed_form(self, values: Floats) -> Sorted:
@@ -134,12 +134,12 @@ class Outcomes:
         return self._numbers[sequence]
 
     def _other_cells(self) -> dict[int, Simple] | None:
-        if math.isfinite(self.chain.actuator_stiffness) or any(k.cell is None for k in self.knobs):
+        changed = {one.cell for one in self.parameters}
+        if math.isfinite(self.chain.actuator_stiffness) or None in changed:
             return None
-        turned = {k.cell for k in self.knobs}
         found: dict[int, Simple] = {}
         for i, cell in enumerate(self.chain.cells):
-            if i in turned:
+            if i in changed:
                 continue
             numbers = closed(cell)
             if numbers is None:
@@ -151,8 +151,8 @@ class Outcomes:
         if cell is None:
             return None
         as_is = self.chain.cells[cell]
-        turns_friction = any(k.cell == cell and k.part == "friction" for k in self.knobs)
-        return simple(replace(as_is, friction=0.0) if turns_friction else as_is)
+        changes_friction = (cell, "friction") in [(k.cell, k.part) for k in self.parameters]
+        return simple(replace(as_is, friction=0.0) if changes_friction else as_is)
 
     def _sort(self, values: Floats, found: Sorted, start: int) -> None:
         assert self._fixed is not None
@@ -163,7 +163,7 @@ class Outcomes:
             if i in self._fixed:
                 numbers = np.array([self._fixed[i]])
             else:
-                numbers, rubs = self._turned(i, values)
+                numbers, rubs = self._changed(i, values)
                 proved &= ~rubs
             ends[:, i], holds = proved_ends(numbers)
             full[:, i] = travel_of(numbers[:, 5], numbers[:, 4], numbers[:, 5])
@@ -184,25 +184,25 @@ class Outcomes:
         found.snaps[at] = snaps_of(ends, loading, unloading)
         found.gap[at] = smallest_gap(ends)
 
-    def _turned(self, cell: int, values: Floats) -> tuple[Floats, Bools]:
-        """(m, 6) numbers of a cell whose parameters are turned, and where it has friction."""
+    def _changed(self, cell: int, values: Floats) -> tuple[Floats, Bools]:
+        """(m, 6) numbers of a cell whose parameters are changed, and where it has friction."""
         base, band = self._moving[cell], self.chain.cells[cell].bands[0]
         assert base is not None
         numbers = np.tile(np.array(base), (len(values), 1))
         places = {"p": np.tile(band.p, (len(values), 1)), "q": np.tile(band.q, (len(values), 1))}
         rubs = np.zeros(len(values), np.bool_)
-        for knob, column in zip(self.knobs, values.T, strict=True):
-            if knob.cell != cell:
+        for parameter, column in zip(self.parameters, values.T, strict=True):
+            if parameter.cell != cell:
                 continue
-            anchor, _, axis = knob.part.partition(".")
+            anchor, _, axis = parameter.part.partition(".")
             if axis:
                 places[anchor][:, "xy".index(axis)] = column
-            elif knob.part == "friction":
+            elif parameter.part == "friction":
                 rubs |= column > 0
-            elif knob.part == "limit":
+            elif parameter.part == "limit":
                 numbers[:, 5] = np.sin(column)
             else:
-                numbers[:, ("stiffness", "rest_length", "lever").index(knob.part) + 2] = column
+                numbers[:, ("stiffness", "rest_length", "lever").index(parameter.part) + 2] = column
         numbers[:, :2] = places["q"] - places["p"]
         return numbers, rubs
 

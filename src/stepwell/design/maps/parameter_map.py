@@ -16,7 +16,7 @@ from stepwell.design.maps.between import between
 from stepwell.design.maps.outcomes import Bools, Floats, Ints, Outcomes, snapping_steps
 from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
 from stepwell.design.maps.transition_map import TIE
-from stepwell.design.parameters import Knob, knob, require_places
+from stepwell.design.parameters import Parameter, parameter, require_places
 from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Line, trace
 from stepwell.design.tolerances import WAY
 from stepwell.mechanism import Chain, SlipError
@@ -69,9 +69,9 @@ def parameter_map(
     """What a chain does for every value of two of its parameters.
 
     Any two parameters of any cells, of the actuator's stiffness or of friction; names as in
-    `knob`. Designs of concave cells of equal travel under a rigid actuator are sorted in closed
-    form; all others go through the general engine one by one (a millisecond or so each). `attrs`
-    counts both.
+    `parameter`. Designs of concave cells of equal travel under a rigid actuator are sorted in
+    closed form; all others go through the general engine one by one (a millisecond or so each).
+    `attrs` counts both.
 
     Args:
         chain: any number of cells.
@@ -93,9 +93,9 @@ def parameter_map(
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
-    knobs, values = _axes(chain, x, y, 1)
+    parameters, values = _axes(chain, x, y, 1)
     require_places(len(values[0]), len(values[1]), _BYTES)
-    outcomes = Outcomes(chain, *knobs, np.array([np.ptp(v) for v in values]))
+    outcomes = Outcomes(chain, *parameters, np.array([np.ptp(v) for v in values]))
     shape = (len(values[1]), len(values[0]))
     nodes = np.stack(np.meshgrid(*values), axis=-1).reshape(-1, 2)
     found = outcomes.closed_form(nodes)
@@ -149,11 +149,11 @@ def parameter_boundaries(
         ValueError: no such parameter, values that do not rise or that it cannot have, or fewer
             than 2 nodes.
     """
-    knobs, values = _axes(chain, x, y, 2)
+    parameters, values = _axes(chain, x, y, 2)
     if search < 2:
         raise ValueError(f"search = {search}: must be 2 or more nodes each way.")
     require_places(search, search, _BYTES)
-    outcomes = Outcomes(chain, *knobs, np.array([np.ptp(v) for v in values]))
+    outcomes = Outcomes(chain, *parameters, np.array([np.ptp(v) for v in values]))
 
     def place(t: Floats) -> Floats:
         # From the unit square to the parameters, with the spacing of the user's values.
@@ -179,8 +179,8 @@ def parameter_boundaries(
                     changes,
                     "exact" if exact else "search",
                     _EXACT if exact else RESOLVED,
-                    (knobs[0].name, knobs[1].name),
-                    (knobs[0].unit, knobs[1].unit),
+                    (parameters[0].name, parameters[1].name),
+                    (parameters[0].unit, parameters[1].unit),
                     sides,
                 )
             )
@@ -189,8 +189,8 @@ def parameter_boundaries(
 
 def _axes(
     chain: Chain, x: Axis, y: Axis, least: int
-) -> tuple[tuple[Knob, Knob], tuple[Floats, Floats]]:
-    knobs: list[Knob] = []
+) -> tuple[tuple[Parameter, Parameter], tuple[Floats, Floats]]:
+    parameters: list[Parameter] = []
     values: list[Floats] = []
     for letter, given in (("x", x), ("y", y)):
         try:
@@ -200,8 +200,8 @@ def _axes(
                 f"{letter} = {given!r}: must be the name of a parameter and its values, such as "
                 f"('{chain.names[0]}.stiffness', np.linspace(20, 40, 50))."
             ) from None
-        one = knob(chain, name)
-        knobs.append(one)
+        one = parameter(chain, name)
+        parameters.append(one)
         values.append(one.values(numbers, least))
         slips = one.slips(chain, max(values[-1].tolist(), key=abs))
         if slips:
@@ -209,10 +209,10 @@ def _axes(
         if "." not in one.part:
             # Values out of range are refused here; an anchor has none.
             for value in values[-1][[0, -1]].tolist():
-                one.turned(chain, value)
-    if knobs[0] == knobs[1]:
-        raise ValueError(f"x and y are both {knobs[0].name!r}: take two parameters.")
-    return (knobs[0], knobs[1]), (values[0], values[1])
+                one.changed(chain, value)
+    if parameters[0] == parameters[1]:
+        raise ValueError(f"x and y are both {parameters[0].name!r}: take two parameters.")
+    return (parameters[0], parameters[1]), (values[0], values[1])
 
 
 def _curves(
@@ -308,7 +308,7 @@ def _labelled(
         "snaps_unloading": {"long_name": "steps that snap while unloading", "units": "1"},
         "degenerate": {"long_name": "design on a boundary: a tie decides"},
     }
-    axes = zip("xy", outcomes.knobs, values, strict=True)
+    axes = zip("xy", outcomes.parameters, values, strict=True)
     return xr.Dataset(
         {name: (("y", "x"), fields[name], notes) for name, notes in about.items()},
         coords={

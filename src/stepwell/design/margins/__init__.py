@@ -3,7 +3,7 @@
 from stepwell.design.margins.change import Change
 from stepwell.design.margins.margin import Margin, margin
 from stepwell.design.margins.reprogramming import Reprogramming, reprogram
-from stepwell.design.margins.resistance import Push
+from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest
 
@@ -12,8 +12,8 @@ __all__ = [
     "Change",
     "Margin",
     "Proof",
-    "Push",
     "Reprogramming",
+    "Resistance",
     "Robustness",
     "extremes",
     "farthest",

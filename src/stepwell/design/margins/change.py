@@ -1,40 +1,18 @@
 """The smallest change of one anchor or one stiffness that alters the sequence."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue
-from stepwell.mechanism import Band, Cell, Chain
+from stepwell.design.parameters import of_cell
+from stepwell.mechanism import Chain
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 
 Floats = NDArray[np.float64]
-
-
-def shifted(chain: Chain, cell: int, move: tuple[float, float]) -> Chain:
-    """The chain with the outer anchors of one cell's bands moved by (dx, dy) [m]."""
-
-    def shift(band: Band) -> Band:
-        return replace(band, q=(band.q[0] + move[0], band.q[1] + move[1]))
-
-    return _with_bands(chain, cell, tuple(shift(band) for band in chain.cells[cell].bands))
-
-
-def stiffened(chain: Chain, cell: int, ratio: float) -> Chain:
-    """The chain with the stiffness of one cell's bands multiplied by `ratio`."""
-    bands = chain.cells[cell].bands
-    return _with_bands(
-        chain, cell, tuple(replace(band, stiffness=band.stiffness * ratio) for band in bands)
-    )
-
-
-def _with_bands(chain: Chain, cell: int, bands: tuple[Band, ...]) -> Chain:
-    cells: list[Cell] = list(chain.cells)
-    cells[cell] = replace(cells[cell], band=bands)
-    return replace(chain, cells=tuple(cells))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +27,8 @@ class Change(ByValue):
         distance: how far that is: [m], or the fraction of the stiffness; infinite where
             nothing within reach changes the sequence.
         move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.
-        method: "exact" or "search".
         past: the same a hair further, where the sequence is another one already.
+        method: "exact" or "search".
     """
 
     chain: Chain = field(repr=False)
@@ -58,8 +36,8 @@ class Change(ByValue):
     parameter: str
     distance: float
     move: tuple[float, float] | float
-    method: str
     past: tuple[float, float] | float = field(repr=False)
+    method: str
 
     @property
     def design(self) -> Chain | None:
@@ -67,8 +45,8 @@ class Change(ByValue):
         if np.isinf(self.distance):
             return None
         if isinstance(self.past, tuple):
-            return shifted(self.chain, self.cell, self.past)
-        return stiffened(self.chain, self.cell, 1.0 + self.past)
+            return of_cell(self.chain, self.cell, "q").displaced(self.chain, self.past)
+        return of_cell(self.chain, self.cell, "stiffness").scaled(self.chain, 1.0 + self.past)
 
     @cached_property
     def becomes(self) -> str:

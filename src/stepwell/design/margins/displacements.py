@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class Displacements:
     """Displacements an anchor may make: frame @ u for all u no longer than the reach.
 
     Attributes:
@@ -29,7 +29,7 @@ class Ways:
     reach: float
 
     @classmethod
-    def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> Ways:
+    def of(cls, along: Sequence[float] | None, one_way: bool, reach: float) -> Displacements:
         """The plane where `along` is None, else the line in that direction.
 
         Raises:

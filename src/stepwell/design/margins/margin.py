@@ -9,8 +9,12 @@ from numpy.typing import NDArray
 
 from stepwell.base import REACH, ByValue
 from stepwell.concave import SortedChain
-from stepwell.design.margins import by_engine, closed_form
 from stepwell.design.margins.change import Change
+from stepwell.design.margins.displacements import Displacements
+from stepwell.design.margins.nearest import nearest, sequence
+from stepwell.design.margins.search import resolution
+from stepwell.design.margins.stiffness import RESOLUTION, stiffness
+from stepwell.design.parameters import of_cell
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 
@@ -88,7 +92,8 @@ def margin(
     one full travel, the sequence changes exactly when two neighbours in the order of F0 or of
     F1 change places: the nearest anchor that does it is found to rounding, and the ratio of
     stiffness is a quotient of forces. Where that proof fails, on the way to the change or
-    from the start, the general engine is asked along rays and the answer says "search".
+    from the start, the general engine is asked around the anchor and the answer says "search".
+    The anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
 
     Args:
         chain: any number of cells.
@@ -103,30 +108,30 @@ def margin(
 
     Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
     """
-    if not 0 < reach < math.inf:
-        raise ValueError(f"reach = {reach} m: must be > 0 and finite.")
+    ways = Displacements.of(None, False, reach)
     refuse_reach(chain, reach)
     forces = SortedChain.of(chain)
-    now = by_engine.sequence(chain)
+    now = sequence(chain)
     changes: list[Change] = []
     for cell in range(len(chain)):
         if progress is not None:
             progress(2 * cell, 2 * len(chain))
-        anchor = None if forces is None else closed_form.anchor(chain, forces, cell, reach)
-        changes.append(anchor or by_engine.anchor(chain, now, cell, reach))
-        if forces is None:
-            changes.append(by_engine.stiffness(chain, now, cell))
-        else:
-            changes.append(closed_form.stiffness(chain, forces, cell))
+        found = nearest(chain, forces, now, of_cell(chain, cell, "q"), None, ways)
+        changes.append(Change(chain, cell, "anchor", *found))
+        changes.append(stiffness(chain, forces, now, cell))
     if progress is not None:
         progress(2 * len(chain), 2 * len(chain))
-    exactly = all(change.method == "exact" for change in changes)
+    words = {
+        "anchor": f"anchors {resolution(ways, small=False)}",
+        "stiffness": f"stiffnesses {RESOLUTION}",
+    }
+    searched = {change.parameter for change in changes if change.method == "search"}
     scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
     return Margin(
         chain,
         tuple(changes),
         math.nan if forces is None else forces.smallest_gap() / scale,
-        "exact" if exactly else "search",
+        "search" if searched else "exact",
         reach,
-        "" if exactly else by_engine.RESOLUTION,
+        "; ".join(words[parameter] for parameter in words if parameter in searched),
     )

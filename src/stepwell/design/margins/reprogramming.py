@@ -9,29 +9,22 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepwell.base import REACH, ByValue, csv_text, write_atomic
 from stepwell.concave import SortedChain
-from stepwell.design.margins import by_engine, search as _hunt
-from stepwell.design.margins.displacements import Floats, Ways
-from stepwell.design.margins.nearest_places import Condition, nearest_places
-from stepwell.design.margins.resistance import Push
+from stepwell.design.margins.displacements import Displacements
+from stepwell.design.margins.nearest import Nearest, nearest
+from stepwell.design.margins.resistance import Resistance
+from stepwell.design.margins.search import resolution
 from stepwell.design.orders import full_cycle
-from stepwell.design.parameters import Knob, knob
+from stepwell.design.parameters import parameter
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
-from stepwell.statics import StaticsError
 
 if TYPE_CHECKING:
     import xarray
 
 Vec2 = tuple[float, float]
-
-# How far past the rim a chain is looked at [m]: far enough to leave no tie, near enough that
-# nothing else has changed. The smaller ones are for regions that are narrower.
-_HAIRS = (1e-8, 1e-9, 1e-10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,14 +61,14 @@ class Reprogramming(ByValue):
     @property
     def cell(self) -> int:
         """The cell whose anchor it is, 0 the innermost."""
-        number = knob(self.chain, self.by).cell
+        number = parameter(self.chain, self.by).cell
         assert number is not None
         return number
 
     @property
     def anchor(self) -> str:
         """Which of its anchors: "p" on the inner block or "q" on the outer one."""
-        return knob(self.chain, self.by).part
+        return parameter(self.chain, self.by).part
 
     @property
     def place(self) -> Vec2:
@@ -84,17 +77,17 @@ class Reprogramming(ByValue):
         return x + self.displacement[0], y + self.displacement[1]
 
     @cached_property
-    def push(self) -> Push:
+    def resistance(self) -> Resistance:
         """The force of the cell's bands against the displacement, from here to there."""
         if math.isinf(self.distance):
-            return Push.nowhere()
-        return Push.of(self.chain.cells[self.cell], self.anchor, self.displacement)
+            return Resistance.nowhere()
+        return Resistance.of(self.chain.cells[self.cell], self.anchor, self.displacement)
 
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
         import xarray
 
-        push = self.push
+        push = self.resistance
         columns = {
             "x": (push.fraction * self.displacement[0], "m", "displacement along x"),
             "y": (push.fraction * self.displacement[1], "m", "displacement along y"),
@@ -122,7 +115,7 @@ class Reprogramming(ByValue):
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
         """Write the way as CSV, units in the column names (mm, N)."""
-        push = self.push
+        push = self.resistance
         columns = {
             "fraction": push.fraction,
             "x_mm": push.fraction * self.displacement[0] * 1e3,
@@ -147,7 +140,7 @@ class Reprogramming(ByValue):
         lines = [
             f"move {self.by} by ({x}, {y}) mm, {self.distance * 1e3:.4g} mm: {self.before} -> "
             f"{self.after} ({self.method})",
-            str(self.push),
+            str(self.resistance),
         ]
         if self.resolution:
             lines.append(f"searched, not exact: {self.resolution}")
@@ -196,107 +189,36 @@ def reprogram(
 
     Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 4.
     """
-    anchor = knob(chain, by)
-    if not anchor.is_anchor or anchor.cell is None:
+    anchor = parameter(chain, by)
+    if not anchor.is_anchor:
         raise ValueError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
         )
-    ways = Ways.of(along, one_way, reach)
+    ways = Displacements.of(along, one_way, reach)
     refuse_reach(chain, reach)
     wanted = None if target is None else _parsed(str(target), len(chain))
     before = cycle(chain).sequence
-    text = None if wanted is None else str(wanted)
-
-    def answer(
-        u: Floats | None, past: Floats | None, method: str, resolution: str = ""
-    ) -> Reprogramming:
-        common = (chain, text, anchor.name)
-        if u is None or past is None:
-            none = (math.nan, math.nan)
-            rest = (None, str(before), "", method, resolution)
-            return Reprogramming(*common, none, math.inf, ways.reach, *rest)
-        after = _moved(chain, anchor, ways.move(past))
-        rest = (after, str(before), str(cycle(after).sequence), method, resolution)
-        distance = float(np.linalg.norm(u))
-        return Reprogramming(*common, ways.move(u), distance, ways.reach, *rest)
-
-    def does(u: Floats) -> bool:
-        try:
-            done = by_engine.sequence(_moved(chain, anchor, ways.move(u)))
-        except (ValueError, StaticsError):
-            return False
-        return done != before if wanted is None else done == wanted
-
     if before == wanted:
-        here = np.zeros(ways.dimensions)
-        return answer(here, here, "exact")
-    forces = SortedChain.of(chain)
-    known = None
-    if forces is not None:
-        sign = 1 if anchor.part == "q" else -1
-        known = _nearest(forces, anchor.cell, wanted, ways, sign, does)
-        away = ways.reach if known is None else float(np.linalg.norm(known[1]))
-        if ways.proved(forces.cells[anchor.cell], sign, min(away, ways.reach)):
-            return answer(*(known or (None, None)), "exact")
-    within = ways.reach if known is None else float(np.linalg.norm(known[0]))
-    u = _hunt.hunt(does, ways, within, progress)
-    words = _hunt.resolution(ways)
-    if u is not None and (known is None or float(np.linalg.norm(u)) < within):
-        return answer(u, u, "search", words)
-    return answer(*(known or (None, None)), "search", words)
+        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), "exact")
+    else:
+        forces = SortedChain.of(chain)
+        found = nearest(chain, forces, before, anchor, wanted, ways, progress)
+    after = anchor.displaced(chain, found.past) if math.isfinite(found.distance) else None
+    return Reprogramming(
+        chain,
+        None if wanted is None else str(wanted),
+        anchor.name,
+        found.move,
+        found.distance,
+        ways.reach,
+        after,
+        str(before),
+        "" if after is None else str(cycle(after).sequence),
+        found.method,
+        resolution(ways, wanted is not None) if found.method == "search" else "",
+    )
 
 
 def _parsed(target: str, cells: int) -> Sequence:
     return Sequence.parse(full_cycle(target, cells, "target"))
-
-
-def _moved(chain: Chain, anchor: Knob, move: Vec2) -> Chain:
-    old = anchor.read(chain)
-    assert isinstance(old, tuple)
-    return anchor.turned(chain, (old[0] + move[0], old[1] + move[1]))
-
-
-def _nearest(
-    forces: SortedChain,
-    cell: int,
-    wanted: Sequence | None,
-    ways: Ways,
-    sign: int,
-    does: Callable[[Floats], bool],
-) -> tuple[Floats, Floats] | None:
-    """The nearest u in closed form, and u a hair past it; None where there is none."""
-    places = [
-        place
-        for conditions in _regions(forces, cell, wanted)
-        for place in nearest_places(forces.cells[cell], conditions, ways, sign)
-    ]
-    for place in sorted(places, key=lambda place: place.distance):
-        for hair in _HAIRS:
-            past = place.u + hair * place.inward
-            if does(past):
-                return place.u, past
-    return None
-
-
-def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Condition]]:
-    """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
-    if wanted is None:
-        return [[Condition(n.side, n.other, n.up)] for n in forces.neighbours(cell)]
-    orders = wanted.orders
-    if orders is None:
-        return []
-    found: list[Condition] = []
-    # Cells load in ascending F0 and unload in descending F1.
-    for side, up, order, now in (
-        (-1, 1, orders[0], forces.loading),
-        (+1, -1, orders[1], forces.unloading),
-    ):
-        if [i for i in order if i != cell] != [i for i in now if i != cell]:
-            return []  # the other cells do not do their part
-        force, place = forces.forces[0 if side < 0 else 1], order.index(cell)
-        if place > 0:
-            found.append(Condition(side, float(force[order[place - 1]]), up))
-        if place + 1 < len(order):
-            found.append(Condition(side, float(force[order[place + 1]]), -up))
-    return [found]

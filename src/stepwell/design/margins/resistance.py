@@ -18,7 +18,7 @@ _POSITIONS = 41
 
 
 @dataclass(frozen=True, eq=False)
-class Push(ByValue):
+class Resistance(ByValue):
     """The force against which an anchor moves in a straight line, by bands that pull at it.
 
     A band of tension T pulls p towards q and q towards p; what counts is the part of that along
@@ -40,7 +40,7 @@ class Push(ByValue):
     work_1: float
 
     @classmethod
-    def of(cls, cell: Cell, anchor: str, displacement: Vec2) -> Push:
+    def of(cls, cell: Cell, anchor: str, displacement: Vec2) -> Resistance:
         """Moving the anchors "p" or "q" of all bands of a cell by `displacement` (x, y) [m]."""
         fraction = np.linspace(0.0, 1.0, _POSITIONS)
         theta = np.linspace(-cell.limit, cell.limit, _ANGLES)
@@ -63,7 +63,7 @@ class Push(ByValue):
         )
 
     @classmethod
-    def nowhere(cls) -> Push:
+    def nowhere(cls) -> Resistance:
         """No way at all."""
         none = np.empty(0)
         return cls(none, none, none, none, float("nan"), float("nan"))
@@ -82,7 +82,7 @@ class Push(ByValue):
         return f"the band itself pulls it there; {work}"
 
     def __repr__(self):
-        return f"Push({self})"
+        return f"Resistance({self})"
 
 
 def _lengths(band: Band, lever: float, theta: Floats, change: Floats) -> Floats:

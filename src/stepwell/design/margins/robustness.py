@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
@@ -110,16 +111,10 @@ def robustness(chain: Chain) -> Robustness:
 
 def _proved_radius(cell: Simple) -> float:
     """How far the anchor may move with the cell proved taut and concave, at most two levers."""
-    low, high = 0.0, 2.0 * cell.lever
-    if concave_disc(cell, high):
-        return high
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        if concave_disc(cell, middle):
-            low = middle
-        else:
-            high = middle
-    return low
+    most = 2.0 * cell.lever
+    if concave_disc(cell, most):
+        return most
+    return bisected(partial(concave_disc, cell), 0.0, most, _HALVINGS)[0]
 
 
 def _meeting(

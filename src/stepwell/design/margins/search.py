@@ -1,110 +1,179 @@
-"""The nearest displacement that does something, found by asking, where no closed form holds."""
+"""The nearest displacement that does something, searched, where no closed form holds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.margins.displacements import Ways
+from stepwell.base import bisected
+from stepwell.design.margins.displacements import Displacements
 
 Floats = NDArray[np.float64]
+Does = Callable[[Floats], bool]
 
-# Steps from here to the reach, along a line and in the plane; then halves of the first step.
+# Rings around the start for what lies nearly everywhere beyond some boundary: each half as wide
+# as the next, the widest is the reach.
+_DOUBLINGS = 9
+_DIRECTIONS = 12
+# Rings for what may be small, and steps along a line: so many equal steps out to the reach.
 _STEPS = {1: 200, 2: 20}
-_HALVES = 10
-_DIRECTIONS = 16
-_FINE = 1e-6  # [m], where bisection stops
+_HALVES = 6  # of the first step
+# When a place is found, one more ring just beyond it says whether another side is nearer.
+_AROUND = 48
+_BEYOND = 1.03
+_SETTLED = 0.99  # what is shorter by less than that needs no further ring
+_RESOLUTION = 1e-7  # m, where bisection stops
+_SMALLEST_TURN = 1e-3  # of the ray, to either side
 
 
-def resolution(ways: Ways) -> str:
-    """What `hunt` can miss, in words."""
+def resolution(ways: Displacements, small: bool) -> str:
+    """What `nearest_found` can miss, in words."""
+    fine = f"then bisection to {_RESOLUTION * 1e3:g} mm"
+    if ways.dimensions == 2 and not small:
+        return (
+            f"asked at {_DIRECTIONS} places on each of {_DOUBLINGS + 1} rings, every one twice as "
+            f"wide as the one before, and at {_AROUND} around the nearest found; a change that "
+            f"comes and goes between them is not seen; {fine}"
+        )
     pitch = ways.reach / _STEPS[ways.dimensions]
-    where = "places on a grid" if ways.dimensions == 2 else "places on the line"
+    where = "on rings" if ways.dimensions == 2 else "on the line"
     return (
-        f"asked at {where} every {pitch * 1e3:.3g} mm, closer around the start; a region that "
-        f"lies between them is not seen; then bisection to {_FINE * 1e3:g} mm"
+        f"asked at places {where} every {pitch * 1e3:.3g} mm, closer around the start; a region "
+        f"that lies between them is not seen; {fine}"
     )
 
 
-def hunt(
-    does: Callable[[Floats], bool],
-    ways: Ways,
+def nearest_found(
+    does: Does,
+    ways: Displacements,
     within: float,
+    small: bool,
     progress: Callable[[int, int], None] | None = None,
 ) -> Floats | None:
     """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
 
-    Places are asked nearest first. From each that does it, bisection goes back towards the
-    start; in the plane the best ray is then turned to either side as long as that shortens it.
-    `progress` is called with (done, total) places, the farthest of which may not be asked.
+    Rings around the start are asked, the narrowest first. From each side of the first ring that
+    does it, bisection goes back towards the start; in the plane the ray is then turned as long
+    as that shortens it, and a ring of more places around what is found looks for other sides.
+
+    Args:
+        does: what to ask at a displacement u (n,) [m].
+        ways: where the anchor may go.
+        within: the farthest that counts [m].
+        small: whether what does it may be a small region, which closer rings have to meet.
+        progress: called with (done, total) places, the farthest of which may not be asked.
     """
-    pitch = ways.reach / _STEPS[ways.dimensions]
-    spread = math.sqrt(ways.dimensions) * pitch
-    hits: list[Floats] = []
-    nearest = within
-    places = list(_places(ways, pitch))
-    for done, u in enumerate(places):
-        if progress is not None:
-            progress(done, len(places))
-        away = float(np.linalg.norm(u))
-        # A hit a little farther out may lead back to a nearer place than the nearest hit.
-        if away > (min(nearest + spread, within) if hits else within):
+    rings = [r for r in _rings(ways, small) if r[0] < within] + [(within, _AROUND)]
+    total, done = sum(count for _, count in rings), 0
+    best: Floats | None = None
+    for number, (radius, count) in enumerate(rings):
+        ring = _ring(ways, radius, count, number % 2)
+        hits = np.zeros(len(ring), bool)
+        for i, u in enumerate(ring):
+            if progress is not None:
+                progress(min(done, total), total)
+            hits[i] = does(u)
+            done += 1
+        best = _behind(does, ring, hits, None)
+        if best is not None:
             break
-        if does(u):
-            hits.append(u)
-            nearest = min(nearest, away)
-    if not hits:
-        return None
-    best = min((_back(does, u, 0.0) for u in hits), key=lambda u: float(np.linalg.norm(u)))
-    return best if ways.dimensions == 1 else _turned(does, best, pitch)
+    while best is not None and ways.dimensions == 2:
+        before = float(np.linalg.norm(best))
+        ring = _ring(ways, min(_BEYOND * before, within), _AROUND, 0)
+        best = _behind(does, ring, np.array([does(u) for u in ring]), best)
+        assert best is not None
+        if float(np.linalg.norm(best)) > _SETTLED * before:
+            break
+    return best
 
 
-def _places(ways: Ways, pitch: float) -> Iterator[Floats]:
-    close = [pitch * 0.5**k for k in range(_HALVES, 0, -1)]
+def _rings(ways: Displacements, small: bool) -> list[tuple[float, int]]:
+    """Radius [m] of every ring, narrowest first, and on how many places it is asked."""
+    if ways.dimensions == 2 and not small:
+        return [(ways.reach * 0.5**k, _DIRECTIONS) for k in range(_DOUBLINGS, -1, -1)]
+    steps = _STEPS[ways.dimensions]
+    pitch = ways.reach / steps
+    close = [(pitch * 0.5**k, _DIRECTIONS) for k in range(_HALVES, 0, -1)]
+    return close + [
+        (k * pitch, max(_DIRECTIONS, math.ceil(2 * math.pi * k))) for k in range(1, steps + 1)
+    ]
+
+
+def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats:
+    """(m, n) places at one distance; on a ring that is turned, between those of the others."""
     if ways.dimensions == 1:
-        steps = [k * pitch for k in range(1, _STEPS[1] + 1)]
-        for away in (*close, *steps):
-            yield np.array([away])
-            if not ways.one_way:
-                yield np.array([-away])
-        return
-    angle = np.linspace(0, 2 * math.pi, _DIRECTIONS, endpoint=False)
-    for away in close:
-        yield from away * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    line = np.arange(-_STEPS[2], _STEPS[2] + 1) * pitch
-    grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-    away = np.linalg.norm(grid, axis=1)
-    order = np.argsort(away, kind="stable")
-    yield from grid[order][(away[order] > 0) & (away[order] <= ways.reach)]
+        return np.array([[radius]] if ways.one_way else [[radius], [-radius]])
+    angle = 2 * math.pi / count * (np.arange(count) + 0.5 * turned)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def _back(does: Callable[[Floats], bool], u: Floats, low: float) -> Floats:
+def _behind(
+    does: Does, ring: Floats, hits: NDArray[np.bool_], best: Floats | None
+) -> Floats | None:
+    """The nearest place behind the places of a ring that do it, or `best` if that is nearer."""
+    plane = ring.shape[1] == 2
+    for arc in _arcs(hits) if plane else np.flatnonzero(hits)[:, None].tolist():
+        u = ring[arc[len(arc) // 2]]
+        if plane and best is not None and np.argmax(ring @ best) in arc:
+            # The side of the best may run into another one that is nearer.
+            length = float(np.linalg.norm(best)) - _RESOLUTION
+            rays = [u * (length / np.linalg.norm(u)) for u in ring[arc]]
+            shorter = [u for u in rays if length > 0 and does(u)]
+            if not shorter:
+                continue
+            u = shorter[len(shorter) // 2]
+        found = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
+        if best is None or np.linalg.norm(found) < np.linalg.norm(best):
+            best = found
+    return best
+
+
+def _arcs(hits: NDArray[np.bool_]) -> list[list[int]]:
+    """Numbers of neighbouring places around a ring that do it, side by side."""
+    size = len(hits)
+    if hits.all():
+        return [list(range(size))]
+    first = int(np.argmin(hits))
+    arcs: list[list[int]] = []
+    for k in range(first, first + size):
+        if hits[k % size]:
+            if not hits[(k - 1) % size]:
+                arcs.append([])
+            arcs[-1].append(k % size)
+    return arcs
+
+
+def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
     """The place on the ray to u, beyond `low` [m], from which on it does; it does at u."""
     away = float(np.linalg.norm(u))
-    along, high = u / away, away
-    while high - low > _FINE:
-        middle = (low + high) / 2
-        if does(middle * along):
-            high = middle
-        else:
-            low = middle
-    return high * along
+    along = u / away
+    halvings = math.ceil(math.log2(max(1.0, (away - low) / resolution)))
+    return bisected(lambda away: not does(away * along), low, away, halvings)[1] * along
 
 
-def _turned(does: Callable[[Floats], bool], best: Floats, pitch: float) -> Floats:
-    away = float(np.linalg.norm(best))
-    step = min(pitch / away, math.pi / 2)
-    while step * away > _FINE:
-        heading = math.atan2(best[1], best[0])
+def _shortest(does: Does, u: Floats, count: int) -> Floats:
+    """The nearest place behind u, one of `count` on a ring; it does at u.
+
+    The ray is turned to either side, by ever smaller steps, while that shortens it. A step says
+    how well its length has to be known: turned by φ beside the nearest place of a straight
+    boundary, it is longer by φ²/2 of itself.
+    """
+    step = math.pi / count
+    known = float(np.linalg.norm(u)) * step**2 / 4
+    best = _back(does, u, 0.0, known)
+    while True:
+        away, heading = float(np.linalg.norm(best)), math.atan2(best[1], best[0])
         for angle in (heading - step, heading + step):
-            u = (away - _FINE) * np.array([math.cos(angle), math.sin(angle)])
-            if away > _FINE and does(u):
-                best = _back(does, u, max(0.0, away - 2 * pitch))
-                away = float(np.linalg.norm(best))
+            u = (away - known) * np.array([math.cos(angle), math.sin(angle)])
+            if away > known and does(u):
+                best = _back(does, u, max(0.0, away * (1 - 2 * step)), known)
                 break
         else:
+            if step < _SMALLEST_TURN or away < _RESOLUTION:
+                return best
             step /= 2
-    return best
+            finer = max(_RESOLUTION, away * step**2 / 4)
+            best, known = _back(does, best, max(0.0, away - known), finer), finer

@@ -9,15 +9,16 @@ from stepwell.design.parameters.pairs import (
     which,
     with_q,
 )
-from stepwell.design.parameters.parameter import Knob, knob, knobs
+from stepwell.design.parameters.parameter import Parameter, of_cell, parameter, parameters
 
 __all__ = [
     "WAY",
-    "Knob",
+    "Parameter",
     "axis",
-    "knob",
-    "knobs",
     "moved",
+    "of_cell",
+    "parameter",
+    "parameters",
     "refuse_far",
     "require_places",
     "which",

@@ -1,15 +1,14 @@
-"""The parameters of a chain by name: read one, turn it, know its unit."""
+"""The parameters of a chain by name: the value of one, its unit, the chain with another value."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
@@ -36,10 +35,10 @@ _NAMED = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Knob(ByValue):
-    """One parameter of a chain, to be read and turned.
+class Parameter(ByValue):
+    """One parameter of a chain.
 
-    Where a cell has several bands, the value is that of the first one, and turning it changes
+    Where a cell has several bands, the value is that of the first one, and another value changes
     all: anchors are shifted alike, stiffnesses and rest lengths scaled alike.
 
     Attributes:
@@ -62,7 +61,7 @@ class Knob(ByValue):
         """Whether its value is a place (x, y) and not a number."""
         return self.part in ANCHORS
 
-    def read(self, chain: Chain) -> float | Vec2:
+    def value(self, chain: Chain) -> float | Vec2:
         """Its value in a chain, in SI."""
         if self.cell is None:
             return chain.actuator_stiffness
@@ -74,7 +73,7 @@ class Knob(ByValue):
         owner = cell.bands[0] if self.part in ("stiffness", "rest_length") else cell
         return float(getattr(owner, self.part))
 
-    def turned(self, chain: Chain, value: float | Vec2) -> Chain:
+    def changed(self, chain: Chain, value: float | Vec2) -> Chain:
         """The chain with this parameter at another value, in SI.
 
         Raises:
@@ -85,6 +84,15 @@ class Knob(ByValue):
         cells: list[Cell] = list(chain.cells)
         cells[self.cell] = self._in_cell(cells[self.cell], value)
         return replace(chain, cells=tuple(cells))
+
+    def displaced(self, chain: Chain, move: ArrayLike) -> Chain:
+        """The chain with this anchor moved by (dx, dy) [m]."""
+        place = self.value(chain) + np.asarray(move, float)
+        return self.changed(chain, (float(place[0]), float(place[1])))
+
+    def scaled(self, chain: Chain, ratio: float) -> Chain:
+        """The chain with this number multiplied by `ratio`."""
+        return self.changed(chain, float(self.value(chain)) * ratio)  # type: ignore[arg-type]
 
     def values(self, values: ArrayLike, least: int) -> NDArray[np.float64]:
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
@@ -130,7 +138,7 @@ class Knob(ByValue):
         return replace(cell, **{self.part: number})
 
 
-def knob(chain: Chain, name: str) -> Knob:
+def parameter(chain: Chain, name: str) -> Parameter:
     """The parameter of that name.
 
     Args:
@@ -143,7 +151,7 @@ def knob(chain: Chain, name: str) -> Knob:
         ValueError: no such parameter; the message names the nearest one.
     """
     if name == _ACTUATOR:
-        return Knob(_ACTUATOR, None, _ACTUATOR)
+        return Parameter(_ACTUATOR, None, _ACTUATOR)
     names = list(chain.names)
     # A cell's own name comes before a number that reads the same.
     for part in sorted(_PARTS, key=len, reverse=True):
@@ -156,33 +164,30 @@ def knob(chain: Chain, name: str) -> Knob:
                 f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
             )
         if label in names:
-            return Knob(f"{label}.{part}", names.index(label), part)
+            return of_cell(chain, names.index(label), part)
         if label.isdecimal() and 1 <= int(label) <= len(names):
-            cell = int(label) - 1
-            return Knob(f"{_label(names, cell)}.{part}", cell, part)
+            return of_cell(chain, int(label) - 1, part)
     raise ValueError(_unknown(chain, name))
 
 
-def knobs(chain: Chain) -> tuple[Knob, ...]:
+def parameters(chain: Chain) -> tuple[Parameter, ...]:
     """Every parameter of a chain, the actuator's last."""
-    names = list(chain.names)
-    of_cells = (
-        Knob(f"{_label(names, cell)}.{part}", cell, part)
-        for cell in range(len(names))
-        for part in _PARTS
-    )
-    return (*of_cells, Knob(_ACTUATOR, None, _ACTUATOR))
+    of_cells = (of_cell(chain, cell, part) for cell in range(len(chain)) for part in _PARTS)
+    return (*of_cells, Parameter(_ACTUATOR, None, _ACTUATOR))
 
 
-def _label(names: list[str], cell: int) -> str:
-    return names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
+def of_cell(chain: Chain, cell: int, part: str) -> Parameter:
+    """The parameter of a cell: "p", "q.x", "stiffness" and so on."""
+    names = chain.names
+    label = names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
+    return Parameter(f"{label}.{part}", cell, part)
 
 
 def _unknown(chain: Chain, name: str) -> str:
     numbered = (f"{cell}.{part}" for cell in range(1, len(chain) + 1) for part in _PARTS)
-    known = [*(one.name for one in knobs(chain)), *numbered]
-    near = get_close_matches(str(name), known, n=1, cutoff=0.5)
-    guess = f" Did you mean {near[0]!r}?" if near else ""
+    known = [*(one.name for one in parameters(chain)), *numbered]
+    near = nearest_word(str(name), known)
+    guess = f" Did you mean {near!r}?" if near else ""
     cells = ", ".join(f"{text!r} or {i}" for i, text in enumerate(chain.names[:_NAMED], 1))
     more = f" and {len(chain) - _NAMED} more" if len(chain) > _NAMED else ""
     return (
@@ -192,22 +197,22 @@ def _unknown(chain: Chain, name: str) -> str:
     )
 
 
-def _number(knob: Knob, value: float | Vec2) -> float:
+def _number(of: Parameter, value: float | Vec2) -> float:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise ValueError(f"{knob.name} = {value!r}: must be a number [{knob.unit}].") from None
+        raise ValueError(f"{of.name} = {value!r}: must be a number [{of.unit}].") from None
     if math.isnan(number):
-        raise ValueError(f"{knob.name} = {number}: must be a number [{knob.unit}].")
+        raise ValueError(f"{of.name} = {number}: must be a number [{of.unit}].")
     return number
 
 
-def _place(knob: Knob, value: float | Vec2) -> Vec2:
+def _place(of: Parameter, value: float | Vec2) -> Vec2:
     try:
         x, y = value  # type: ignore[misc]
         return float(x), float(y)
     except (TypeError, ValueError):
-        raise ValueError(f"{knob.name} = {value!r}: must be a place (x, y) [m].") from None
+        raise ValueError(f"{of.name} = {value!r}: must be a place (x, y) [m].") from None
 
 
 def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
@@ -220,15 +225,15 @@ def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
     return replace(band, p=(x, y)) if anchor == "p" else replace(band, q=(x, y))
 
 
-def _scaled(bands: tuple[Band, ...], knob: Knob, value: float) -> list[Band]:
-    olds = [float(getattr(band, knob.part)) for band in bands]
+def _scaled(bands: tuple[Band, ...], of: Parameter, value: float) -> list[Band]:
+    olds = [float(getattr(band, of.part)) for band in bands]
     if olds[0] == 0 and any(olds):
         raise ValueError(
-            f"{knob.name} = {value}: the first band has none, so the others cannot be scaled with "
-            f"it; put a band with a rest length first."
+            f"{of.name} = {value}: the first band has none, so the others cannot be scaled "
+            f"with it; put a band with a rest length first."
         )
     news = [value if old == olds[0] else old * (value / olds[0]) for old in olds]
-    if knob.part == "stiffness":
+    if of.part == "stiffness":
         return [replace(band, stiffness=new) for band, new in zip(bands, news, strict=True)]
     return [replace(band, rest_length=new) for band, new in zip(bands, news, strict=True)]
 

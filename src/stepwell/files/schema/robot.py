@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, model_validator
 
+from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.chain import (
     Friction,
@@ -19,7 +20,7 @@ from stepwell.files.schema.chain import (
     numbers,
     refuse,
 )
-from stepwell.files.text import did_you_mean, nearest
+from stepwell.files.text import did_you_mean
 from stepwell.robot import Profile
 
 
@@ -235,4 +236,4 @@ def is_robot(tables: dict[str, Any]) -> bool:
     """Whether these are a robot's tables; a chain with a key of a robot is one without legs."""
     if any(key in _ONLY_ROBOTS for key in tables):
         return True
-    return any(nearest(key, ["leg"]) for key in islice(tables, _LOOKED_AT))
+    return any(nearest_word(key, ["leg"]) for key in islice(tables, _LOOKED_AT))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
-from stepwell.files.text import MOST_LINES, did_you_mean, key_path, nearest, value_text
+from stepwell.files.text import MOST_LINES, did_you_mean, key_path, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant
 
@@ -19,7 +20,7 @@ def worded(error: ValidationError, tables: schema.Tables = schema.TABLES) -> lis
     short_of = {loc[:-1] for loc in missing}
     unknown = [p["loc"] for p in problems if p["type"] == "extra_forbidden"]
     for loc in [loc for loc in unknown if loc[:-1] in short_of][:_ADVISED]:
-        near = nearest(str(loc[-1]), _known(list(loc), tables))
+        near = nearest_word(str(loc[-1]), _known(list(loc), tables))
         missing.discard((*loc[:-1], near or ""))
     told = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
     return [_line(problem, tables, i < MOST_LINES) for i, problem in enumerate(told)]
@@ -66,7 +67,7 @@ def _advice(keys: list[str | int], tables: schema.Tables) -> str:
     homes = [home for home, table in tables.items() if key in table.names()]
     if key in _ELSEWHERE and "drive" in tables:
         return _ELSEWHERE[key]
-    if nearest(key, _known(keys, tables)) or not homes:
+    if nearest_word(key, _known(keys, tables)) or not homes:
         return did_you_mean(key, _known(keys, tables))
     if key in schema.BandKeys.model_fields:
         return f"It belongs in a band, as in band = {{ {key} = ... }}."

@@ -6,7 +6,6 @@ from stepwell.files.text.errors import (
     DesignError,
     did_you_mean,
     key_path,
-    nearest,
     value_text,
 )
 from stepwell.files.text.paths import Item, Steps, find, spelled
@@ -26,7 +25,6 @@ __all__ = [
     "key_path",
     "lines",
     "mm",
-    "nearest",
     "number",
     "parsed",
     "quoted",

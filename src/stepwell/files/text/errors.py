@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 
-from stepwell.base import InputError, printable
+from stepwell.base import InputError, nearest_word, printable
 
 MOST_LINES = 40
 
@@ -64,17 +63,10 @@ def value_text(value: Any) -> str:
     return _cut(printable(str(value)))
 
 
-def nearest(word: str, known: Iterable[str]) -> str | None:
-    """The known word that was probably meant, if any is near."""
-    folded = {name.lower(): name for name in known}
-    near = difflib.get_close_matches(word.lower()[:80], folded, n=1)
-    return folded[near[0]] if near else None
-
-
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """A sentence that names the nearest known word, or all of them where none is near."""
     known = list(known)
-    near = nearest(word, known)
+    near = nearest_word(word, known)
     return f"Did you mean {near}?" if near else f"Known here: {', '.join(known)}."
 
 

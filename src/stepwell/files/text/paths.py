@@ -19,7 +19,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stepwell.files.text.errors import nearest
+from stepwell.base import nearest_word
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
         options[_shown([token])] = token
     more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
     options |= {key: key for key in more}
-    near = nearest(wrong.strip(".[]"), options)
+    near = nearest_word(wrong.strip(".[]"), options)
     if near:
         meant = [*before, options[near], *tokens[k + 1 :]]
         if not any(_below(meant, steps) is not None for steps in known):

@@ -69,7 +69,7 @@ def decided(holds: list[bool], ours: str, reason: str) -> Finding:
 def _turned_round(q_out: float) -> Finding:
     needed = {label: turning(q_out, bands) for label, bands in BANDS.items()}
     places = {label: found.place[0] for label, found in needed.items()}
-    push = needed["two bands"].push
+    push = needed["two bands"].resistance
     return decided(
         [place >= PRESSED - ABOUT for place in places.values()],
         "turned round from "

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
+
+from stepwell.base import bisected
 
 HALVINGS = 8
 
@@ -36,18 +39,15 @@ def changes(
         values: where to look, in order; the first one is where to start from.
         halvings: of the stretch between two of them.
     """
-    known, before = answer(values[0]), values[0]
+    ask = cache(answer)
+
+    def same(known: str, value: float) -> bool:
+        return ask(value) == known
+
+    known, before = ask(values[0]), values[0]
     for value in values[1:]:
-        found = answer(value)
-        while found != known:
-            low, high, past = before, value, found
-            for _ in range(halvings):
-                middle = (low + high) / 2
-                between = answer(middle)
-                if between == known:
-                    low = middle
-                else:
-                    high, past = middle, between
-            yield high, past
-            known, before = past, high
+        while not same(known, value):
+            before = bisected(partial(same, known), before, value, halvings)[1]
+            known = ask(before)
+            yield before, known
         before = value

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 
+from stepwell.base import bisected
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Part, Travels, legs_of
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
@@ -112,12 +114,4 @@ def _widened(
 
 def _last_good(k: int, good: float, bad: float, works: Callable[[int, float], bool]) -> float:
     """The drive furthest from `good` towards `bad` at which a turn still works, by bisection."""
-    if works(k, bad):
-        return bad
-    for _ in range(30):
-        middle = (good + bad) / 2
-        if works(k, middle):
-            good = middle
-        else:
-            bad = middle
-    return good
+    return bad if works(k, bad) else bisected(partial(works, k), good, bad, 30)[0]

@@ -1,4 +1,4 @@
-"""A parameter has a name, a value and a unit, and turning it turns nothing else."""
+"""A parameter has a name, a value and a unit, and changing it changes nothing else."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
-from stepwell.design.parameters.parameter import Knob, knob, knobs
+from stepwell.design.parameters.parameter import Parameter, parameter, parameters
 
 
 def cell(x: float, y: float, **parts) -> sw.Cell:
@@ -28,56 +28,56 @@ VALUES = {
 
 
 @st.composite
-def turned(draw) -> tuple[sw.Chain, Knob, float | tuple[float, float]]:
+def changed(draw) -> tuple[sw.Chain, Parameter, float | tuple[float, float]]:
     """A chain of any kind, one of its parameters and another value for it."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     chain = any_chain(rng, draw(st.integers(1, 4)))
-    one = draw(st.sampled_from(knobs(chain)))
+    one = draw(st.sampled_from(parameters(chain)))
     numbers = VALUES[one.unit]
     value = draw(st.tuples(numbers, numbers)) if one.is_anchor else draw(numbers)
     return chain, one, value
 
 
-@given(turned())
-def test_what_is_turned_to_a_value_reads_that_value_and_turns_back(case):
+@given(changed())
+def test_what_is_changed_to_a_value_has_that_value_and_changes_back(case):
     chain, one, value = case
     try:
-        design = one.turned(chain, value)
+        design = one.changed(chain, value)
     except ValueError:
         # The ends of a band would meet, or there is no rest length to scale.
         assume(False)
         raise
-    assert one.read(design) == value
-    assert one.turned(chain, one.read(chain)) == chain
-    back = one.turned(design, one.read(chain))
-    assert one.read(back) == one.read(chain)
+    assert one.value(design) == value
+    assert one.changed(chain, one.value(chain)) == chain
+    back = one.changed(design, one.value(chain))
+    assert one.value(back) == one.value(chain)
 
 
-@given(turned())
-def test_turning_one_parameter_leaves_all_others(case):
+@given(changed())
+def test_changing_one_parameter_leaves_all_others(case):
     chain, one, value = case
     try:
-        design = one.turned(chain, value)
+        design = one.changed(chain, value)
     except ValueError:
         assume(False)
         raise
-    for other in knobs(chain):
+    for other in parameters(chain):
         same_anchor = other.cell == one.cell and other.part[0] == one.part[0] in "pq"
         overlaps = same_anchor and (other.is_anchor or one.is_anchor or other.part == one.part)
         if other != one and not overlaps:
-            assert other.read(design) == other.read(chain)
+            assert other.value(design) == other.value(chain)
 
 
-@given(turned())
+@given(changed())
 def test_every_parameter_is_found_by_its_name_and_by_its_number(case):
     chain, one, _ = case
-    assert knob(chain, one.name) == one
+    assert parameter(chain, one.name) == one
     if one.cell is not None:
-        assert knob(chain, f"{one.cell + 1}.{one.part}") == one
+        assert parameter(chain, f"{one.cell + 1}.{one.part}") == one
 
 
 def test_the_values_and_units_of_the_papers_pair():
-    shown = {one.name: (one.read(PAIR), one.unit) for one in knobs(PAIR)}
+    shown = {one.name: (one.value(PAIR), one.unit) for one in parameters(PAIR)}
     assert shown["outer.q"] == ((0.020, 0.0), "m")
     assert shown["outer.q.x"] == (0.020, "m")
     assert shown["inner.p.x"] == (-0.010, "m")
@@ -96,12 +96,12 @@ def test_several_bands_are_shifted_alike_and_scaled_alike():
         sw.Band((0.001, 0.0), (0.012, 0.003), stiffness=30.0, rest_length=0.006),
     )
     chain = sw.Chain((sw.Cell(bands),))
-    moved = knob(chain, "1.q").turned(chain, (0.011, -0.002)).cells[0].bands
+    moved = parameter(chain, "1.q").changed(chain, (0.011, -0.002)).cells[0].bands
     np.testing.assert_allclose([band.q for band in moved], [(0.011, -0.002), (0.013, 0.001)])
     assert [band.p for band in moved] == [band.p for band in bands]
-    stiff = knob(chain, "1.stiffness").turned(chain, 10.0).cells[0].bands
+    stiff = parameter(chain, "1.stiffness").changed(chain, 10.0).cells[0].bands
     assert [band.stiffness for band in stiff] == [10.0, 15.0]
-    long = knob(chain, "1.rest_length").turned(chain, 0.002).cells[0].bands
+    long = parameter(chain, "1.rest_length").changed(chain, 0.002).cells[0].bands
     assert [band.rest_length for band in long] == pytest.approx([0.002, 0.003])
 
 
@@ -112,7 +112,7 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
     )
     chain = sw.Chain((sw.Cell(bands),))
     with pytest.raises(ValueError, match="put a band with a rest length first"):
-        knob(chain, "1.rest_length").turned(chain, 0.002)
+        parameter(chain, "1.rest_length").changed(chain, 0.002)
 
 
 @pytest.mark.parametrize(
@@ -128,30 +128,30 @@ def test_a_first_band_without_rest_length_cannot_scale_the_others():
 )
 def test_an_unknown_name_is_answered_with_the_nearest_one(name, meant):
     with pytest.raises(ValueError, match=f"parameter {name!r}.*Did you mean {meant!r}") as refused:
-        knob(PAIR, name)
+        parameter(PAIR, name)
     assert "'inner' or 1, 'outer' or 2" in str(refused.value)
 
 
 @pytest.mark.parametrize("name", ["", "0.p", "3.p", "zzz", "inner", "-1.q"])
 def test_what_is_near_nothing_is_refused_with_all_that_is_allowed(name):
     with pytest.raises(ValueError, match=r"must be 'actuator_stiffness' or '<cell>.<what>'"):
-        knob(PAIR, name)
+        parameter(PAIR, name)
 
 
 def test_names_with_dots_and_numbers_mean_the_cell_of_that_name_first():
     chain = sw.Chain((cell(10, 0, name="1"), cell(15, 0, name="leg.2"), cell(20, 0)))
-    assert knob(chain, "1.q").cell == 0
-    assert knob(chain, "leg.2.q.x").cell == 1
-    assert knob(chain, "cell 3.stiffness").cell == 2
-    assert knob(chain, "3.stiffness").name == "cell 3.stiffness"
+    assert parameter(chain, "1.q").cell == 0
+    assert parameter(chain, "leg.2.q.x").cell == 1
+    assert parameter(chain, "cell 3.stiffness").cell == 2
+    assert parameter(chain, "3.stiffness").name == "cell 3.stiffness"
 
 
 def test_two_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain((cell(10, 0, name="leg"), cell(15, 0, name="leg")))
     with pytest.raises(ValueError, match=r"2 cells are called 'leg'.*'1.p'"):
-        knob(chain, "leg.p")
-    assert [one.name for one in knobs(chain)][:2] == ["1.p", "1.q"]
-    assert knob(chain, "1.p").name == "1.p"
+        parameter(chain, "leg.p")
+    assert [one.name for one in parameters(chain)][:2] == ["1.p", "1.q"]
+    assert parameter(chain, "1.p").name == "1.p"
 
 
 @pytest.mark.parametrize(
@@ -168,13 +168,13 @@ def test_two_cells_of_one_name_are_told_apart_by_number():
 )
 def test_a_value_that_cannot_be_is_refused(name, value, words):
     with pytest.raises(ValueError, match=words):
-        knob(PAIR, name).turned(PAIR, value)
+        parameter(PAIR, name).changed(PAIR, value)
 
 
 def test_the_actuators_stiffness_may_be_infinite():
-    soft = knob(PAIR, "actuator_stiffness").turned(PAIR, 30.0)
+    soft = parameter(PAIR, "actuator_stiffness").changed(PAIR, 30.0)
     assert soft.actuator_stiffness == 30.0
-    assert knob(soft, "actuator_stiffness").turned(soft, math.inf) == PAIR
+    assert parameter(soft, "actuator_stiffness").changed(soft, math.inf) == PAIR
 
 
 @pytest.mark.parametrize(
@@ -189,11 +189,11 @@ def test_the_actuators_stiffness_may_be_infinite():
 )
 def test_values_of_an_axis_rise_and_are_finite(name, values, words):
     with pytest.raises(ValueError, match=words):
-        knob(PAIR, name).values(values, 2)
+        parameter(PAIR, name).values(values, 2)
 
 
 def test_a_title_and_the_other_cells_are_kept():
     chain = replace(PAIR, title="leg")
-    design = knob(chain, "outer.friction").turned(chain, 0.1)
+    design = parameter(chain, "outer.friction").changed(chain, 0.1)
     assert design.title == "leg"
     assert design.cells[0] is chain.cells[0]

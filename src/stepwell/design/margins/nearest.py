@@ -1,0 +1,147 @@
+"""The nearest displacement of one anchor after which a chain does otherwise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave import SortedChain
+from stepwell.design.margins.displacements import Displacements
+from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
+from stepwell.design.margins.search import nearest_found
+from stepwell.design.parameters import Parameter
+from stepwell.mechanism import Chain
+from stepwell.sequences import Sequence, cycle
+from stepwell.statics import StaticsError
+
+Floats = NDArray[np.float64]
+Vec2 = tuple[float, float]
+
+# How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
+# nothing else has changed. The smaller ones are for regions that are narrower.
+_PAST = (1e-8, 1e-9, 1e-10)
+
+
+class Nearest(NamedTuple):
+    """The nearest displacement, and one just past it.
+
+    Attributes:
+        distance: its length [m]; infinite where there is none within reach.
+        move, past: (dx, dy) of the anchor there [m] and where the chain does otherwise; NaN
+            where there is none.
+        method: "exact" (closed form, to rounding) or "search".
+    """
+
+    distance: float
+    move: Vec2
+    past: Vec2
+    method: str
+
+
+def sequence(chain: Chain) -> Sequence:
+    """What the chain does, in closed form where it holds, else by the general engine."""
+    forces = SortedChain.of(chain)
+    if forces is None:
+        return cycle(chain).sequence
+    return Sequence.full_cycle(forces.loading, forces.unloading)
+
+
+def nearest(
+    chain: Chain,
+    forces: SortedChain | None,
+    now: Sequence,
+    anchor: Parameter,
+    wanted: Sequence | None,
+    ways: Displacements,
+    progress: Callable[[int, int], None] | None = None,
+) -> Nearest:
+    """The nearest displacement of an anchor after which the chain does what is wanted.
+
+    In closed form where the proof that the cells are concave holds for every displacement up to
+    it; else what the closed form says is checked, and a nearer one searched.
+
+    Args:
+        chain: any number of cells.
+        forces: the chain in closed form, None where that is not proved.
+        now: what it does.
+        anchor: a p or q of the chain.
+        wanted: what it has to do; None for anything else than now.
+        ways: where the anchor may go.
+        progress: called with (done, total) places while the engine is asked.
+    """
+    assert anchor.cell is not None
+
+    def does(move: Floats) -> bool:
+        # A design that cannot be made, or that the engine cannot follow, does nothing.
+        try:
+            done = sequence(anchor.displaced(chain, move))
+        except (ValueError, StaticsError):
+            return False
+        return done != now if wanted is None else done == wanted
+
+    known, past, proved = None, None, False
+    if forces is not None:
+        cell, sign = forces.cells[anchor.cell], 1 if anchor.part == "q" else -1
+        known = _in_closed_form(forces, anchor.cell, wanted, ways, sign)
+        proved = ways.proved(cell, sign, ways.reach if known is None else known.distance)
+        if known is not None:
+            just_past = [known.move + far * known.inward for far in _PAST]
+            # Where any other sequence will do, the closed form is proof enough.
+            sure = proved and wanted is None
+            past = just_past[0] if sure else next(filter(does, just_past), None)
+    method = "exact" if proved else "search"
+    within = ways.reach if known is None or past is None else known.distance
+    if not proved:
+        found = nearest_found(
+            lambda u: does(ways.frame @ u), ways, within, wanted is not None, progress
+        )
+        if found is not None and float(np.linalg.norm(found)) < within:
+            move = ways.move(found)
+            return Nearest(float(np.linalg.norm(found)), move, move, method)
+    if known is None or past is None:
+        return Nearest(math.inf, (math.nan, math.nan), (math.nan, math.nan), method)
+    return Nearest(known.distance, _vec(known.move), _vec(past), method)
+
+
+def _vec(move: Floats) -> Vec2:
+    x, y = move.tolist()
+    return x, y
+
+
+def _in_closed_form(
+    forces: SortedChain, cell: int, wanted: Sequence | None, ways: Displacements, sign: int
+) -> Place | None:
+    best: Place | None = None
+    for conditions in _regions(forces, cell, wanted):
+        within = ways.reach if best is None else best.distance
+        place = nearest_place(forces.cells[cell], conditions, ways, sign, within)
+        if place is not None and (best is None or place.distance < best.distance):
+            best = place
+    return best
+
+
+def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Condition]]:
+    """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
+    if wanted is None:
+        return [[Condition(n.side, n.other, n.up)] for n in forces.neighbours(cell)]
+    orders = wanted.orders
+    if orders is None:
+        return []
+    found: list[Condition] = []
+    # Cells load in ascending F0 and unload in descending F1.
+    for side, up, order, now in (
+        (-1, 1, orders[0], forces.loading),
+        (+1, -1, orders[1], forces.unloading),
+    ):
+        if [i for i in order if i != cell] != [i for i in now if i != cell]:
+            return []  # the other cells do not do their part
+        force, place = forces.forces[0 if side < 0 else 1], order.index(cell)
+        if place > 0:
+            found.append(Condition(side, float(force[order[place - 1]]), up))
+        if place + 1 < len(order):
+            found.append(Condition(side, float(force[order[place + 1]]), -up))
+    return [found]
