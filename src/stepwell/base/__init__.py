@@ -1,7 +1,23 @@
-"""What every room stands on: equality and checks of values, limits, text, files written whole."""
+"""What every room stands on: equality and checks of values, limits, text, files written whole,
+quantities with their units.
+"""
 
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.limits import most, problem, require
+from stepwell.base.quantities import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    number,
+    plain,
+    record,
+    shown,
+    signed,
+    told_in,
+    variables,
+    write_csv,
+)
 from stepwell.base.setting import SettingError
 from stepwell.base.text import printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
@@ -15,7 +31,11 @@ __all__ = [
     "REACH",
     "ByValue",
     "Carried",
+    "Column",
+    "Columns",
+    "Quantity",
     "ReadOnly",
+    "Schema",
     "SettingError",
     "Vec2",
     "__version__",
@@ -23,13 +43,21 @@ __all__ = [
     "draft_beside",
     "finite",
     "most",
+    "number",
+    "plain",
     "printable",
     "problem",
+    "record",
     "require",
     "same",
     "short",
+    "shown",
+    "signed",
     "sync_folder",
+    "told_in",
     "told_of",
+    "variables",
     "versions",
     "write_atomic",
+    "write_csv",
 ]

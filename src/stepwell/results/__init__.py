@@ -1,6 +1,9 @@
 """Results as plain numbers with the unit in every name."""
 
 from stepwell.results.design import (
+    BUILT,
+    SENSITIVITY,
+    TOLERANCES,
     design_record,
     impossible_record,
     reprogram_record,
@@ -19,8 +22,10 @@ from stepwell.results.robot import (
     walk_record,
 )
 from stepwell.results.run import (
-    LONGEST_BECOMING,
+    CELL,
     boundary_rows,
+    change_columns,
+    event_columns,
     force_scale,
     map_record,
     run_record,
@@ -28,10 +33,15 @@ from stepwell.results.run import (
 from stepwell.results.ties import tie_notes
 
 __all__ = [
-    "LONGEST_BECOMING",
+    "BUILT",
+    "CELL",
+    "SENSITIVITY",
+    "TOLERANCES",
     "boundary_rows",
+    "change_columns",
     "convergence_record",
     "design_record",
+    "event_columns",
     "force_scale",
     "graph_record",
     "head",

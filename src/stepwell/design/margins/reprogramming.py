@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import REACH, ByValue, csv_text, write_atomic
+from stepwell.base import REACH, ByValue, Quantity, Schema, variables, write_csv
 from stepwell.concave import SortedChain
 from stepwell.design.margins import by_engine, search as _hunt
 from stepwell.design.margins.displacements import Floats, Ways
@@ -32,6 +32,33 @@ Vec2 = tuple[float, float]
 # How far past the rim a chain is looked at [m]: far enough to leave no tie, near enough that
 # nothing else has changed. The smaller ones are for regions that are narrower.
 _HAIRS = (1e-8, 1e-9, 1e-10)
+# The way of the anchor, at every fraction of it.
+WAY: Schema = (
+    Quantity("fraction", read="push.fraction"),
+    Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
+    Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
+    Quantity(
+        "force_0",
+        "N",
+        "at state 0",
+        "push.force_0",
+        doc="force against the displacement at state 0",
+    ),
+    Quantity(
+        "force_1",
+        "N",
+        "at state 1",
+        "push.force_1",
+        doc="force against the displacement at state 1",
+    ),
+    Quantity(
+        "peak",
+        "N",
+        "largest",
+        "push.peak",
+        doc="largest force against the displacement over the travel",
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,24 +117,17 @@ class Reprogramming(ByValue):
             return Push.nowhere()
         return Push.of(self.chain.cells[self.cell], self.anchor, self.displacement)
 
+    def along(self, axis: int) -> Floats:
+        """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
+        return self.push.fraction * self.displacement[axis]
+
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
         import xarray
 
-        push = self.push
-        columns = {
-            "x": (push.fraction * self.displacement[0], "m", "displacement along x"),
-            "y": (push.fraction * self.displacement[1], "m", "displacement along y"),
-            "force_0": (push.force_0, "N", "force against the displacement at state 0"),
-            "force_1": (push.force_1, "N", "force against the displacement at state 1"),
-            "peak": (push.peak, "N", "largest force against the displacement over the travel"),
-        }
         return xarray.Dataset(
-            {
-                name: ("fraction", values, {"units": unit, "long_name": text})
-                for name, (values, unit, text) in columns.items()
-            },
-            {"fraction": push.fraction},
+            variables(WAY[1:], self, "fraction"),
+            {"fraction": self.push.fraction},
             {
                 "title": self.chain.title or "reprogramming",
                 "by": self.by,
@@ -115,24 +135,14 @@ class Reprogramming(ByValue):
                 "after": self.after,
                 "distance_m": self.distance,
                 "method": self.method,
-                "work_0_J": push.work_0,
-                "work_1_J": push.work_1,
+                "work_0_J": self.push.work_0,
+                "work_1_J": self.push.work_1,
             },
         )
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
         """Write the way as CSV, units in the column names (mm, N)."""
-        push = self.push
-        columns = {
-            "fraction": push.fraction,
-            "x_mm": push.fraction * self.displacement[0] * 1e3,
-            "y_mm": push.fraction * self.displacement[1] * 1e3,
-            "force_0_N": push.force_0,
-            "force_1_N": push.force_1,
-            "peak_N": push.peak,
-        }
-        rows = ((f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True))
-        write_atomic(file, csv_text(columns, rows))
+        write_csv(file, ((q, q.of(self)) for q in WAY))
 
     def __str__(self):
         if math.isinf(self.distance):
