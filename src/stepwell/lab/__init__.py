@@ -41,6 +41,7 @@ from stepwell.lab.mechanisms import (
     sort_series,
 )
 from stepwell.lab.recordings import (
+    SUMMARY,
     Batch,
     Curve,
     LabError,
@@ -53,10 +54,11 @@ from stepwell.lab.recordings import (
     read_all,
     summary,
     table,
-    table_csv,
+    to_csv,
 )
 
 __all__ = [
+    "SUMMARY",
     "LAWS",
     "PAPER_RIG",
     "BandTest",
@@ -105,5 +107,5 @@ __all__ = [
     "stiffness_by_window",
     "summary",
     "table",
-    "table_csv",
+    "to_csv",
 ]

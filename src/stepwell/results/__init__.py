@@ -15,6 +15,14 @@ from stepwell.results.head import head
 from stepwell.results.map import parameter_boundary_rows, parameter_map_record, told_in
 from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
+    CHANGE,
+    CONTACT,
+    CYCLES,
+    FLIP,
+    PREDICTED,
+    PUSH,
+    RESOLUTION,
+    TOUCHED,
     convergence_record,
     maze_record,
     robot_record,
@@ -35,8 +43,16 @@ from stepwell.results.ties import tie_notes
 __all__ = [
     "BUILT",
     "CELL",
+    "CHANGE",
+    "CONTACT",
+    "CYCLES",
+    "FLIP",
+    "PREDICTED",
+    "PUSH",
+    "RESOLUTION",
     "SENSITIVITY",
     "TOLERANCES",
+    "TOUCHED",
     "boundary_rows",
     "change_columns",
     "convergence_record",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import plain as finite
 from stepwell.results.head import head
-from stepwell.results.run import finite
 from stepwell.results.ties import tie_notes
 
 if TYPE_CHECKING:

@@ -3,13 +3,14 @@
 from stepwell.simulation.convergence import Convergence, Resolution, convergence
 from stepwell.simulation.maze import TOUCHED, Change, Contact, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import Integrator, Linkage, Settings, mjcf, spec
-from stepwell.simulation.sweep import Sweep, Trial, sweep
+from stepwell.simulation.sweep import TRIAL, Sweep, Trial, sweep
 from stepwell.simulation.video import VideoError, video
 from stepwell.simulation.walk import LOADED, Walk, walk
 
 __all__ = [
     "LOADED",
     "TOUCHED",
+    "TRIAL",
     "Change",
     "Contact",
     "Convergence",
