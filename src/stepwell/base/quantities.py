@@ -146,8 +146,10 @@ def plain(value: Any, factor: float = 1.0) -> Any:
     """What JSON can hold of a value: numbers in another unit, None where they are not finite."""
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or isinstance(value, str | bool | Mapping):
+    if value is None or isinstance(value, str | bool):
         return value
+    if isinstance(value, Mapping):
+        return {key: plain(part, factor) for key, part in value.items()}
     if isinstance(value, Enum):
         return value.name.lower()
     if isinstance(value, Iterable):

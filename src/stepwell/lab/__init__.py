@@ -19,7 +19,11 @@ from stepwell.lab.bands import (
     stiffness_by_window,
 )
 from stepwell.lab.mechanisms import (
+    CELL_TEST,
+    ERROR,
+    PAIR_TEST,
     PAPER_RIG,
+    PARAMETER,
     Calibration,
     CellTest,
     Comparison,
@@ -58,9 +62,13 @@ from stepwell.lab.recordings import (
 )
 
 __all__ = [
-    "SUMMARY",
+    "CELL_TEST",
+    "ERROR",
     "LAWS",
+    "PAIR_TEST",
     "PAPER_RIG",
+    "PARAMETER",
+    "SUMMARY",
     "BandTest",
     "Batch",
     "Calibration",
