@@ -5,7 +5,7 @@ import json
 import os
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +67,21 @@ def show_written(folder: Path | None, names: Sequence[str]) -> None:
         show_lines("", f"Written into {folder}: {', '.join(names)}")
 
 
+def show_result(
+    record: dict[str, Any],
+    show: Callable[[dict[str, Any]], None],
+    as_json: bool,
+    folder: Path | None,
+    names: Sequence[str],
+) -> None:
+    """Print a record as JSON or as `show` tells it, with the files that were written."""
+    if as_json:
+        show_json(record, folder, names)
+    else:
+        show(record)
+        show_written(folder, names)
+
+
 def show_lines(*lines: str) -> None:
     """Print lines."""
     put("".join(f"{plain(line)}\n" for line in lines))
@@ -113,7 +128,7 @@ def show_records(
     columns: Columns,
     records: Sequence[Mapping[str, Any]],
     *,
-    most: int = 40,
+    most: int | None = 40,
     every: int = 1,
 ) -> None:
     """Print records as a table, none where there are none.
@@ -122,17 +137,17 @@ def show_records(
         title: a line above it.
         columns: what is told of each record; quantities without a head are not.
         records: of results.
-        most: rows that are printed; --json and --out have all.
-        every: how many records on is the next row.
+        most: records of which rows are printed, None for all; --json and --out have them.
+        every: of so many records one is printed.
     """
     told = shown(columns)
     if records:
         show_table(
             title,
             [column.heading for column in told],
-            [[column.cell(one) for column in told] for one in records[: most * every : every]],
+            [[column.cell(one) for column in told] for one in records[:most:every]],
             left=[k for k, column in enumerate(told) if not column.numeric],
-            hidden=len(records) - most if every == 1 else 0,
+            hidden=0 if most is None else len(records) - most,
         )
 
 

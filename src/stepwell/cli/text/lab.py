@@ -10,8 +10,6 @@ from stepwell.base import Column, Quantity
 from stepwell.cli.screen import number, show_lines, show_records, show_table
 from stepwell.lab import CELL_TEST, ERROR, PAIR_TEST, PARAMETER, SUMMARY
 
-_ALL = 10**6
-
 
 def readings(record: dict[str, Any]) -> None:
     """Print what `stepwell lab read` found."""
@@ -27,7 +25,7 @@ def readings(record: dict[str, Any]) -> None:
         direction,
         halves,
     ]
-    show_records("Recordings", columns, rows, most=_ALL)
+    show_records("Recordings", columns, rows, most=None)
     odd = [f"{row['source']}: {line}" for row in rows for line in row["odd"]]
     if odd:
         show_lines("", "Odd", *odd)
@@ -76,7 +74,7 @@ def band(record: dict[str, Any]) -> None:
         _thousandths(f"{record['left_out']} left out [mN]", "predicts_N"),
         Column("values", _values),
     ]
-    show_records("Force laws, fewest numbers first", columns, record["laws"], most=_ALL)
+    show_records("Force laws, fewest numbers first", columns, record["laws"], most=None)
     show_lines(
         "",
         record["law_told"],
@@ -93,7 +91,7 @@ def comparison(record: dict[str, Any]) -> None:
     pairs = [row for row in record["series"] if row["kind"] == "pair"]
     if cells:
         title = "Unit cells: measured (model); errors in k r and k r²"
-        show_records(title, CELL_TEST, cells, most=_ALL)
+        show_records(title, CELL_TEST, cells, most=None)
         means = ", ".join(
             f"{mean['rmse_over_kr']:.3f} with {_bands(mean['bands'])}"
             for mean in record["mean_rmse_over_kr"]
@@ -114,7 +112,7 @@ def comparison(record: dict[str, Any]) -> None:
             else q
             for q in PAIR_TEST
         ]
-        show_records(title, columns, pairs, most=_ALL)
+        show_records(title, columns, pairs, most=None)
     show_lines("", "Verdicts", *(f"{row['series']}: {row['verdict']}" for row in record["series"]))
     show_lines("", "Used, dropped and odd")
     for row in record["series"]:
@@ -135,10 +133,10 @@ def calibration(record: dict[str, Any]) -> None:
         f"{record['law']} law: each number with its 95 % interval, by leaving out a geometry",
         [name, *numbers, unit],
         record["parameters"],
-        most=_ALL,
+        most=None,
     )
     title = f"RMSE in k r, k = {number(record['k_N_per_m'])} N/m a band"
-    show_records(title, ERROR, record["errors"], most=_ALL)
+    show_records(title, ERROR, record["errors"], most=None)
     for mean in record["mean_errors"]:
         show_lines(
             f"Mean over the geometries, {_bands(mean['bands'])}: {mean['fit_over_kr']:.3f} fitted, "

@@ -30,7 +30,7 @@ def show(record: dict[str, Any]) -> None:
         "Stopped": record["stopped"].removeprefix("Stopped "),
     }
     show_facts(record, found, 12)
-    show_records("Obstacles", TOUCHED, record["touched"], most=10**6)
+    show_records("Obstacles", TOUCHED, record["touched"], most=None)
     legs = {one["name"]: one["leg"] for one in record["antennas"] if one["connected"]}
     leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
     show_records("Antenna contacts", [*CONTACT, leg], record["contacts"])

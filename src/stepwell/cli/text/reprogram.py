@@ -51,5 +51,6 @@ def _way(record: dict[str, Any]) -> None:
         "On the way: force against the displacement",
         columns,
         [{q.key: told for q, told in zip(columns, row, strict=True)} for row in rows],
+        most=None,
         every=EVERY,
     )

@@ -36,12 +36,12 @@ def show(record: dict[str, Any]) -> None:
     show_records("Predicted gaits, without simulation", [named[name] for name in order], legs)
     way, _, _, _, *rest = PUSH
     gains = Column("gains [mm]", lambda p: f"{p['gain_mm']:.1f} of {p['step_mm']:.1f}", True)
-    show_records("Pushes", [_LEG, way, gains, *rest], _of_legs(legs, "pushes"), most=10**6)
+    show_records("Pushes", [_LEG, way, gains, *rest], _of_legs(legs, "pushes"), most=None)
     antenna, moved, _, _, swing, then = FLIP
     doubt = Column("in doubt [mm]", _range, True)
     flips = _of_legs(legs, "flips")
     columns = [antenna, _LEG, moved, doubt, swing, then]
-    show_records("What antennas change", columns, flips, most=10**6)
+    show_records("What antennas change", columns, flips, most=None)
     for leg in legs:
         if leg["near_boundary"]:
             may = " or ".join(leg["alternatives"] or [leg["nearest"]])
@@ -55,7 +55,7 @@ def show(record: dict[str, Any]) -> None:
             Quantity("source", head="source"),
         ],
         record["parameters"],
-        most=10**6,
+        most=None,
     )
 
 
