@@ -12,7 +12,7 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head
-from stepwell.results.map import parameter_boundary_rows, parameter_map_record, told_in
+from stepwell.results.map import parameter_boundary_rows, parameter_map_record
 from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
     CHANGE,
@@ -73,7 +73,6 @@ __all__ = [
     "survival_record",
     "sweep_record",
     "tie_notes",
-    "told_in",
     "unreachable_record",
     "walk_record",
     "yield_record",
