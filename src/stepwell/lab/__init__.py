@@ -19,11 +19,7 @@ from stepwell.lab.bands import (
     stiffness_by_window,
 )
 from stepwell.lab.mechanisms import (
-    CELL_TEST,
-    ERROR,
-    PAIR_TEST,
     PAPER_RIG,
-    PARAMETER,
     Calibration,
     CellTest,
     Comparison,
@@ -45,7 +41,6 @@ from stepwell.lab.mechanisms import (
     sort_series,
 )
 from stepwell.lab.recordings import (
-    SUMMARY,
     Batch,
     Curve,
     LabError,
@@ -62,13 +57,8 @@ from stepwell.lab.recordings import (
 )
 
 __all__ = [
-    "CELL_TEST",
-    "ERROR",
     "LAWS",
-    "PAIR_TEST",
     "PAPER_RIG",
-    "PARAMETER",
-    "SUMMARY",
     "BandTest",
     "Batch",
     "Calibration",

@@ -8,7 +8,8 @@ from typing import Any
 
 from stepwell.base import Column, Quantity
 from stepwell.cli.screen import number, show_lines, show_records, show_table
-from stepwell.lab import CELL_TEST, ERROR, PAIR_TEST, PARAMETER, SUMMARY
+from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
+from stepwell.lab.recordings import SUMMARY
 
 
 def readings(record: dict[str, Any]) -> None:
