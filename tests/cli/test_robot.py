@@ -69,7 +69,9 @@ def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, 
     assert all("foot.below_mm = -1" in row["stopped"] for row in rows[::2])
     assert [row["gait_1"] for row in rows[1::2]] == ["00>01>11>10>00", "00>10>11>01>00"]
     data = xarray.load_dataset(tmp_path / "out" / "sweep.nc")
-    assert float(data["advance"][3]) == pytest.approx(float(rows[3]["advance_1"]), abs=1e-6)
+    assert float(data["advance"][3]) == pytest.approx(
+        float(rows[3]["advance_over_u_max"]), abs=1e-6
+    )
     assert "2 did not walk to the end" in result.stdout
 
 

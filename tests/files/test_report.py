@@ -86,9 +86,9 @@ def test_head_says_what_the_design_does(forward):
 def test_cells_are_listed_with_f0_and_f1(forward):
     _, html = forward
     cells = Page(html).tables[0]
-    assert cells[0][3:7] == ["F0 [N]", "F1 [N]", "F0/(kr)", "F1/(kr)"]
+    assert cells[0][2:6] == ["F0 [N]", "F1 [N]", "F0/(kr)", "F1/(kr)"]
     # Kamp et al. 2024: ±0.967 and ±1.607.
-    assert [float(row[5]) for row in cells[1:]] == pytest.approx([0.967, 1.607], abs=1e-3)
+    assert [float(row[4]) for row in cells[1:]] == pytest.approx([0.967, 1.607], abs=1e-3)
     assert [row[0] for row in cells[1:]] == ["inner", "outer"]
 
 
@@ -97,7 +97,7 @@ def test_every_event_has_its_row(forward):
     events = Page(html).tables[1][1:]
     assert len(events) == len(cycle.events)
     for row, event in zip(events, cycle.events, strict=True):
-        assert row[0] == event.kind.name.lower()
+        assert row[1] == event.kind.name.lower()
         assert float(row[2]) == pytest.approx(event.stroke * 1e3, rel=1e-5, abs=1e-9)
         snap = event.kind.name == "SNAP"
         assert (row[6] != "") == snap

@@ -287,7 +287,7 @@ def test_repeats_are_averaged_where_all_of_them_reach():
     assert test.agrees
 
 
-def test_results_go_to_xarray_csv_and_json():
+def test_results_go_to_xarray_csv_and_json(tmp_path):
     import json
 
     data = units("MB", MB) + frictions() + pairs("MMT", DIRECTED) + no_bands()
@@ -295,7 +295,8 @@ def test_results_go_to_xarray_csv_and_json():
     rows = comparison.to_xarray()
     assert rows["force"].attrs["units"] == "N"
     assert set(rows["of"].values) == {0, 1}
-    text = comparison.to_csv().splitlines()
+    comparison.to_csv(tmp_path / "curves.csv")
+    text = (tmp_path / "curves.csv").read_text("utf-8").splitlines()
     assert text[0] == "series,stroke_mm,measured_N,model_N,judged"
     assert len(text) == 1 + rows.sizes["row"]
     record = lab.comparison_record(comparison)

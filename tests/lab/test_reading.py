@@ -174,7 +174,8 @@ def test_the_table_is_tidy_and_names_its_units(tmp_path):
     assert rows.sizes["row"] == sum(map(len, runs))
     assert rows["direction"].values[0] == 1
     assert rows["direction"].values[2 * len(up) - 1] == -1
-    text = lab.table_csv(runs).splitlines()
+    lab.to_csv(runs, tmp_path / "recordings.csv")
+    text = (tmp_path / "recordings.csv").read_text("utf-8").splitlines()
     assert text[0] == "recording,half,direction,time_s,stroke_mm,force_N"
     assert len(text) == 1 + rows.sizes["row"]
     assert lab.table([]).sizes["row"] == 0

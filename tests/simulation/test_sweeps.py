@@ -68,7 +68,8 @@ def test_a_sweep_is_a_table_with_units(tmp_path):
     assert list(table["q_mm"].values) == [5, 15, 20]
     swept.to_csv(tmp_path / "sweep.csv")
     lines = (tmp_path / "sweep.csv").read_text("utf-8").splitlines()
-    assert lines[0] == "q_mm,advance_1,sideways_1,turn_deg,work_J,gait_1,gait_2,stopped"
+    head = "q_mm,advance_over_u_max,sideways_over_u_max,turn_deg,work_mJ,gait_1,gait_2,stopped"
+    assert lines[0] == head
     assert [line.split(",")[0] for line in lines[1:]] == ["5.0", "15.0", "20.0"]
 
 

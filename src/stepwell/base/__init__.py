@@ -1,10 +1,26 @@
-"""What every room stands on: equality and checks of values, limits, text, files written whole."""
+"""What every room stands on: equality and checks of values, limits, text, files written whole,
+quantities with their units.
+"""
 
 from stepwell.base import check, limits, usual
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
 from stepwell.base.limits import most, problem, require
+from stepwell.base.quantities import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    number,
+    plain,
+    record,
+    shown,
+    signed,
+    told_in,
+    variables,
+    write_csv,
+)
 from stepwell.base.text import nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, ReadOnly, same
@@ -16,9 +32,13 @@ __all__ = [
     "QUICKLY",
     "REACH",
     "ByValue",
+    "Column",
+    "Columns",
     "ExtraError",
     "InputError",
+    "Quantity",
     "ReadOnly",
+    "Schema",
     "SettingError",
     "StepwellError",
     "Vec2",
@@ -31,14 +51,22 @@ __all__ = [
     "limits",
     "most",
     "nearest_word",
+    "number",
+    "plain",
     "printable",
     "problem",
+    "record",
     "require",
     "same",
     "short",
+    "shown",
+    "signed",
     "sync_folder",
+    "told_in",
     "told_of",
     "usual",
+    "variables",
     "versions",
     "write_atomic",
+    "write_csv",
 ]

@@ -36,15 +36,11 @@ def paper(
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import paper as _paper_text
 
     with progress("claims") as tell:
         verdicts = claims.run(out, progress=tell, everything=everything, data=data, force=force)
     names = () if out is None else claims.outputs(everything)
     record = claims.record(verdicts)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _paper_text.show(record)
-        show_written(out, names)
+    show_result(record, _paper_text.show, as_json, out, names)

@@ -53,7 +53,7 @@ from stepwell.lab.recordings import (
     read_all,
     summary,
     table,
-    table_csv,
+    to_csv,
 )
 
 __all__ = [
@@ -105,5 +105,5 @@ __all__ = [
     "stiffness_by_window",
     "summary",
     "table",
-    "table_csv",
+    "to_csv",
 ]

@@ -66,6 +66,11 @@ class Chain(ByValue):
         return math.fsum(cell.full_travel for cell in self.cells)
 
     @property
+    def drive_unit(self) -> str:
+        """Unit of what the actuator prescribes: "m", or "N" under force control."""
+        return "N" if self.actuator_stiffness == 0 else "m"
+
+    @property
     def unusual(self) -> bool:
         """Whether one of its cells is `unusual`: then no number that meets the chain is a slip."""
         return any(cell.unusual for cell in self.cells)

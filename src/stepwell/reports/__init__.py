@@ -1,4 +1,15 @@
-"""Folders of results: figures, tables, numbers and pages that belong together."""
+"""Folders of results: figures, tables, numbers and pages that belong together.
+
+Every `write_…` takes the result and a folder, which is made if missing, and writes all of its files
+or nothing. What the same function wrote there before is replaced; figures are a .png and a .svg.
+
+    design      text of the design file, kept beside the result; written anew by default
+    progress    called with (done, total) files
+    force       replace files that others wrote or changed too
+
+It returns the names of the files, and raises OverwriteError where a file there is not one that it
+wrote, and OSError where the folder cannot be written; nothing has changed then.
+"""
 
 from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
 from stepwell.reports.graph import checked_suffix, write_graph

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import write_atomic
-from stepwell.files import dumps, staged_folder
-from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json
+from stepwell.files import dumps
+from stepwell.reports.steps import Folder, Progress, bundle
 from stepwell.results import design_record, reprogram_record, survival_record, yield_record
 
 if TYPE_CHECKING:
@@ -22,76 +20,40 @@ _CLOUD, _DRAWABLE_CELLS = 600, 16
 
 
 def write_design(
-    found: Design,
-    folder: str | os.PathLike[str],
-    *,
-    progress: Progress | None = None,
-    force: bool = False,
+    found: Design, folder: Folder, *, progress: Progress | None = None, force: bool = False
 ) -> tuple[str, ...]:
-    """Write a design that was found into a folder, all of it or nothing.
-
-    Args:
-        found: what `design.design` returns.
-        folder: made if missing; what the same function wrote there before is replaced.
-        progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: design.toml, design.json, yield.csv, force-plane.png and
-        force-plane.svg.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
-    """
+    """Write a design that was found: design.toml, design.json, yield.csv and force-plane."""
     from stepwell import figures
 
-    record = design_record(found)
-    with staged_folder(folder, "design", record, force=force) as draft:
-        steps = Steps(progress, 5)
-        write_atomic(draft / "design.toml", dumps(found.chain))
-        steps.next()
-        write_json(draft / "design.json", record)
-        steps.next()
-        found.yield_.to_csv(draft / "yield.csv")
-        steps.next()
-        drilled = found.holes is not None
-        plane = figures.force_plane(
-            found.chain,
-            loading=found.loading,
-            unloading=found.unloading,
-            region=() if drilled else found.region,
-            places=np.concatenate(found.region) if drilled else None,
-            clouds=found.yield_.end_forces(_CLOUD),
-        )
-        save_figures({"force-plane": plane}, draft, steps)
-        return names(draft)
+    drilled = found.holes is not None
+    plane = figures.force_plane(
+        found.chain,
+        loading=found.loading,
+        unloading=found.unloading,
+        region=() if drilled else found.region,
+        places=np.concatenate(found.region) if drilled else None,
+        clouds=found.yield_.end_forces(_CLOUD),
+    )
+    contents = {
+        "design.toml": dumps(found.chain),
+        "design.json": design_record(found),
+        "yield.csv": found.yield_.to_csv,
+    }
+    drawn = {"force-plane": plane}
+    return bundle(folder, "design", contents, drawn, progress=progress, force=force)
 
 
 def write_yield(
     found: Yield,
-    folder: str | os.PathLike[str],
+    folder: Folder,
     *,
     design: str | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write how many built mechanisms do what is wanted into a folder, all of it or nothing.
+    """Write how many mechanisms do what is wanted: design.toml, yield.json, yield.csv and yield.
 
-    Args:
-        found: what `design.yields` returns.
-        folder: made if missing; what the same function wrote there before is replaced.
-        design: text of the design file, to keep beside the results; written anew by default.
-        progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: design.toml, yield.json, yield.csv, and yield and, for up to 16
-        cells, force-plane as .png and .svg.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
+    For up to 16 cells the force-plane is drawn too.
     """
     from stepwell import figures
 
@@ -99,76 +61,31 @@ def write_yield(
     if len(found.chain) <= _DRAWABLE_CELLS:
         drawn["force-plane"] = figures.force_plane(found.chain, clouds=found.end_forces(_CLOUD))
     text = design or dumps(found.chain)
-    record = yield_record(found, design=text)
-    with staged_folder(folder, "yield", record, force=force) as draft:
-        steps = Steps(progress, 3 + 2 * len(drawn))
-        write_atomic(draft / "design.toml", text)
-        steps.next()
-        write_json(draft / "yield.json", record)
-        steps.next()
-        found.to_csv(draft / "yield.csv")
-        steps.next()
-        save_figures(drawn, draft, steps)
-        return names(draft)
+    contents = {
+        "design.toml": text,
+        "yield.json": yield_record(found, design=text),
+        "yield.csv": found.to_csv,
+    }
+    return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
 
 
 def write_survival(
-    found: Survival,
-    folder: str | os.PathLike[str],
-    *,
-    design: str | None = None,
-    force: bool = False,
+    found: Survival, folder: Folder, *, design: str | None = None, force: bool = False
 ) -> tuple[str, ...]:
-    """Write how many built mechanisms a program works on into a folder, all of it or nothing.
-
-    Args:
-        found: what `design.survival` returns.
-        folder: made if missing; what the same function wrote there before is replaced.
-        design: text of the design file, to keep beside the result; written anew by default.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: design.toml and survival.json.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
-    """
+    """Write how many mechanisms a program works on: design.toml and survival.json."""
     text = design or dumps(found.chain)
-    record = survival_record(found, design=text)
-    with staged_folder(folder, "yield", record, force=force) as draft:
-        write_atomic(draft / "design.toml", text)
-        write_json(draft / "survival.json", record)
-        return names(draft)
+    contents = {"design.toml": text, "survival.json": survival_record(found, design=text)}
+    return bundle(folder, "yield", contents, force=force)
 
 
 def write_reprogramming(
-    found: Reprogramming,
-    folder: str | os.PathLike[str],
-    *,
-    design: str | None = None,
-    force: bool = False,
+    found: Reprogramming, folder: Folder, *, design: str | None = None, force: bool = False
 ) -> tuple[str, ...]:
-    """Write the smallest displacement of an anchor into a folder, all of it or nothing.
+    """Write the smallest displacement of an anchor: reprogram.json.
 
-    Args:
-        found: what `design.reprogram` returns.
-        folder: made if missing; what the same function wrote there before is replaced.
-        design: text of the design file, for the hash of it; written anew by default.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: reprogram.json; where something was found, way.csv and
-        design.toml, the design just past the change.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
+    Where something was found, also way.csv, and design.toml, the design just past the change.
     """
-    record = reprogram_record(found, design=design)
-    with staged_folder(folder, "reprogram", record, force=force) as draft:
-        write_json(draft / "reprogram.json", record)
-        if found.chain_after is not None:
-            write_atomic(draft / "design.toml", dumps(found.chain_after))
-            found.to_csv(draft / "way.csv")
-        return names(draft)
+    contents: dict[str, object] = {"reprogram.json": reprogram_record(found, design=design)}
+    if found.chain_after is not None:
+        contents |= {"design.toml": dumps(found.chain_after), "way.csv": found.to_csv}
+    return bundle(folder, "reprogram", contents, force=force)

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import base64
 import math
+import re
 from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from stepwell.base import __version__
-from stepwell.mechanism import Chain, Linear
-from stepwell.results import LONGEST_BECOMING, tie_notes
+from stepwell.base import Column, Columns, __version__, number, shown
+from stepwell.mechanism import Cell, Chain, Linear
+from stepwell.results import CELL, change_columns, event_columns, run_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stepwell.design import Margin
     from stepwell.sequences import Cycle
-    from stepwell.statics import Event
 
 # Longer tables help nobody; the path's CSV has everything.
 _MOST_ROWS = 200
 _LONGEST_SEQUENCE = 2000
-_MINUS = "\N{MINUS SIGN}"
+_MINUS = re.compile(r"(?<![^\s(])-(?=\d)")
 
 
 def report(
@@ -46,21 +46,21 @@ def report(
     Returns:
         HTML text.
     """
-    chain = cycle.chain
+    chain, record = cycle.chain, run_record(cycle, margin)
     page = Template((files("stepwell.reports") / "report.html").read_text("utf-8"))
     origin = f"Design file {source}" if source else "A design made in Python"
     return page.substitute(
         version=escape(__version__),
         title=escape(chain.title or source or "Untitled chain"),
-        origin=escape(f"{origin}. {_count(len(chain), 'cell')}, innermost first."),
+        origin=escape(f"{origin}. {len(chain)} cell{'s' * (len(chain) != 1)}, innermost first."),
         sequence=escape(_sequence(cycle).replace(">", " → ")),
         meaning=escape(_meaning(cycle)),
-        numbers=_numbers(cycle, margin),
-        warnings=_warnings(cycle),
+        numbers=_numbers(record),
+        warnings=_warnings(record["ties"]),
         figures="\n".join(_figure(caption, figure) for caption, figure in figures.items()),
-        cells=_cells(chain),
-        events=_events(cycle),
-        margin=_margin(chain, margin),
+        cells=_cells(chain, record["cells"]),
+        events=_events(chain, record["events"]),
+        margin=_margin(chain, margin, record["margin"]),
         assumptions="\n".join(f"<li>{escape(line)}</li>" for line in _assumptions(chain)),
     )
 
@@ -86,26 +86,28 @@ def _meaning(cycle: Cycle) -> str:
     )
 
 
-def _numbers(cycle: Cycle, margin: Margin | None) -> str:
+def _numbers(record: dict[str, Any]) -> str:
     found = [
-        ("Snaps", str(len(cycle.snaps))),
-        ("Peak actuator force", f"{_number(cycle.peak_force)} N"),
-        ("Dissipated in a cycle", f"{_number(cycle.dissipated * 1e3)} mJ"),
-        ("Full stroke", f"{_number(cycle.chain.full_stroke * 1e3)} mm"),
+        ("Snaps", str(sum(event["kind"] == "snap" for event in record["events"]))),
+        ("Peak actuator force", f"{number(record['peak_force_N'])} N"),
+        ("Dissipated in a cycle", f"{number(record['dissipated_mJ'])} mJ"),
+        ("Full stroke", f"{number(record['full_stroke_mm'])} mm"),
     ]
-    if margin is not None:
-        anchor = min(map(float, margin.anchors), default=math.inf)
-        found.append(("Nearest other sequence", _distance(anchor, 1e3, "mm of an anchor")))
+    if record["margin"] is not None:
+        far = [change.get("distance_mm") for change in record["margin"]["changes"]]
+        known = [distance for distance in far if distance is not None]
+        nearest = f"{number(min(known))} mm of an anchor" if known else "none within reach"
+        found.append(("Nearest other sequence", nearest))
     return "\n".join(
-        f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in found
+        f"<div><dt>{escape(name)}</dt><dd>{escape(_minus(value))}</dd></div>"
+        for name, value in found
     )
 
 
-def _warnings(cycle: Cycle) -> str:
-    if not cycle.degenerate:
+def _warnings(ties: list[str]) -> str:
+    if not ties:
         return ""
-    notes = tie_notes(cycle.degenerate, cycle.chain)
-    items = "".join(f"<li>{escape(text)}</li>" for text in notes)
+    items = "".join(f"<li>{escape(text)}</li>" for text in ties)
     return (
         '<div class="warning" role="note"><strong>Too close to call.</strong> The model cannot '
         f"tell which of these happens; a real mechanism will decide.<ul>{items}</ul></div>"
@@ -126,123 +128,59 @@ def _figure(caption: str, figure: Figure) -> str:
     )
 
 
-def _cells(chain: Chain) -> str:
-    rows: list[list[str]] = []
-    for cell, name in zip(chain.cells, chain.names, strict=True):
-        largest = max(band.stiffness for band in cell.bands) * cell.lever
-        rows.append(
-            [
-                name,
-                "; ".join(
-                    f"p ({_number(b.p[0] * 1e3)}, {_number(b.p[1] * 1e3)}) mm, "
-                    f"q ({_number(b.q[0] * 1e3)}, {_number(b.q[1] * 1e3)}) mm, "
-                    f"{_number(b.stiffness)} N/m, {_number(b.rest_length * 1e3)} mm"
-                    for b in cell.bands
-                ),
-                _number(cell.full_travel * 1e3),
-                _number(cell.force_0),
-                _number(cell.force_1),
-                _number(cell.force_0 / largest),
-                _number(cell.force_1 / largest),
-                _number(math.degrees(cell.peak_angle)),
-                "yes" if cell.is_bistable else "no",
-            ]
-        )
-    head = [
-        "Cell",
-        "Bands: anchors, stiffness k, rest length",
-        "Travel S [mm]",
-        "F0 [N]",
-        "F1 [N]",
-        "F0/(kr)",
-        "F1/(kr)",
-        "θmax [°]",
-        "Bistable",
-    ]
+def _cells(chain: Chain, records: list[dict[str, Any]]) -> str:
+    rows = [told | {"bands": _bands(cell)} for told, cell in zip(records, chain.cells, strict=True)]
+    bands = Column("bands: anchors, stiffness k, rest length", lambda row: row["bands"])
+    name, *others = shown(CELL)
     about = (
         "F0 and F1 are the forces along travel at state 0 and state 1, k the stiffness of the "
-        "cell's stiffest band, r its lever, θmax where its energy peaks."
+        "cell's stiffest band, r its lever, the peak θmax, where its energy is largest."
     )
-    return _table(head, rows, about, left=(1,))
+    return _table([name, bands, *others], rows, about)
 
 
-def _events(cycle: Cycle) -> str:
-    names = cycle.chain.names
-
-    def row(event: Event) -> list[str]:
-        moves = ", ".join(
-            f"{names[cell]} {_number(a * 1e3)} → {_number(b * 1e3)}" if a != b else names[cell]
-            for cell, a, b in zip(event.cells, event.before, event.after, strict=True)
+def _bands(cell: Cell) -> str:
+    return "; ".join(
+        "p ({}, {}) mm, q ({}, {}) mm, {} N/m, {} mm".format(
+            *(number(at * 1e3) for at in (*band.p, *band.q)),
+            number(band.stiffness),
+            number(band.rest_length * 1e3),
         )
-        arrivals = ", ".join(f"{names[cell]} at {stop}" for cell, stop in event.arrivals)
-        snap = event.kind.name == "SNAP"
-        return [
-            event.kind.name.lower(),
-            "loading" if event.direction > 0 else "unloading",
-            _number(event.stroke * 1e3, 6),
-            moves if snap else arrivals,
-            _number(event.force_before),
-            _number(event.force_after),
-            _number(event.released * 1e3) if snap else "",
-            event.cause.value,
-        ]
+        for band in cell.bands
+    )
 
-    head = [
-        "Event",
-        "While",
-        "Stroke [mm]",
-        "Cells [mm of travel]",
-        "Force before [N]",
-        "Force after [N]",
-        "Released [mJ]",
-        "Cause",
-    ]
+
+def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
     about = (
         "A switch is a cell arriving at a stop; a snap is a jump that no stroke can stop. "
         "Strokes are exact, not read off a grid."
     )
-    return _table(head, [row(event) for event in cycle.events], about, left=(1, 3, 7))
+    return _table(event_columns(list(chain.names), page=True), events, about)
 
 
-def _margin(chain: Chain, margin: Margin | None) -> str:
-    if margin is None:
+def _margin(chain: Chain, margin: Margin | None, told: dict[str, Any] | None) -> str:
+    if margin is None or told is None:
         return "<p>Not computed.</p>"
-    spelled = len(chain) <= LONGEST_BECOMING
-    rows: list[list[str]] = []
-    for change in sorted(margin.changes, key=lambda change: change.distance):
-        found = math.isfinite(change.distance)
-        if isinstance(change.move, tuple):
-            x, y = (_signed(part * 1e3) for part in change.move)
-            distance = _distance(change.distance, 1e3, "mm")
-            move = f"q by ({x}, {y}) mm" if found else ""
-        else:
-            distance = _distance(change.distance, 100.0, "%")
-            move = f"k by {_signed(change.move * 100)} %" if found else ""
-        if change.parameter == "anchor" and not found:
-            distance = "none within reach"
-        becomes = change.becomes if spelled else ""
-        rows.append([chain.names[change.cell], change.parameter, distance, move, becomes])
-        if len(rows) == _MOST_ROWS:
-            break
+    near = sorted(
+        zip(margin.changes, told["changes"], strict=True), key=lambda both: both[0].distance
+    )
+    changes = [change for _, change in near]
     how = (
         "exact: every change is in closed form"
         if margin.method == "exact"
         else f"searched with the engine. {margin.resolution}"
     )
     gap = (
-        f" The smallest gap between two F0 or two F1 is {_number(margin.gap)} times k r of the "
-        f"innermost cell."
-        if math.isfinite(margin.gap)
+        f" The smallest gap between two F0 or two F1 is {number(told['gap_over_kr'])} times k r "
+        f"of the innermost cell."
+        if told["gap_over_kr"] is not None
         else ""
     )
     about = (
         f"The smallest change of one thing at a time that gives another sequence ({how}); anchors "
-        f"were moved by up to {_number(margin.reach * 1e3)} mm.{gap}"
+        f"were moved by up to {number(told['reach_mm'])} mm.{gap}"
     )
-    head = ["Cell", "What", "How far", "Which way", "Sequence past it"]
-    if not spelled:
-        head, rows = head[:-1], [row[:-1] for row in rows]
-    return _table(head, rows, about, left=(1, 3, 4), total=len(margin.changes))
+    return _table(change_columns(list(chain.names), changes), changes, about)
 
 
 def _assumptions(chain: Chain) -> list[str]:
@@ -253,7 +191,7 @@ def _assumptions(chain: Chain) -> list[str]:
     elif stiffness == 0:
         actuator = "The actuator prescribes the force, not the stroke."
     else:
-        actuator = f"The actuator has a stiffness of {_number(stiffness)} N/m in series."
+        actuator = f"The actuator has a stiffness of {number(stiffness)} N/m in series."
     found = [
         "Quasi-static: the stroke changes slowly, inertia plays no part between snaps.",
         "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks "
@@ -286,7 +224,7 @@ def _assumptions(chain: Chain) -> list[str]:
         else "Bands are linear: tension is stiffness times extension, without hysteresis."
     )
     rubbing = [
-        f"{n} {_number(cell.friction)} N"
+        f"{n} {number(cell.friction)} N"
         for cell, n in zip(cells, names, strict=True)
         if cell.friction
     ]
@@ -304,48 +242,33 @@ def _assumptions(chain: Chain) -> list[str]:
     return found
 
 
-def _table(
-    head: list[str],
-    rows: list[list[str]],
-    about: str,
-    *,
-    left: tuple[int, ...] = (),
-    total: int | None = None,
-) -> str:
-    total = len(rows) if total is None else total
-    if total > _MOST_ROWS:
-        about += f" The first {_MOST_ROWS} of {total} are shown."
+def _table(columns: Columns, rows: list[dict[str, Any]], about: str) -> str:
+    if len(rows) > _MOST_ROWS:
+        about += f" The first {_MOST_ROWS} of {len(rows)} are shown."
 
-    def line(tag: str, values: list[str], scope: str = "") -> str:
+    def line(tag: str, values: Iterable[str]) -> str:
         made = (
-            f"<{tag}{scope}{' class=left' if k in left else ''}>{escape(value)}</{tag}>"
-            for k, value in enumerate(values)
+            f"<{tag}{'' if one.numeric else ' class=left'}>{escape(value)}</{tag.split()[0]}>"
+            for one, value in zip(columns, values, strict=True)
         )
         return f"<tr>{''.join(made)}</tr>"
 
-    body = "\n".join(line("td", row) for row in rows[:_MOST_ROWS])
+    head = line("th scope=col", (one.heading[:1].upper() + one.heading[1:] for one in columns))
+    body = "\n".join(line("td", (_cell(one, row) for one in columns)) for row in rows[:_MOST_ROWS])
     return (
         f'<div class="scroll"><table><caption>{escape(about)}</caption>'
-        f"<thead>{line('th', head, ' scope=col')}</thead>\n<tbody>{body}</tbody></table></div>"
+        f"<thead>{head}</thead>\n<tbody>{body}</tbody></table></div>"
     )
 
 
-def _number(value: float, digits: int = 4) -> str:
-    # A rounding error is no sign: -0 and 1e-18 both print as 0.
-    value = 0.0 if abs(value) < 1e-12 else value
-    return f"{value:.{digits}g}".replace("-", _MINUS)
+def _cell(column: Any, row: dict[str, Any]) -> str:
+    # A name keeps its hyphens.
+    words = not (column.numeric or isinstance(column, Column))
+    return column.cell(row) if words else _minus(column.cell(row))
 
 
-def _signed(value: float) -> str:
-    return f"{value:+.4g}".replace("-", _MINUS)
-
-
-def _distance(value: float, factor: float, unit: str) -> str:
-    return f"{_number(value * factor)} {unit}" if math.isfinite(value) else "none within reach"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+def _minus(text: str) -> str:
+    return _MINUS.sub("\N{MINUS SIGN}", text)
 
 
 def _listed(items: list[str]) -> str:

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 from stepwell.base import write_atomic
 from stepwell.files import dumps, staged_folder
 from stepwell.reports.page import report
-from stepwell.reports.steps import Progress, Steps, names, save_figures, write_json, write_netcdf
+from stepwell.reports.steps import (
+    Progress,
+    Steps,
+    bundle,
+    names,
+    save_figures,
+    write_json,
+    write_netcdf,
+)
 from stepwell.results import (
     boundary_rows,
     map_record,
@@ -39,41 +47,19 @@ def write_run(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write what a design does into a folder, all of it or nothing.
+    """Write what a design does: design.toml, path.csv, result.json, report.html and its figures.
 
-    Args:
-        cycle: the design's cycle.
-        margin: how far the design is from doing something else.
-        folder: made if missing; what the same function wrote there before is replaced.
-        design: text of the design file, to keep beside the results; written anew by default.
-        source: the design file's name, for the report.
-        progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: design.toml, path.csv, result.json, report.html, and for each
-        figure a .png and a .svg.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
+    `source` is the design file's name, for the report.
     """
-    text = design or dumps(cycle.chain)
-    record = run_record(cycle, margin, design=text)
-    with staged_folder(folder, "run", record, force=force) as draft:
-        drawn = _figures(cycle)
-        steps = Steps(progress, 4 + 2 * len(drawn))
-        write_atomic(draft / "design.toml", text)
-        steps.next()
-        cycle.path.to_csv(draft / "path.csv")
-        steps.next()
-        write_json(draft / "result.json", record)
-        steps.next()
-        captions = dict(drawn.values())
-        write_atomic(draft / "report.html", report(cycle, margin, captions, source))
-        steps.next()
-        save_figures({name: figure for name, (_, figure) in drawn.items()}, draft, steps)
-        return names(draft)
+    text, drawn = design or dumps(cycle.chain), _figures(cycle)
+    contents = {
+        "design.toml": text,
+        "path.csv": cycle.path.to_csv,
+        "result.json": run_record(cycle, margin, design=text),
+        "report.html": report(cycle, margin, dict(drawn.values()), source),
+    }
+    figures = {name: figure for name, (_, figure) in drawn.items()}
+    return bundle(folder, "run", contents, figures, progress=progress, force=force)
 
 
 def write_map(

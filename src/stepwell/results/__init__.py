@@ -1,6 +1,9 @@
 """Results as plain numbers with the unit in every name."""
 
 from stepwell.results.design import (
+    BUILT,
+    SENSITIVITY,
+    TOLERANCES,
     design_record,
     impossible_record,
     reprogram_record,
@@ -9,9 +12,17 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head
-from stepwell.results.map import parameter_boundary_rows, parameter_map_record, told_in
+from stepwell.results.map import parameter_boundary_rows, parameter_map_record
 from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
+    CHANGE,
+    CONTACT,
+    CYCLES,
+    FLIP,
+    PREDICTED,
+    PUSH,
+    RESOLUTION,
+    TOUCHED,
     convergence_record,
     maze_record,
     robot_record,
@@ -19,8 +30,10 @@ from stepwell.results.robot import (
     walk_record,
 )
 from stepwell.results.run import (
-    LONGEST_BECOMING,
+    CELL,
     boundary_rows,
+    change_columns,
+    event_columns,
     force_scale,
     map_record,
     run_record,
@@ -28,10 +41,23 @@ from stepwell.results.run import (
 from stepwell.results.ties import tie_notes
 
 __all__ = [
-    "LONGEST_BECOMING",
+    "BUILT",
+    "CELL",
+    "CHANGE",
+    "CONTACT",
+    "CYCLES",
+    "FLIP",
+    "PREDICTED",
+    "PUSH",
+    "RESOLUTION",
+    "SENSITIVITY",
+    "TOLERANCES",
+    "TOUCHED",
     "boundary_rows",
+    "change_columns",
     "convergence_record",
     "design_record",
+    "event_columns",
     "force_scale",
     "graph_record",
     "head",
@@ -47,7 +73,6 @@ __all__ = [
     "survival_record",
     "sweep_record",
     "tie_notes",
-    "told_in",
     "unreachable_record",
     "walk_record",
     "yield_record",

@@ -5,20 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import Quantity, Schema, record, told_in
+from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
-from stepwell.results.run import actuator_record, finite, told_drive
+from stepwell.results.run import CELL, actuator_record
 
 if TYPE_CHECKING:
-    from stepwell.design import (
-        Design,
-        Impossible,
-        Reprogramming,
-        Robustness,
-        Survival,
-        Tolerances,
-        Yield,
-    )
+    from stepwell.design import Design, Impossible, Reprogramming, Robustness, Survival, Yield
 
 DESIGN_SCHEMA = "stepwell.design/1"
 YIELD_SCHEMA = "stepwell.yield/1"
@@ -28,54 +22,103 @@ REPROGRAM_SCHEMA = "stepwell.reprogram/1"
 MOST_CELLS = 12
 
 
+def _place(at: list[float]) -> str:
+    return ", ".join(f"{round(v, 3) + 0.0:.6g}" for v in at)
+
+
+# What has to be built; every cell has one band.
+BUILT: Schema = (
+    Quantity("name", head="cell"),
+    Quantity("p", "mm", "p", lambda cell: cell.bands[0].p, _place),
+    Quantity("q", "mm", "q", lambda cell: cell.bands[0].q, _place),
+    Quantity("stiffness", "N/m", "k", lambda cell: cell.bands[0].stiffness),
+    Quantity("rest_length", "mm", "l0", lambda cell: cell.bands[0].rest_length),
+    Quantity("lever", "mm", "lever"),
+    Quantity("limit", "deg"),
+    *CELL[1:3],
+)
+TOLERANCES: Schema = (
+    Quantity("anchor", "mm", "anchors ±"),
+    Quantity("stiffness", "percent", "stiffness ±"),
+    Quantity("rest_length", "percent", "rest length ±"),
+    Quantity("lever", "mm", "levers ±"),
+    Quantity("friction", "N", "friction up to "),
+)
+COUNTED: Schema = (
+    Quantity("share"),
+    Quantity("share_low", read=lambda found: found.interval[0]),
+    Quantity("share_high", read=lambda found: found.interval[1]),
+    Quantity("samples", read="n"),
+    Quantity("seed"),
+    Quantity("successes"),
+    Quantity("tolerances", read=lambda found: record(TOLERANCES, found.tolerances)),
+)
+CRITICAL: Schema = (
+    Quantity("first"),
+    Quantity("second"),
+    Quantity("while", read="way"),
+    Quantity("share"),
+    Quantity("narrowest"),
+)
+YIELD: Schema = (
+    Quantity("wanted"),
+    Quantity("wanted_states", read="states"),
+    *COUNTED,
+    Quantity(
+        "outcomes",
+        read=lambda found: [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
+    ),
+    Quantity("critical", read=lambda found: found.critical and record(CRITICAL, found.critical)),
+    Quantity("by_engine"),
+    Quantity("assumptions"),
+    Quantity("gap_deviation", "N", read=lambda found: _of(found.sensitivities, "deviation")),
+    Quantity("advice"),
+    Quantity("gap_agreement", read=lambda found: _of(found.sensitivities, "agreed")),
+    Quantity("sensitivities", read=lambda found: _sensitivities(found)),
+)
+
+
+def _share(value: float) -> str:
+    # An estimate may fall a little below zero.
+    return f"{max(0.0, value):.2f}"
+
+
+SENSITIVITY: Schema = (
+    Quantity("part", head="part", read="parameters"),
+    Quantity("first_order", head="alone", form=_share, left=False),
+    Quantity("total", head="with others", form=_share, left=False),
+)
+
+
 def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
-    """How many built mechanisms do what is wanted, as JSON can hold it.
+    """How many built mechanisms do what is wanted, as docs/commands.md describes it.
 
     Args:
         found: what `design.yields` returns.
         design: text of its design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
-    return {
-        **_about(YIELD_SCHEMA, found, design),
-        **_yield(found),
-    }
+    return {**_about(YIELD_SCHEMA, found, design), **record(YIELD, found)}
 
 
 def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
-    """How many built mechanisms a stroke program brings where it should, as JSON can hold it.
+    """How many mechanisms a program brings where it should, as docs/commands.md describes it.
 
     Args:
         found: what `design.survival` returns.
         design: text of its design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes; turning points in mm, or in N under force
-        control.
     """
-    chain = found.chain
-    unit, factor = told_drive(chain)
-    return {
-        **_about(SURVIVAL_SCHEMA, found, design),
-        "from": found.start,
-        "to": found.ends,
-        f"turning_points_{unit}": [finite(point, factor) for point in found.turning_points],
-        **_counted(found),
-        "assumptions": found.assumptions,
-    }
+    schema = (
+        Quantity("from", read="start"),
+        Quantity("to", read="ends"),
+        Quantity("turning_points", told_in(found.chain.drive_unit)[0]),
+        *COUNTED,
+        Quantity("assumptions"),
+    )
+    return {**_about(SURVIVAL_SCHEMA, found, design), **record(schema, found)}
 
 
 def design_record(found: Design) -> dict[str, Any]:
-    """A design that does what is wanted, as JSON can hold it.
-
-    Args:
-        found: what `design.design` returns.
-
-    Returns:
-        The record that docs/commands.md describes, in mm and N.
-    """
+    """A design that `design.design` found, as docs/commands.md describes it."""
     chain = found.chain
     return {
         **_head(chain, found.yield_.seed, proved=found.proved),
@@ -88,70 +131,62 @@ def design_record(found: Design) -> dict[str, Any]:
         "states_whole": found.reached.whole,
         "states_how": found.reached.how,
         "actuator": actuator_record(chain),
-        "cells": _cells(chain),
-        "holes_mm": None if found.holes is None else finite(found.holes, 1e3),
-        "candidates": found.candidates,
+        "cells": [
+            record(BUILT, cell, name=name)
+            for cell, name in zip(chain.cells, chain.names, strict=True)
+        ],
+        **record([Quantity("holes", "mm"), Quantity("candidates")], found),
         "robustness": None if found.robustness is None else _robustness(found.robustness),
-        "yield": _yield(found.yield_),
+        "yield": record(YIELD, found.yield_),
         "assumptions": found.assumptions,
     }
 
 
 def impossible_record(why: Impossible) -> dict[str, Any]:
-    """That nothing allowed does what is wanted, as JSON can hold it.
+    """That nothing allowed does what is wanted, as `design.design` raised it."""
+    gaps = Quantity("largest_gap", "N"), Quantity("gap_needed", "N")
+    return {**_head(None, None, proved=why.proved), "reason": str(why), **record(gaps, why)}
 
-    Args:
-        why: what `design.design` raised.
 
-    Returns:
-        The record that docs/commands.md describes.
-    """
-    return {
-        **_head(None, None, proved=why.proved),
-        "reason": str(why),
-        "largest_gap_N": finite(why.largest_gap),
-        "gap_needed_N": finite(why.gap_needed),
-    }
+REPROGRAMMING: Schema = (
+    Quantity("by"),
+    Quantity("target"),
+    Quantity("possible", read=lambda found: math.isfinite(found.distance)),
+    Quantity("before"),
+    Quantity("after", read=lambda found: found.after or None),
+    Quantity("distance", "mm"),
+    Quantity("displacement", "mm"),
+    Quantity("place", "mm"),
+    Quantity("reach", "mm"),
+    Quantity("method"),
+    Quantity("resolution"),
+    Quantity("largest_force", "N", read="resistance.largest"),
+    Quantity("work_at_0", "mJ", read="resistance.work_0"),
+    Quantity("work_at_1", "mJ", read="resistance.work_1"),
+)
 
 
 def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict[str, Any]:
-    """The smallest displacement of an anchor that does it, as JSON can hold it.
+    """The smallest displacement of an anchor that does it, as docs/commands.md describes it.
 
     Args:
         found: what `design.reprogram` returns.
         design: text of its design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes, in mm, N and mJ.
     """
-    push = found.resistance
-    rows = zip(push.fraction, push.force_0, push.force_1, push.peak, strict=True)
+    columns = record(WAY, found).values()
     return {
         **head(REPROGRAM_SCHEMA, design or found.chain),
         "title": found.chain.title,
-        "by": found.by,
-        "target": found.target,
-        "possible": math.isfinite(found.distance),
-        "before": found.before,
-        "after": found.after or None,
-        "distance_mm": finite(found.distance, 1e3),
-        "displacement_mm": [finite(part, 1e3) for part in found.displacement],
-        "place_mm": [finite(part, 1e3) for part in found.place],
-        "reach_mm": finite(found.reach, 1e3),
-        "method": found.method,
-        "resolution": found.resolution,
-        "largest_force_N": finite(push.largest),
-        "work_at_0_mJ": finite(push.work_0, 1e3),
-        "work_at_1_mJ": finite(push.work_1, 1e3),
+        **record(REPROGRAMMING, found),
         "way": [
             {
-                "fraction": finite(part),
-                "at_mm": [finite(part * move + 0.0, 1e3) for move in found.displacement],
-                "force_at_0_N": finite(force_0),
-                "force_at_1_N": finite(force_1),
-                "largest_force_N": finite(peak),
+                "fraction": part,
+                "at_mm": [x + 0.0, y + 0.0],
+                "force_at_0_N": force_0,
+                "force_at_1_N": force_1,
+                "largest_force_N": peak,
             }
-            for part, force_0, force_1, peak in rows
+            for part, x, y, force_0, force_1, peak in zip(*columns, strict=True)
         ],
     }
 
@@ -165,31 +200,12 @@ def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, A
     }
 
 
-def _cells(chain: Chain) -> list[dict[str, Any]]:
-    """What has to be built; every cell has one band."""
-    return [
-        {
-            "name": name,
-            "p_mm": [finite(v, 1e3) for v in cell.bands[0].p],
-            "q_mm": [finite(v, 1e3) for v in cell.bands[0].q],
-            "stiffness_N_per_m": finite(cell.bands[0].stiffness),
-            "rest_length_mm": finite(cell.bands[0].rest_length, 1e3),
-            "lever_mm": finite(cell.lever, 1e3),
-            "limit_deg": finite(math.degrees(cell.limit)),
-            "F0_N": finite(cell.force_0),
-            "F1_N": finite(cell.force_1),
-        }
-        for name, cell in zip(chain.names, chain.cells, strict=True)
-    ]
-
-
 def _robustness(found: Robustness) -> dict[str, Any]:
     meeting = found.meeting
     return {
-        "radius_mm": finite(found.radius, 1e3),
-        "limit": found.limit,
-        "meet": None if meeting is None else [meeting.first, meeting.second],
-        "while": None if meeting is None else meeting.way,
+        **record([Quantity("radius", "mm"), Quantity("limit")], found),
+        "meet": meeting and [meeting.first, meeting.second],
+        "while": meeting and meeting.way,
     }
 
 
@@ -202,56 +218,12 @@ def _about(schema: str, found: Yield | Survival, design: str | None) -> dict[str
     }
 
 
-def _counted(found: Yield | Survival) -> dict[str, Any]:
-    low, high = found.interval
-    return {
-        "share": finite(found.share),
-        "share_low": finite(low),
-        "share_high": finite(high),
-        "samples": found.n,
-        "seed": found.seed,
-        "successes": found.successes,
-        "tolerances": _tolerances(found.tolerances),
-    }
+def _of(table: Any, name: str) -> Any:
+    return None if table is None else getattr(table, name)
 
 
-def _yield(found: Yield) -> dict[str, Any]:
-    critical, table = found.critical, found.sensitivities
-    return {
-        "wanted": found.wanted,
-        "wanted_states": None if found.states is None else list(found.states),
-        **_counted(found),
-        "outcomes": [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
-        "critical": None
-        if critical is None
-        else {
-            "first": critical.first,
-            "second": critical.second,
-            "while": critical.way,
-            "share": finite(critical.share),
-            "narrowest": finite(critical.narrowest),
-        },
-        "by_engine": found.by_engine,
-        "assumptions": found.assumptions,
-        "gap_deviation_N": None if table is None else finite(table.deviation),
-        "advice": found.advice,
-        "gap_agreement": None if table is None else table.agreed,
-        "sensitivities": None
-        if table is None
-        else [
-            {"part": part, "first_order": finite(first), "total": finite(total)}
-            for part, first, total in zip(
-                table.parameters, table.first_order, table.total, strict=True
-            )
-        ],
-    }
-
-
-def _tolerances(tolerances: Tolerances) -> dict[str, float | None]:
-    return {
-        "anchor_mm": finite(tolerances.anchor, 1e3),
-        "stiffness_percent": finite(tolerances.stiffness, 1e2),
-        "rest_length_percent": finite(tolerances.rest_length, 1e2),
-        "lever_mm": finite(tolerances.lever, 1e3),
-        "friction_N": finite(tolerances.friction),
-    }
+def _sensitivities(found: Yield) -> list[dict[str, Any]] | None:
+    if found.sensitivities is None:
+        return None
+    columns = record(SENSITIVITY, found.sensitivities)
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import csv_text
+from stepwell.base import csv_text, told_in
 from stepwell.results.head import head
 from stepwell.results.run import finite
 
@@ -18,12 +17,6 @@ if TYPE_CHECKING:
     from stepwell.design import ParameterBoundary
 
 PARAMETER_MAP_SCHEMA = "stepwell.parameter-map/1"
-_TOLD = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}
-
-
-def told_in(unit: str) -> tuple[str, float]:
-    """The unit in which users are told a number in SI, and how many of it make one."""
-    return _TOLD.get(unit, (unit, 1.0))
 
 
 def parameter_map_record(

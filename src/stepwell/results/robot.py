@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import Quantity, Schema, plain, record
 from stepwell.files import digest, dumps, provenance
 from stepwell.results.head import head
-from stepwell.results.run import finite
-from stepwell.robot import Arena, Flip, LegPrediction, Prediction, Push, Robot
+from stepwell.robot import Arena, Prediction, Robot
 from stepwell.robot.gait import depths
 from stepwell.statics import StaticsError
 
@@ -22,71 +22,164 @@ SWEEP_SCHEMA = "stepwell.sweep/1"
 CONVERGENCE_SCHEMA = "stepwell.convergence/1"
 
 
+def _feet(depths: list[float]) -> str:
+    return f"{depths[0]:.2f} to {depths[1]:.2f}"
+
+
+ROBOT: Schema = (
+    Quantity("title"),
+    Quantity("mass", "g"),
+    Quantity("weight", "N"),
+    Quantity("u_max", "mm", read=lambda robot: _most(robot)),
+    Quantity("parameters", read=lambda robot: _parameters(robot)),
+)
+PREDICTION: Schema = (
+    Quantity("motion"),
+    Quantity("advance", "over_u_max"),
+    Quantity("sideways", "over_u_max"),
+    Quantity("turn", "deg"),
+    Quantity("near_boundary"),
+)
+PUSH: Schema = (
+    Quantity("direction", head="while", read=lambda p: "loading" if p.loading else "unloading"),
+    Quantity("step", "mm"),
+    Quantity("gain", "mm"),
+    Quantity("load", "N"),
+    Quantity("drag", "N", "drag", form=3),
+    Quantity("largest_drag", "N", "goes on up to", form=3, none="any"),
+    Quantity("limit", head="then", read="limit.value"),
+)
+FLIP: Schema = (
+    Quantity("antenna", head="antenna"),
+    Quantity("displacement", "mm", "anchor moved", form=3),
+    Quantity("earliest", "mm", form=3),
+    Quantity("latest", "mm", form=3),
+    Quantity("swing", "deg", "swing", form=3),
+    Quantity("gait", head="then"),
+)
+PREDICTED: Schema = (
+    Quantity("name", head="leg"),
+    Quantity("gait", head="states"),
+    Quantity("advance", "over_u_max", "d/u_max", form=".2f"),
+    Quantity("slip", "mm"),
+    Quantity("margin", "mN", "margin", form=3, none="over 2000"),
+    Quantity("uncertainty", "mN", "unknown", form=3),
+    Quantity("nearest", head="past the margin"),
+    Quantity("feet", "mm", "feet", form=_feet),
+    Quantity("alternatives"),
+    Quantity("near_boundary"),
+    Quantity("pushes", read=lambda leg: [record(PUSH, push) for push in leg.pushes]),
+    Quantity("flips", read=lambda leg: [record(FLIP, flip) for flip in leg.flips]),
+)
+WALKED: Schema = (
+    Quantity("title", read="robot.title"),
+    Quantity("cycles"),
+    Quantity("period", "s", read="robot.drive.period"),
+    Quantity(
+        "duration",
+        "s",
+        read=lambda walk: max(0.0, float(walk.time[-1])) if len(walk.time) else 0.0,
+    ),
+    Quantity("distance", "mm"),
+    Quantity("work", "mJ"),
+    Quantity("weight", "N", read="robot.weight"),
+    Quantity(
+        "cost_of_transport", read=lambda walk: walk.cost_of_transport if len(walk.time) else None
+    ),
+    Quantity("stopped"),
+    Quantity("simulation", read=lambda walk: record(SETTINGS, walk.settings)),
+)
+SETTINGS: Schema = (
+    Quantity("time_step", "ms"),
+    Quantity("contact_time", "ms"),
+    Quantity("integrator", read=lambda settings: str(settings.integrator)),
+    Quantity("linkage", read=lambda settings: str(settings.linkage)),
+)
+MEAN: Schema = (
+    Quantity("mean_advance", "over_u_max", read="advance"),
+    Quantity("mean_turn", "deg", read="turn"),
+)
+CYCLES: Schema = (
+    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
+    Quantity("sideways", "over_u_max", "to the left", form="z.3f"),
+    Quantity("turn", "deg", "turn to the left", form="z.3f"),
+)
+CONTACT: Schema = (
+    Quantity("antenna", head="antenna"),
+    Quantity("begin", "s", "from"),
+    Quantity("end", "s", "to"),
+    Quantity("swing", "deg", "swing", form=3),
+    Quantity("moved", "mm", "anchor moved", form=3),
+)
+CHANGE: Schema = (
+    Quantity("time", "s", "from"),
+    Quantity("leg", head="leg"),
+    Quantity("before", head="was", form=lambda gait: gait or "none"),
+    Quantity("after", head="is", form=lambda gait: gait or "none"),
+)
+TOUCHED: Schema = (
+    Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
+    Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
+)
+RESOLUTION: Schema = (
+    Quantity("time_step", "ms", "time step"),
+    Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("forces_off", "percent", read="off", form=".2f"),
+    Quantity("jumps", "percent", "jumps", form=".1f"),
+)
+
+
 def robot_record(
     robot: Robot, prediction: Prediction, *, design: str | None = None
 ) -> dict[str, Any]:
-    """A robot's numbers and what statics says of its gait, as JSON can hold it.
+    """A robot's numbers and what statics says of its gait, as docs/commands.md describes it.
 
     Args:
         robot: any robot.
         prediction: of it.
         design: text of its design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
+    legs = zip(prediction.legs, _depths(robot), strict=True)
     return {
         **head(ROBOT_SCHEMA, design or robot),
-        "title": robot.title,
-        "mass_g": robot.mass * 1e3,
-        "weight_N": robot.weight,
-        "u_max_mm": _most(robot) * 1e3,
-        "parameters": _parameters(robot),
+        **record(ROBOT, robot),
         "prediction": {
-            "motion": prediction.motion.name.lower(),
-            "advance_over_u_max": prediction.advance,
-            "sideways_over_u_max": prediction.sideways,
-            "turn_deg": math.degrees(prediction.turn),
-            "near_boundary": prediction.near_boundary,
-            "legs": [
-                _predicted(leg, feet)
-                for leg, feet in zip(prediction.legs, _depths(robot), strict=True)
-            ],
+            **record(PREDICTION, prediction),
+            "legs": [record(PREDICTED, leg, feet=feet) for leg, feet in legs],
             "assumptions": list(prediction.assumptions),
         },
     }
 
 
 def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
-    """What a robot did while it walked, as JSON can hold it.
+    """What a robot did while it walked, as docs/commands.md describes it.
 
     Args:
         walk: any walk.
         design: text of the robot's design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
     from stepwell.simulation import Trial
 
-    mean = Trial.of(walk)
+    robot = walk.robot
+    legs = zip(walk.gaits.items(), walk.slip, _depths(robot), strict=True)
     return {
-        **head(WALK_SCHEMA, design or walk.robot, None, "mujoco"),
-        **_common(walk),
-        "u_max_mm": _most(walk.robot) * 1e3,
-        "mean_advance_over_u_max": finite(mean.advance),
-        "mean_turn_deg": finite(math.degrees(mean.turn)),
-        "advance_over_u_max": walk.advance.tolist(),
-        "sideways_over_u_max": walk.sideways.tolist(),
-        "turn_deg": [math.degrees(turn) for turn in walk.turn],
-        "foot_mm": walk.robot.foot.below * 1e3,
+        **head(WALK_SCHEMA, design or robot, None, "mujoco"),
+        **record(WALKED, walk),
+        "u_max_mm": plain(_most(robot), 1e3),
+        **record(MEAN, Trial.of(walk)),
+        **record(CYCLES, walk),
+        "foot_mm": plain(robot.foot.below, 1e3),
         "legs": [
-            {"name": name, "gaits": list(gaits), "slip_mm": float(slip) * 1e3, "feet_mm": feet}
-            for (name, gaits), slip, feet in zip(
-                walk.gaits.items(), walk.slip, _depths(walk.robot), strict=True
-            )
+            {
+                "name": name,
+                "gaits": list(gaits),
+                "slip_mm": plain(slip, 1e3),
+                "feet_mm": plain(feet, 1e3),
+            }
+            for (name, gaits), slip, feet in legs
         ],
-        "parameters": _parameters(walk.robot),
+        "parameters": _parameters(robot),
     }
 
 
@@ -97,48 +190,32 @@ def maze_record(
     start_seed: int | None = None,
     layout_seed: int | None = None,
 ) -> dict[str, Any]:
-    """What a robot did in an arena, as JSON can hold it.
+    """What a robot did in an arena, as docs/commands.md describes it.
 
     Args:
         maze: a way through any arena.
         design: text of the robot's design file, for the hash of it; written anew by default.
         start_seed, layout_seed: from which start and obstacles were drawn, if they were.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
-    end = [float(walk.x[-1]) * 1e3, float(walk.y[-1]) * 1e3] if len(walk.time) else None
     return {
         **head(MAZE_SCHEMA, design or robot, None, "mujoco"),
         "arena_sha256": _arena_hash(arena),
         "start_seed": start_seed,
         "layout_seed": layout_seed,
-        **_common(walk),
+        **record(WALKED, walk),
         "arena": arena.title,
-        "start_mm": [arena.start[0] * 1e3, arena.start[1] * 1e3],
+        "start_mm": plain(arena.start, 1e3),
         "heading_deg": math.degrees(arena.heading),
-        "end_mm": end,
-        "outcome": maze.outcome.name.lower(),
+        "end_mm": plain((walk.x[-1], walk.y[-1]), 1e3) if len(walk.time) else None,
+        "outcome": plain(maze.outcome),
         "limit_s": maze.limit,
         "antennas": [
             {"name": one.name, "leg": one.leg, "connected": one.connected} for one in robot.antennas
         ],
-        "touched": [{"obstacle": name, "time_s": time} for name, time in maze.touched.items()],
-        "contacts": [
-            {
-                "antenna": contact.antenna,
-                "begin_s": contact.begin,
-                "end_s": contact.end,
-                "swing_deg": math.degrees(contact.swing),
-                "moved_mm": contact.moved * 1e3,
-            }
-            for contact in maze.contacts
-        ],
-        "changes": [
-            {"time_s": one.time, "leg": one.leg, "before": one.before, "after": one.after}
-            for one in maze.changes
-        ],
+        "touched": [record(TOUCHED, touch) for touch in maze.touched.items()],
+        "contacts": [record(CONTACT, contact) for contact in maze.contacts],
+        "changes": [record(CHANGE, change) for change in maze.changes],
         "parameters": _parameters(robot),
     }
 
@@ -146,79 +223,37 @@ def maze_record(
 def sweep_record(
     sweep: Sweep, *, design: str | None = None, seed: int | None = None
 ) -> dict[str, Any]:
-    """What many robots did, as JSON can hold it.
+    """What many robots did, as docs/commands.md describes it.
 
     Args:
         sweep: any.
         design: text of the design file that was varied, for the hash of it; unknown by default.
         seed: from which the values were drawn, if they were.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
+    from stepwell.simulation import TRIAL
+
+    values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * len(sweep.trials)
     return {
         **head(SWEEP_SCHEMA, design, seed, "mujoco"),
         "keys": list(sweep.values),
         "trials": [
-            {
-                "values": [float(values[i]) for values in sweep.values.values()],
-                "advance_over_u_max": finite(trial.advance),
-                "sideways_over_u_max": finite(trial.sideways),
-                "turn_deg": finite(math.degrees(trial.turn)),
-                "work_mJ": finite(trial.work, 1e3),
-                "gaits": list(trial.gaits),
-                "stopped": trial.stopped,
-            }
-            for i, trial in enumerate(sweep.trials)
+            {"values": [float(value) for value in row], **record(TRIAL, trial)}
+            for row, trial in zip(values, sweep.trials, strict=True)
         ],
     }
 
 
 def convergence_record(found: Convergence, *, design: str | None = None) -> dict[str, Any]:
-    """How far a walk depends on the time step, as JSON can hold it.
+    """How far a walk depends on the time step, as docs/commands.md describes it.
 
     Args:
         found: any.
         design: text of the robot's design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
     return {
         **head(CONVERGENCE_SCHEMA, design or found.robot, None, "mujoco"),
         "title": found.robot.title,
-        "time_steps": [
-            {
-                "time_step_ms": row.time_step * 1e3,
-                "advance_over_u_max": row.advance,
-                "turn_deg": math.degrees(row.turn),
-                "forces_off_percent": row.off * 100,
-                "jumps_percent": row.jumps * 100,
-            }
-            for row in found.rows
-        ],
-    }
-
-
-def _common(walk: Walk) -> dict[str, Any]:
-    robot, settings = walk.robot, walk.settings
-    went = len(walk.time) > 0
-    return {
-        "title": robot.title,
-        "cycles": walk.cycles,
-        "period_s": robot.drive.period,
-        "duration_s": max(0.0, float(walk.time[-1])) if went else 0.0,
-        "distance_mm": walk.distance * 1e3 if went else 0.0,
-        "work_mJ": walk.work * 1e3,
-        "weight_N": robot.weight,
-        "cost_of_transport": finite(walk.cost_of_transport) if went else None,
-        "stopped": walk.stopped,
-        "simulation": {
-            "time_step_ms": settings.time_step * 1e3,
-            "contact_time_ms": settings.contact_time * 1e3,
-            "integrator": str(settings.integrator),
-            "linkage": str(settings.linkage),
-        },
+        "time_steps": [record(RESOLUTION, row) for row in found.rows],
     }
 
 
@@ -236,50 +271,10 @@ def _parameters(robot: Robot) -> list[dict[str, Any]]:
     ]
 
 
-def _predicted(leg: LegPrediction, feet: list[float] | None) -> dict[str, Any]:
-    return {
-        "name": leg.name,
-        "gait": leg.gait,
-        "advance_over_u_max": leg.advance,
-        "slip_mm": leg.slip * 1e3,
-        "margin_mN": finite(leg.margin, 1e3),
-        "uncertainty_mN": finite(leg.uncertainty, 1e3),
-        "nearest": leg.nearest,
-        "feet_mm": feet,
-        "alternatives": list(leg.alternatives),
-        "near_boundary": leg.near_boundary,
-        "pushes": [_push(push) for push in leg.pushes],
-        "flips": [_flip(flip) for flip in leg.flips],
-    }
-
-
-def _push(push: Push) -> dict[str, Any]:
-    return {
-        "direction": "loading" if push.loading else "unloading",
-        "step_mm": push.step * 1e3,
-        "gain_mm": push.gain * 1e3,
-        "load_N": push.load,
-        "drag_N": push.drag,
-        "largest_drag_N": finite(push.largest_drag),
-        "limit": push.limit.value,
-    }
-
-
-def _flip(flip: Flip) -> dict[str, Any]:
-    return {
-        "antenna": flip.antenna,
-        "displacement_mm": flip.displacement * 1e3,
-        "earliest_mm": flip.earliest * 1e3,
-        "latest_mm": finite(flip.latest, 1e3),
-        "swing_deg": math.degrees(flip.swing),
-        "gait": flip.gait,
-    }
-
-
-def _depths(robot: Robot) -> list[list[float] | None]:
-    """For each leg the depths of the feet [mm] between which statics says its gait stays."""
+def _depths(robot: Robot) -> list[Any]:
+    """For each leg the depths of the feet [m] between which statics says its gait stays."""
     try:
-        return [[depth * 1e3 for depth in both] for both in depths(robot)]
+        return list(depths(robot))
     except StaticsError:
         return [None] * len(robot.legs)
 

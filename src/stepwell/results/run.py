@@ -8,10 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import csv_text
+from stepwell.base import (
+    Column,
+    Columns,
+    Quantity,
+    Schema,
+    csv_text,
+    number,
+    plain,
+    plain as finite,
+    record,
+    signed,
+    told_in,
+)
 from stepwell.mechanism import Cell, Chain
 from stepwell.results.head import head
 from stepwell.results.ties import tie_notes
+from stepwell.statics import Cause
 
 if TYPE_CHECKING:
     import xarray
@@ -29,41 +42,185 @@ LONGEST_SPELLED_OUT = 64
 LONGEST_BECOMING = 12
 
 
-def run_record(cycle: Cycle, margin: Margin, *, design: str | None = None) -> dict[str, Any]:
-    """What a design does, as JSON can hold it: finite numbers, text, lists and None.
+def force_scale(cell: Cell) -> float:
+    """k r [N] of a cell, with k of its stiffest band: what its forces are compared with."""
+    return max(band.stiffness for band in cell.bands) * cell.lever
+
+
+def _way(direction: int) -> str:
+    return "loading" if direction > 0 else "unloading"
+
+
+CELL: Schema = (
+    Quantity("name", head="cell"),
+    Quantity("F0", "N", "F0", "force_0"),
+    Quantity("F1", "N", "F1", "force_1"),
+    Quantity("F0", "over_kr", "F0/(kr)", lambda cell: cell.force_0 / force_scale(cell)),
+    Quantity("F1", "over_kr", "F1/(kr)", lambda cell: cell.force_1 / force_scale(cell)),
+    Quantity("full_travel", "mm", "travel"),
+    Quantity("peak_angle", "deg", "peak"),
+    Quantity("barrier", "mJ"),
+    Quantity(
+        "bistable", "", "stable", "is_bistable", lambda both: "both states" if both else "one state"
+    ),
+)
+CYCLE: Schema = (
+    Quantity("dissipated", "mJ"),
+    Quantity("peak_force", "N"),
+    Quantity("full_stroke", "mm", read="chain.full_stroke"),
+)
+MARGIN: Schema = (
+    Quantity("method"),
+    Quantity("reach", "mm"),
+    Quantity("gap", "over_kr"),
+)
+
+
+def event_schema(drive: str) -> Schema:
+    """What is told of a switch or a snap; `drive` is the unit of the actuator's coordinate."""
+    return (
+        Quantity("kind", head="event"),
+        Quantity("cause"),
+        Quantity("direction", head="while", read=lambda event: _way(event.direction)),
+        Quantity("drive", drive),
+        Quantity("stroke", "mm", "stroke", form=6),
+        Quantity("cells"),
+        Quantity("before", "mm"),
+        Quantity("after", "mm"),
+        Quantity("force_before", "N", "force before"),
+        Quantity("force_after", "N", "force after"),
+        Quantity("released", "mJ", "released"),
+        Quantity(
+            "arrivals",
+            read=lambda event: [{"cell": cell, "state": state} for cell, state in event.arrivals],
+        ),
+        Quantity("tie"),
+    )
+
+
+def change_schema(unit: str) -> Schema:
+    """What is told of a change of one thing; `unit` is that of the thing."""
+    return (
+        Quantity("cell"),
+        Quantity("parameter", head="what"),
+        Quantity("method"),
+        Quantity("distance", unit),
+        Quantity("move", unit),
+        Quantity("becomes", head="sequence past it"),
+    )
+
+
+def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None) -> dict[str, Any]:
+    """What a design does, as docs/commands.md describes it.
 
     Args:
         cycle: the design's cycle.
-        margin: how far the design is from doing something else.
+        margin: how far the design is from doing something else; None where that is not known.
         design: text of its design file, for the hash of it; written anew by default.
-
-    Returns:
-        The record that docs/commands.md describes, in mm, deg, N and mJ.
     """
     chain = cycle.chain
     spelled = len(chain) <= LONGEST_SPELLED_OUT
-    becoming = len(chain) <= LONGEST_BECOMING
     return {
         **head(RUN_SCHEMA, design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
-        "cells": [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)],
+        "cells": [
+            record(CELL, cell, name=name)
+            for cell, name in zip(chain.cells, chain.names, strict=True)
+        ],
         "sequence": str(cycle.sequence) if spelled else None,
-        "pathway": cycle.pathway.name.lower() if cycle.pathway else None,
+        "pathway": plain(cycle.pathway),
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
-        "events": [event_record(event, chain) for event in cycle.events],
-        "dissipated_mJ": finite(cycle.dissipated, 1e3),
-        "peak_force_N": finite(cycle.peak_force),
-        "full_stroke_mm": finite(chain.full_stroke, 1e3),
-        "margin": {
-            "method": margin.method,
-            "reach_mm": finite(margin.reach, 1e3),
-            "gap_over_kr": finite(margin.gap),
-            "changes": [_change(change, becoming) for change in margin.changes],
-        },
+        "events": event_records(cycle.events, chain),
+        **record(CYCLE, cycle),
+        "margin": margin
+        and record(MARGIN, margin)
+        | {"changes": [_change(one, len(chain) <= LONGEST_BECOMING) for one in margin.changes]},
         "ties": tie_notes(cycle.degenerate, chain),
     }
+
+
+def event_records(events: Iterable[Event], chain: Chain) -> list[dict[str, Any]]:
+    """The switches and snaps of a chain."""
+    schema = event_schema(told_in(chain.drive_unit)[0])
+    return [record(schema, event) for event in events]
+
+
+def actuator_record(chain: Chain) -> dict[str, Any]:
+    """What the actuator of a chain prescribes, and its stiffness."""
+    stiffness = chain.actuator_stiffness
+    control = "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
+    return {"control": control, "stiffness_N_per_m": plain(stiffness)}
+
+
+def _change(change: Change, becoming: bool) -> dict[str, Any]:
+    schema = change_schema("mm" if isinstance(change.move, tuple) else "percent")
+    return record(schema, change, becomes=change.becomes or None if becoming else None)
+
+
+def event_columns(names: list[str], *, page: bool = False) -> Columns:
+    """The columns of a table of events.
+
+    Args:
+        names: of the cells.
+        page: one with room for both forces and for the cause.
+    """
+
+    def moves(event: Any) -> str:
+        if event["kind"] == "switch":
+            return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in event["arrivals"])
+        rows = zip(event["cells"], event["before_mm"], event["after_mm"], strict=True)
+        return ", ".join(f"{names[cell]} {number(a)} → {number(b)}" for cell, a, b in rows)
+
+    def force(event: Any) -> str:
+        before, after = before_.cell(event), after_.cell(event)
+        return f"{before} → {after}" if event["kind"] == "snap" else before
+
+    schema = {q.name: q for q in event_schema("")}
+    before_, after_, lost = (schema[key] for key in ("force_before", "force_after", "released"))
+    released = Column(
+        lost.heading, lambda event: lost.cell(event) if event["kind"] == "snap" else "", True
+    )
+    forces = (before_, after_) if page else (Column("force [N]", force, True),)
+    cause = Column("cause", lambda event: Cause[event["cause"].upper()].value)
+    return (
+        schema["direction"],
+        schema["kind"],
+        schema["stroke"],
+        Column("cells [mm of travel]", moves),
+        *forces,
+        released,
+        *([cause] if page else []),
+    )
+
+
+def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
+    """The columns of a table of changes; where a change leads is not known of long chains."""
+
+    def far(change: Any) -> str:
+        if change.get("distance_mm") is not None:
+            return f"{number(change['distance_mm'])} mm"
+        if change.get("distance_percent") is not None:
+            return f"{number(change['distance_percent'])} %"
+        return "none within reach" if "distance_mm" in change else "none"
+
+    def way(change: Any) -> str:
+        if change.get("distance_mm") is not None:
+            x, y = map(signed, change["move_mm"])
+            return f"q by ({x}, {y}) mm"
+        if change.get("distance_percent") is not None:
+            return f"k by {signed(change['move_percent'])} %"
+        return ""
+
+    _, what, *_, past = change_schema("")
+    return (
+        Quantity("cell", head="cell", form=lambda cell: names[cell]),
+        what,
+        Column("how far", far, True),
+        Column("which way", way),
+        *([past] if any(change["becomes"] for change in changes) else []),
+    )
 
 
 def map_record(
@@ -125,80 +282,3 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
         for x, y in boundary.points
     )
     return csv_text(("curve", "kind", "x_mm", "y_mm"), rows)
-
-
-def force_scale(cell: Cell) -> float:
-    """k r [N] of a cell, with k of its stiffest band: what its forces are compared with."""
-    return max(band.stiffness for band in cell.bands) * cell.lever
-
-
-def finite(value: float, factor: float = 1.0) -> float | None:
-    """`value` in another unit; None where it is infinite or no number."""
-    scaled = float(value) * factor
-    return scaled if math.isfinite(scaled) else None
-
-
-def told_drive(chain: Chain) -> tuple[str, float]:
-    """Unit in which users are told the drive of a chain, and how many of it make one in SI."""
-    return ("N", 1.0) if chain.actuator_stiffness == 0 else ("mm", 1e3)
-
-
-def actuator_record(chain: Chain) -> dict[str, Any]:
-    """What the actuator of a chain prescribes, and its stiffness."""
-    stiffness = chain.actuator_stiffness
-    control = "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
-    return {"control": control, "stiffness_N_per_m": finite(stiffness)}
-
-
-def _cell(cell: Cell, name: str) -> dict[str, Any]:
-    scale = force_scale(cell)
-    return {
-        "name": name,
-        "F0_N": finite(cell.force_0),
-        "F1_N": finite(cell.force_1),
-        "F0_over_kr": finite(cell.force_0 / scale),
-        "F1_over_kr": finite(cell.force_1 / scale),
-        "full_travel_mm": finite(cell.full_travel, 1e3),
-        "peak_angle_deg": finite(math.degrees(cell.peak_angle)),
-        "barrier_mJ": finite(cell.barrier, 1e3),
-        "bistable": bool(cell.is_bistable),
-    }
-
-
-def event_record(event: Event, chain: Chain) -> dict[str, Any]:
-    """A switch or a snap of a chain."""
-    by_force = chain.actuator_stiffness == 0
-    return {
-        "kind": event.kind.name.lower(),
-        "cause": event.cause.name.lower(),
-        "direction": "loading" if event.direction > 0 else "unloading",
-        "drive_N" if by_force else "drive_mm": finite(event.drive, 1.0 if by_force else 1e3),
-        "stroke_mm": finite(event.stroke, 1e3),
-        "cells": list(event.cells),
-        "before_mm": [finite(travel, 1e3) for travel in event.before],
-        "after_mm": [finite(travel, 1e3) for travel in event.after],
-        "force_before_N": finite(event.force_before),
-        "force_after_N": finite(event.force_after),
-        "released_mJ": finite(event.released, 1e3),
-        "arrivals": [{"cell": cell, "state": state} for cell, state in event.arrivals],
-        "tie": bool(event.tie),
-    }
-
-
-def _change(change: Change, becoming: bool) -> dict[str, Any]:
-    known: dict[str, Any] = {
-        "cell": change.cell,
-        "parameter": change.parameter,
-        "method": change.method,
-    }
-    if isinstance(change.move, tuple):
-        known |= {
-            "distance_mm": finite(change.distance, 1e3),
-            "move_mm": [finite(part, 1e3) for part in change.move],
-        }
-    else:
-        known |= {
-            "distance_percent": finite(change.distance, 100.0),
-            "move_percent": finite(change.move, 100.0),
-        }
-    return known | {"becomes": change.becomes or None if becoming else None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from stepwell.base import told_in
 from stepwell.mechanism import Chain
 from stepwell.statics import Tie
 
@@ -38,7 +39,7 @@ def _alike(chain: Chain) -> dict[int, int]:
 
 def _note(group: list[Tie], chain: Chain | None) -> str:
     first = group[0]
-    unit, factor = ("N", 1.0) if chain and chain.actuator_stiffness == 0 else ("mm", 1e3)
+    unit, factor = told_in(chain.drive_unit if chain else "m")
     # A rounding error is no other place, and has no sign.
     drives = dict.fromkeys(f"{round(tie.drive * factor, 6) + 0.0:.6g}" for tie in group)
     others = list(drives)[1:]

@@ -4,6 +4,7 @@ from stepwell.simulation.model import Integrator, Linkage, Settings, mjcf, spec
 from stepwell.simulation.runs import (
     LOADED,
     TOUCHED,
+    TRIAL,
     Change,
     Contact,
     Convergence,
@@ -25,6 +26,7 @@ from stepwell.simulation.runs import (
 __all__ = [
     "LOADED",
     "TOUCHED",
+    "TRIAL",
     "Change",
     "Contact",
     "Convergence",

@@ -3,7 +3,7 @@
 import math
 from typing import NoReturn
 
-from stepwell.base import StepwellError
+from stepwell.base import StepwellError, told_in
 from stepwell.mechanism import Chain, Floats
 from stepwell.statics.following import ENERGY, EQUILIBRIUM, STABILITY, follow as f
 
@@ -89,8 +89,8 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bo
 
 
 def _drive(chain: Chain, drive: float) -> str:
-    unit, value = ("N", drive) if chain.actuator_stiffness == 0 else ("mm", drive * 1e3)
-    return f"drive {value:.6g} {unit}"
+    unit, factor = told_in(chain.drive_unit)
+    return f"drive {drive * factor:.6g} {unit}"
 
 
 def _anchor_step(chain: Chain, index: int) -> float:

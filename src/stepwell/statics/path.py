@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, csv_text, write_atomic
+from stepwell.base import ByValue, Quantity, Schema, told_in, variables, write_csv
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain, Floats, Ints, Laws
 from stepwell.statics.events import Event, Tie
@@ -286,50 +286,38 @@ class Path(ByValue):
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""
         import xarray
 
-        per_sample = {
-            "drive": ("N" if self.chain.actuator_stiffness == 0 else "m", "actuator coordinate"),
-            "stroke": ("m", "displacement of the outermost block"),
-            "force": ("N", "actuator force"),
-            "energy": ("J", "energy of all cells"),
-            "branch": ("1", "number of the smooth branch"),
-            "direction": ("1", "+1 while the drive rises"),
-            "residual": ("N", "worst violation of equilibrium"),
-            "stability": ("N/m", "least stiffness at fixed drive"),
-        }
-        data: dict[str, Any] = {
-            name: ("sample", getattr(self, name), {"units": unit, "long_name": text})
-            for name, (unit, text) in per_sample.items()
-        }
-        data["travel"] = (
-            ("sample", "cell"),
-            self.travel,
-            {"units": "m", "long_name": "travel of each cell"},
-        )
         return xarray.Dataset(
-            data, {"cell": list(self.chain.names)}, {"title": self.chain.title or "path"}
+            variables(self._schema, self, "sample"),
+            {"cell": list(self.chain.names)},
+            {"title": self.chain.title or "path"},
         )
 
     def to_csv(self, file: str | File) -> None:
         """Write all samples as CSV, units in the column names (mm, N, mJ, N/m)."""
-        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
-        # Pairs, and no dict: two names that differ in a blank alone would be one key.
-        columns: list[tuple[str, Any]] = [
-            (f"drive_{unit}", self.drive * factor),
-            ("stroke_mm", self.stroke * 1e3),
-            *(
-                (f"travel_{name.replace(' ', '_')}_mm", self.travel[:, i] * 1e3)
-                for i, name in enumerate(self.chain.names)
-            ),
-            ("force_N", self.force),
-            ("energy_mJ", self.energy * 1e3),
-            ("branch", self.branch),
-            ("direction", self.direction),
-            ("residual_N", self.residual),
-            ("stability_N_per_m", self.stability),
-        ]
-        head, values = zip(*columns, strict=True)
-        rows = ((f"{v:.12g}" for v in row) for row in zip(*values, strict=True))
-        write_atomic(file, csv_text(head, rows))
+        names = [name.replace(" ", "_") for name in self.chain.names]
+        columns: list[tuple[Quantity, Any]] = []
+        for q in self._schema:
+            values = q.of(self)
+            if q.dims:
+                each = (replace(q, name=f"{q.name}_{name}") for name in names)
+                columns += zip(each, values.T, strict=True)
+            else:
+                columns.append((q, values))
+        write_csv(file, columns)
+
+    @property
+    def _schema(self) -> Schema:
+        return (
+            Quantity("drive", told_in(self.chain.drive_unit)[0], doc="actuator coordinate"),
+            Quantity("stroke", "mm", doc="displacement of the outermost block"),
+            Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
+            Quantity("force", "N", doc="actuator force"),
+            Quantity("energy", "mJ", doc="energy of all cells"),
+            Quantity("branch", doc="number of the smooth branch"),
+            Quantity("direction", doc="+1 while the drive rises"),
+            Quantity("residual", "N", doc="worst violation of equilibrium"),
+            Quantity("stability", "N/m", doc="least stiffness at fixed drive"),
+        )
 
     def __repr__(self):
         snaps = int(np.sum(self._segments[:, f.KIND] == f.SNAP))

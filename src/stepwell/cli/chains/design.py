@@ -121,7 +121,7 @@ def design(
     """
     from stepwell import reports, results
     from stepwell.cli.options import free, stock, wish
-    from stepwell.cli.screen import answered, progress, show_json, show_written, usable
+    from stepwell.cli.screen import answered, progress, show_result, usable
     from stepwell.cli.text import design as _design_text
     from stepwell.design import Impossible, design
     from stepwell.design.placement import PAPER_LEVER, usual_box
@@ -162,9 +162,5 @@ def design(
         if out is not None:
             with progress("writing") as tell:
                 names = reports.write_design(found, out, progress=tell, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _design_text.show(record)
-        show_written(out, names)
+    show_result(record, _design_text.show, as_json, out, names)
     answered(record["possible"])

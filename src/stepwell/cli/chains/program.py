@@ -20,7 +20,7 @@ def program(
     """
     from stepwell import files, reports, results
     from stepwell.cli.options import free, own, planned
-    from stepwell.cli.screen import answered, progress, show_json, show_written
+    from stepwell.cli.screen import answered, progress, show_result
     from stepwell.cli.text import program as _program_text
     from stepwell.sequences import Unreachable
 
@@ -37,9 +37,5 @@ def program(
         if out is not None:
             with progress("writing") as tell:
                 names = reports.write_program(found, out, design=text, progress=tell, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _program_text.show(record)
-        show_written(out, names)
+    show_result(record, _program_text.show, as_json, out, names)
     answered(record["does_it"])

@@ -85,7 +85,7 @@ def reprogram(
     """
     from stepwell import files, reports, results
     from stepwell.cli.options import free
-    from stepwell.cli.screen import answered, progress, show_json, show_written, usable
+    from stepwell.cli.screen import answered, progress, show_result, usable
     from stepwell.cli.text import reprogram as _reprogram_text
     from stepwell.design import reprogram
 
@@ -101,9 +101,5 @@ def reprogram(
     names: tuple[str, ...] = ()
     if out is not None:
         names = reports.write_reprogramming(found, out, design=text, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _reprogram_text.show(record)
-        show_written(out, names)
+    show_result(record, _reprogram_text.show, as_json, out, names)
     answered(record["possible"])

@@ -12,7 +12,7 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
     """
     from stepwell import files, reports, results
     from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import run as _run_text
     from stepwell.design import margin
 
@@ -30,8 +30,4 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
                 cycle, limits, out, design=text, source=design, progress=tell, force=force
             )
     record = results.run_record(cycle, limits, design=text)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _run_text.show(record)
-        show_written(out, names)
+    show_result(record, _run_text.show, as_json, out, names)

@@ -54,7 +54,7 @@ def yield_(
     """
     from stepwell import files, reports, results
     from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written, usable
+    from stepwell.cli.screen import progress, show_result, usable
     from stepwell.cli.text import yields as _yield_text
     from stepwell.design import yields
 
@@ -84,11 +84,7 @@ def yield_(
         if out is not None:
             with progress("writing") as tell:
                 names = reports.write_yield(found, out, design=text, progress=tell, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _yield_text.show(record)
-        show_written(out, names)
+    show_result(record, _yield_text.show, as_json, out, names)
 
 
 def _survival(

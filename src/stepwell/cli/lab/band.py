@@ -63,7 +63,7 @@ def band(
     """
     from stepwell import lab
     from stepwell.cli.options import free
-    from stepwell.cli.screen import show_json, show_written
+    from stepwell.cli.screen import show_result
     from stepwell.cli.text import lab as _text
     from stepwell.reports import write_band
 
@@ -87,8 +87,4 @@ def band(
         raise typer.BadParameter(str(error)) from None
     record = lab.band_record(test, choice, table) | {"data_sha256": lab.hashes(given)}
     names = write_band(test, choice, record, out, force=force) if out is not None else ()
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _text.band(record)
-        show_written(out, names)
+    show_result(record, _text.band, as_json, out, names)

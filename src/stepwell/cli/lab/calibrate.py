@@ -31,7 +31,7 @@ def calibrate(
     from stepwell import lab
     from stepwell.base import __version__, versions
     from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import lab as _text
     from stepwell.reports import write_calibration
 
@@ -58,8 +58,4 @@ def calibrate(
         "table": lab.calibrated_table(calibration, data.name),
     }
     names = write_calibration(calibration, record, out, force=force) if out is not None else ()
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _text.calibration(record)
-        show_written(out, names)
+    show_result(record, _text.calibration, as_json, out, names)

@@ -45,7 +45,7 @@ def compare(
     """
     from stepwell import files, lab, reports
     from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import lab as _text
 
     free(out, "lab compare", force)
@@ -66,8 +66,4 @@ def compare(
     if out is not None:
         with progress("writing") as tell:
             names = reports.write_comparison(comparison, record, out, progress=tell, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _text.comparison(record)
-        show_written(out, names)
+    show_result(record, _text.comparison, as_json, out, names)

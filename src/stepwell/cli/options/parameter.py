@@ -41,8 +41,8 @@ class ParameterRange:
         """The parameter and its values in SI, for a chain that has it."""
         import numpy as np
 
+        from stepwell.base import told_in
         from stepwell.design import parameter
-        from stepwell.results import told_in
 
         factor = told_in(parameter(chain, self.name).unit)[1]
         space = np.geomspace if self.log else np.linspace

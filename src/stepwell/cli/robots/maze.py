@@ -71,7 +71,7 @@ def maze(
     from stepwell import files, reports, results, simulation
     from stepwell.cli.options import free
     from stepwell.cli.robots.video import film
-    from stepwell.cli.screen import progress, show_json, show_written, stopped
+    from stepwell.cli.screen import progress, show_result, stopped
     from stepwell.cli.text import maze as _maze_text
 
     source = named(robot)
@@ -99,11 +99,7 @@ def maze(
     record = results.maze_record(
         result, design=kept, start_seed=start_seed, layout_seed=layout_seed
     )
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _maze_text.show(record)
-        show_written(out, names)
+    show_result(record, _maze_text.show, as_json, out, names)
     stopped(result.walk.stopped)
 
 

@@ -26,7 +26,7 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     """
     from stepwell import files, reports, results
     from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import robot as _robot_text
 
     source = named(robot)
@@ -39,11 +39,7 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
         with progress("writing") as tell:
             names = reports.write_robot(design, said, out, design=text, progress=tell, force=force)
     record = results.robot_record(design, said, design=text)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _robot_text.show(record)
-        show_written(out, names)
+    show_result(record, _robot_text.show, as_json, out, names)
 
 
 _Ranges = Annotated[
@@ -98,7 +94,7 @@ def sweep(
     from stepwell import files, reports, results
     from stepwell.cli.options import free, ranges as _ranges
     from stepwell.cli.robots import sweep as _sweep
-    from stepwell.cli.screen import progress, show_json, show_written
+    from stepwell.cli.screen import progress, show_result
     from stepwell.cli.text import robot as _robot_text
 
     source = named(robot)
@@ -118,11 +114,7 @@ def sweep(
         )
     _sweep.forget(keep)
     record = results.sweep_record(result, design=text, seed=drawn)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _robot_text.show_sweep(record)
-        show_written(out, names)
+    show_result(record, _robot_text.show_sweep, as_json, out, names)
 
 
 _TwoCycles = Annotated[

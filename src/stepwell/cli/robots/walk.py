@@ -26,7 +26,7 @@ def walk(
     from stepwell import files, reports, results, simulation
     from stepwell.cli.options import free
     from stepwell.cli.robots.video import film
-    from stepwell.cli.screen import progress, show_json, show_written, stopped
+    from stepwell.cli.screen import progress, show_result, stopped
     from stepwell.cli.text import walk as _walk_text
 
     source = named(robot)
@@ -47,9 +47,5 @@ def walk(
                 force=force,
             )
     record = results.walk_record(result, design=text)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _walk_text.show(record)
-        show_written(out, names)
+    show_result(record, _walk_text.show, as_json, out, names)
     stopped(result.stopped)

@@ -1,15 +1,17 @@
 """What all commands do on the screen: tables, progress, errors."""
 
+from stepwell.base import number, signed
 from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
 from stepwell.cli.screen.progress import progress
 from stepwell.cli.screen.show import (
-    number,
+    show_facts,
     show_json,
     show_lines,
+    show_records,
+    show_result,
     show_table,
     show_text,
     show_written,
-    signed,
     styled,
     warn,
     wrapped,
@@ -21,8 +23,11 @@ __all__ = [
     "answered",
     "number",
     "progress",
+    "show_facts",
     "show_json",
     "show_lines",
+    "show_records",
+    "show_result",
     "show_table",
     "show_text",
     "show_written",

@@ -5,11 +5,11 @@ import json
 import os
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import printable
+from stepwell.base import Columns, printable, shown
 
 _WIDTH = 100
 
@@ -67,6 +67,21 @@ def show_written(folder: Path | None, names: Sequence[str]) -> None:
         show_lines("", f"Written into {folder}: {', '.join(names)}")
 
 
+def show_result(
+    record: dict[str, Any],
+    show: Callable[[dict[str, Any]], None],
+    as_json: bool,
+    folder: Path | None,
+    names: Sequence[str],
+) -> None:
+    """Print a record as JSON or as `show` tells it, with the files that were written."""
+    if as_json:
+        show_json(record, folder, names)
+    else:
+        show(record)
+        show_written(folder, names)
+
+
 def show_lines(*lines: str) -> None:
     """Print lines."""
     put("".join(f"{plain(line)}\n" for line in lines))
@@ -108,19 +123,38 @@ def show_table(
         show_lines(f"and {hidden} more; --json shows all")
 
 
-def number(value: float | None, digits: int = 4) -> str:
-    """A number for a table; an empty place where there is none."""
-    return "" if value is None else f"{_rounded(value):.{digits}g}"
+def show_records(
+    title: str,
+    columns: Columns,
+    records: Sequence[Mapping[str, Any]],
+    *,
+    most: int | None = 40,
+    every: int = 1,
+) -> None:
+    """Print records as a table, none where there are none.
+
+    Args:
+        title: a line above it.
+        columns: what is told of each record; quantities without a head are not.
+        records: of results.
+        most: records of which rows are printed, None for all; --json and --out have them.
+        every: of so many records one is printed.
+    """
+    told = shown(columns)
+    if records:
+        show_table(
+            title,
+            [column.heading for column in told],
+            [[column.cell(one) for column in told] for one in records[:most:every]],
+            left=[k for k, column in enumerate(told) if not column.numeric],
+            hidden=0 if most is None else len(records) - most,
+        )
 
 
-def signed(value: float) -> str:
-    """A change for a table, with its sign."""
-    return f"{_rounded(value):+.4g}"
-
-
-def _rounded(value: float) -> float:
-    # A rounding error has no sign.
-    return 0.0 if abs(value) < 1e-12 else value
+def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) -> None:
+    """Print the title of a result and what is known of it, a line for each."""
+    title = [record["title"], ""] if record["title"] else []
+    show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
 def _plain(

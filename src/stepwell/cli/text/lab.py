@@ -6,33 +6,27 @@ from collections import Counter
 from pathlib import PurePath
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table
-
-MOST_WINDOWS = 12
+from stepwell.base import Column, Quantity
+from stepwell.cli.screen import number, show_lines, show_records, show_table
+from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
+from stepwell.lab.recordings import SUMMARY
 
 
 def readings(record: dict[str, Any]) -> None:
     """Print what `stepwell lab read` found."""
     rows = record["recordings"]
-    if rows:
-        show_table(
-            "Recordings",
-            ["file", "samples", "Hz", "mm/s", "stroke [mm]", "force [N]", "direction", "halves"],
-            [
-                [
-                    row["source"],
-                    str(row["samples"]),
-                    number(row["rate_Hz"]),
-                    number(row["speed_mm_s"], 3),
-                    f"{number(row['stroke_from_mm'])} to {number(row['stroke_to_mm'])}",
-                    f"{number(row['force_least_N'])} to {number(row['force_most_N'])}",
-                    row["direction"],
-                    str(row["halves"]),
-                ]
-                for row in rows
-            ],
-            left=(0, 6),
-        )
+    source, samples, rate, speed, *_, direction, halves, _, _ = SUMMARY
+    columns = [
+        source,
+        samples,
+        rate,
+        speed,
+        _between("stroke [mm]", "stroke_from_mm", "stroke_to_mm"),
+        _between("force [N]", "force_least_N", "force_most_N"),
+        direction,
+        halves,
+    ]
+    show_records("Recordings", columns, rows, most=None)
     odd = [f"{row['source']}: {line}" for row in rows for line in row["odd"]]
     if odd:
         show_lines("", "Odd", *odd)
@@ -44,10 +38,10 @@ def readings(record: dict[str, Any]) -> None:
         )
         told = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
         show_lines("", f"Not tried, name them to try them: {told}.")
-    samples = sum(row["samples"] for row in rows)
+    count = sum(row["samples"] for row in rows)
     show_lines(
         "",
-        f"Recordings: {len(rows)}. Samples: {samples}. Odd: {len(odd)}. "
+        f"Recordings: {len(rows)}. Samples: {count}. Odd: {len(odd)}. "
         f"Not read: {len(record['refused'])}.",
     )
 
@@ -74,21 +68,14 @@ def band(record: dict[str, Any]) -> None:
         *record["told"],
     )
     _windows(record)
-    show_table(
-        "Force laws, fewest numbers first",
-        ["law", "numbers", "leaves [mN]", f"{record['left_out']} left out [mN]", "values"],
-        [
-            [
-                law["law"] + (" (chosen)" if law["law"] == record["law_chosen"] else ""),
-                str(law["numbers"]),
-                number(law["leaves_N"] * 1e3, 3),
-                number(law["predicts_N"] * 1e3, 3),
-                "; ".join(_value(name, v, law["at_bound"]) for name, v in law["values"].items()),
-            ]
-            for law in record["laws"]
-        ],
-        left=(0, 4),
-    )
+    columns = [
+        Column("law", lambda law: law["law"] + " (chosen)" * (law["law"] == record["law_chosen"])),
+        Quantity("numbers", head="numbers", left=False),
+        _thousandths("leaves [mN]", "leaves_N"),
+        _thousandths(f"{record['left_out']} left out [mN]", "predicts_N"),
+        Column("values", _values),
+    ]
+    show_records("Force laws, fewest numbers first", columns, record["laws"], most=None)
     show_lines(
         "",
         record["law_told"],
@@ -104,22 +91,8 @@ def comparison(record: dict[str, Any]) -> None:
     cells = [row for row in record["series"] if row["kind"] == "cell"]
     pairs = [row for row in record["series"] if row["kind"] == "pair"]
     if cells:
-        head = ["series", "RMSE", "bar corr.", "max", "E RMSE", "F0 [N]", "F1 [N]", "barrier [mJ]"]
-        show_table(
-            "Unit cells: measured (model); errors in k r and k r²",
-            head,
-            [
-                [
-                    row["series"],
-                    f"{row['rmse_over_kr']:.3f}",
-                    f"{row['rmse_bar_corrected_over_kr']:.3f}",
-                    f"{row['max_over_kr']:.3f}",
-                    f"{row['rmse_energy_over_kr2']:.3f}",
-                    *(_both(row[name]) for name in ("F0_N", "F1_N", "barrier_mJ")),
-                ]
-                for row in cells
-            ],
-        )
+        title = "Unit cells: measured (model); errors in k r and k r²"
+        show_records(title, CELL_TEST, cells, most=None)
         means = ", ".join(
             f"{mean['rmse_over_kr']:.3f} with {_bands(mean['bands'])}"
             for mean in record["mean_rmse_over_kr"]
@@ -133,23 +106,14 @@ def comparison(record: dict[str, Any]) -> None:
         ]
         show_lines(*(rising or ["F falls throughout in every series, to 0.005 k r."]))
     if pairs:
-        show_table(
-            "Pairs: errors in k r; ratio of the errors against the two orders",
-            ["series", "RMSE", "bar corr.", "max", "order shown", "model", "ratio"],
-            [
-                [
-                    row["series"],
-                    f"{row['rmse_over_kr']:.3f}",
-                    f"{row['rmse_bar_corrected_over_kr']:.3f}",
-                    f"{row['max_over_kr']:.3f}",
-                    " then ".join(row["order_shown"]),
-                    "a tie" if row["order_tie"] else " then ".join(row["order_predicted"]),
-                    f"{row['order_error_ratio']:.1f}",
-                ]
-                for row in pairs
-            ],
-            left=(0, 4, 5),
-        )
+        title = "Pairs: errors in k r; ratio of the errors against the two orders"
+        columns = [
+            Column(q.head, lambda pair, q=q: "a tie" if pair["order_tie"] else q.cell(pair))
+            if q.name == "order_predicted"
+            else q
+            for q in PAIR_TEST
+        ]
+        show_records(title, columns, pairs, most=None)
     show_lines("", "Verdicts", *(f"{row['series']}: {row['verdict']}" for row in record["series"]))
     show_lines("", "Used, dropped and odd")
     for row in record["series"]:
@@ -165,29 +129,15 @@ def comparison(record: dict[str, Any]) -> None:
 
 def calibration(record: dict[str, Any]) -> None:
     """Print what `stepwell lab calibrate` found."""
-    show_table(
+    name, unit, *numbers = PARAMETER
+    show_records(
         f"{record['law']} law: each number with its 95 % interval, by leaving out a geometry",
-        ["number", "value", "from", "to", "unit"],
-        [
-            [p["name"], *(number(p[key]) for key in ("value", "low", "high")), p["unit"]]
-            for p in record["parameters"]
-        ],
-        left=(0, 4),
+        [name, *numbers, unit],
+        record["parameters"],
+        most=None,
     )
-    show_table(
-        f"RMSE in k r, k = {number(record['k_N_per_m'])} N/m a band",
-        ["series", "d [mm]", "fit", "left out"],
-        [
-            [
-                row["series"],
-                f"({row['d_mm'][0]:g}, {row['d_mm'][1]:g})",
-                f"{row['fit_over_kr']:.3f}",
-                f"{row['left_out_over_kr']:.3f}",
-            ]
-            for row in record["errors"]
-        ],
-        left=(0, 1),
-    )
+    title = f"RMSE in k r, k = {number(record['k_N_per_m'])} N/m a band"
+    show_records(title, ERROR, record["errors"], most=None)
     for mean in record["mean_errors"]:
         show_lines(
             f"Mean over the geometries, {_bands(mean['bands'])}: {mean['fit_over_kr']:.3f} fitted, "
@@ -232,15 +182,22 @@ def _each(estimate: dict[str, Any], form: str = ".4g") -> str:
     return ", ".join(f"{sample}: {value:{form}}" for sample, value in estimate["each"].items())
 
 
-def _value(name: str, estimate: dict[str, Any], at_bound: list[str]) -> str:
-    if name in at_bound:
-        return f"{name} not told by the data"
-    spread = estimate["spread"]
-    return f"{name} {estimate['value']:.4g}" + ("" if spread is None else f" ± {spread:.2g}")
+def _values(law: Any) -> str:
+    def value(name: str, estimate: dict[str, Any]) -> str:
+        if name in law["at_bound"]:
+            return f"{name} not told by the data"
+        spread = "" if estimate["spread"] is None else f" ± {estimate['spread']:.2g}"
+        return f"{name} {estimate['value']:.4g}{spread}"
+
+    return "; ".join(value(name, estimate) for name, estimate in law["values"].items())
 
 
-def _both(values: dict[str, float]) -> str:
-    return f"{values['measured']:.3f} ({values['model']:.3f})"
+def _between(heading: str, low: str, high: str) -> Column:
+    return Column(heading, lambda row: f"{number(row[low])} to {number(row[high])}", True)
+
+
+def _thousandths(heading: str, key: str) -> Column:
+    return Column(heading, lambda law: number(law[key] * 1e3, 3), True)
 
 
 def _bands(count: int) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table
+from stepwell.base import Column
+from stepwell.cli.screen import number, show_facts, show_records
 from stepwell.cli.text.sources import show_sources
+from stepwell.results import CHANGE, CONTACT, TOUCHED
 
-MOST_ROWS = 40
 _OUTCOMES = {
     "reached": "reached the goal",
     "timed_out": "ran out of time",
@@ -18,22 +19,6 @@ _OUTCOMES = {
 
 def show(record: dict[str, Any]) -> None:
     """Print what `results.maze_record` returns."""
-    show_lines(*_head(record))
-    if record["touched"]:
-        show_table(
-            "Obstacles",
-            ["obstacle", "first touched [s]"],
-            [
-                [one["obstacle"], "never" if one["time_s"] is None else number(one["time_s"])]
-                for one in record["touched"]
-            ],
-        )
-    _contacts(record)
-    _changes(record["changes"])
-    show_sources(record["parameters"])
-
-
-def _head(record: dict[str, Any]) -> list[str]:
     touched = sum(one["time_s"] is not None for one in record["touched"])
     x, y = record["end_mm"] or (None, None)
     found = {
@@ -44,8 +29,16 @@ def _head(record: dict[str, Any]) -> list[str]:
         "Ended at": x is not None and f"({number(x)}, {number(y)}) mm",
         "Stopped": record["stopped"].removeprefix("Stopped "),
     }
-    title = [record["title"], ""] if record["title"] else []
-    return title + [f"{name:<12}{value}" for name, value in found.items() if value]
+    show_facts(record, found, 12)
+    show_records("Obstacles", TOUCHED, record["touched"], most=None)
+    legs = {one["name"]: one["leg"] for one in record["antennas"] if one["connected"]}
+    leg = Column("reprograms", lambda contact: legs.get(contact["antenna"], "nothing"))
+    show_records("Antenna contacts", [*CONTACT, leg], record["contacts"])
+    time, *gaits = CHANGE
+    show_records(
+        "Changes of gait", [Column("from [s] on", time.cell, True), *gaits], record["changes"]
+    )
+    show_sources(record["parameters"])
 
 
 def _antennas(antennas: list[dict[str, Any]]) -> str:
@@ -55,42 +48,3 @@ def _antennas(antennas: list[dict[str, Any]]) -> str:
     if not off:
         return str(len(antennas))
     return f"{len(antennas)}, the levers of {', '.join(off)} taken off"
-
-
-def _contacts(record: dict[str, Any]) -> None:
-    contacts = record["contacts"]
-    if not contacts:
-        return
-    legs = {one["name"]: one["leg"] for one in record["antennas"] if one["connected"]}
-    show_table(
-        "Antenna contacts",
-        ["antenna", "from [s]", "to [s]", "swing [deg]", "anchor moved [mm]", "reprograms"],
-        [
-            [
-                one["antenna"],
-                number(one["begin_s"]),
-                number(one["end_s"]),
-                number(one["swing_deg"], 3),
-                number(one["moved_mm"], 3),
-                legs.get(one["antenna"], "nothing"),
-            ]
-            for one in contacts[:MOST_ROWS]
-        ],
-        left=(0, 5),
-        hidden=len(contacts) - MOST_ROWS,
-    )
-
-
-def _changes(changes: list[dict[str, Any]]) -> None:
-    if not changes:
-        return
-    show_table(
-        "Changes of gait",
-        ["from [s] on", "leg", "was", "is"],
-        [
-            [number(one["time_s"]), one["leg"], one["before"] or "none", one["after"] or "none"]
-            for one in changes[:MOST_ROWS]
-        ],
-        left=(1, 2, 3),
-        hidden=len(changes) - MOST_ROWS,
-    )

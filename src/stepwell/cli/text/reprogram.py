@@ -2,7 +2,9 @@
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table, show_text, signed
+from stepwell.base import Quantity
+from stepwell.cli.screen import number, show_facts, show_lines, show_records, show_text, signed
+from stepwell.design.margins import WAY
 
 # Of the places on the way every so manieth is printed; --json and --out have all.
 EVERY = 5
@@ -10,19 +12,24 @@ EVERY = 5
 
 def show(record: dict[str, Any]) -> None:
     """Print what `results.reprogram_record` returns."""
-    title = [record["title"], ""] if record["title"] else []
     if not record["possible"]:
         wanted = record["target"] or "another sequence"
+        show_facts(record, {}, 0)
         show_lines(
-            *title,
             f"No displacement of {record['by']} up to {number(record['reach_mm'])} mm makes it "
             f"{wanted} ({record['method']}).",
         )
-        _resolution(record)
+    elif not record["distance_mm"]:
+        show_facts(record, {}, 0)
+        show_lines(f"It does {record['before']} already.")
         return
-    if not record["distance_mm"]:
-        show_lines(*title, f"It does {record['before']} already.")
-        return
+    else:
+        _way(record)
+    if record["resolution"]:
+        show_text(f"Searched, not exact: {record['resolution']}")
+
+
+def _way(record: dict[str, Any]) -> None:
     x, y = record["displacement_mm"]
     at_x, at_y = record["place_mm"]
     found = {
@@ -34,26 +41,16 @@ def show(record: dict[str, Any]) -> None:
         "Work": f"{number(record['work_at_0_mJ'])} mJ at state 0 of the cell, "
         f"{number(record['work_at_1_mJ'])} mJ at state 1",
     }
-    show_lines(*title, *(f"{name:<7}{value}" for name, value in found.items()))
-    show_table(
-        "On the way: force against the displacement",
-        ["moved [mm]", "x [mm]", "y [mm]", "at state 0 [N]", "at state 1 [N]", "largest [N]"],
-        [
-            [
-                number(one["fraction"] * record["distance_mm"]),
-                *map(number, one["at_mm"]),
-                *(number(one[f"{name}_N"]) for name in _FORCES),
-            ]
-            for one in record["way"][::EVERY]
-        ],
-        left=(),
+    show_facts(record, found, 7)
+    columns = [Quantity("moved", "mm", "moved"), *WAY[1:]]
+    rows = (
+        (one["fraction"] * record["distance_mm"], *one["at_mm"], *list(one.values())[2:])
+        for one in record["way"]
     )
-    _resolution(record)
-
-
-_FORCES = ("force_at_0", "force_at_1", "largest_force")
-
-
-def _resolution(record: dict[str, Any]) -> None:
-    if record["resolution"]:
-        show_text(f"Searched, not exact: {record['resolution']}")
+    show_records(
+        "On the way: force against the displacement",
+        columns,
+        [{q.key: told for q, told in zip(columns, row, strict=True)} for row in rows],
+        most=None,
+        every=EVERY,
+    )

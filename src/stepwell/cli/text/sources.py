@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from stepwell.cli.screen import show_lines
@@ -21,7 +22,7 @@ def show_sources(parameters: list[dict[str, Any]]) -> None:
         show_lines("", "Assumed, and the results depend on it", *_wrapped(values))
 
 
-def value_text(parameter: dict[str, Any]) -> str:
+def value_text(parameter: Mapping[str, Any]) -> str:
     """The numbers of a parameter; its key names the unit."""
     return ", ".join(f"{value:.6g}" for value in parameter["values"])
 

@@ -5,23 +5,14 @@ from __future__ import annotations
 from itertools import groupby
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table
-from stepwell.cli.text.robot import feet_text
+from stepwell.base import Quantity
+from stepwell.cli.screen import number, show_facts, show_lines, show_records
 from stepwell.cli.text.sources import show_sources
-
-MOST_ROWS = 40
+from stepwell.results import CYCLES, PREDICTED
 
 
 def show(record: dict[str, Any]) -> None:
     """Print what `results.walk_record` returns."""
-    show_lines(*_head(record))
-    _gaits(record["legs"])
-    _feet(record)
-    _cycles(record)
-    show_sources(record["parameters"])
-
-
-def _head(record: dict[str, Any]) -> list[str]:
     per_cycle = record["work_mJ"] / record["cycles"] if record["cycles"] else None
     found = {
         "Walked": f"{number(record['distance_mm'])} mm in {record['cycles']} cycles of "
@@ -32,8 +23,19 @@ def _head(record: dict[str, Any]) -> list[str]:
         and f"{number(record['cost_of_transport'], 3)} of work over weight and distance",
         "Stopped": record["stopped"].removeprefix("Stopped "),
     }
-    title = [record["title"], ""] if record["title"] else []
-    return title + [f"{name:<12}{value}" for name, value in found.items() if value]
+    show_facts(record, found, 12)
+    _gaits(record["legs"])
+    _feet(record)
+    rows = zip(*(record[q.key] for q in CYCLES), strict=True)
+    show_records(
+        "Cycle by cycle",
+        [Quantity("cycle", head="cycle"), *CYCLES],
+        [
+            {"cycle": k} | {q.key: told for q, told in zip(CYCLES, row, strict=True)}
+            for k, row in enumerate(rows, 1)
+        ],
+    )
+    show_sources(record["parameters"])
 
 
 def mean_text(record: dict[str, Any]) -> str:
@@ -43,29 +45,27 @@ def mean_text(record: dict[str, Any]) -> str:
     after = " after the first" if record["cycles"] > 1 else ""
     return (
         f"d/u_max {record['mean_advance_over_u_max'] + 0.0:.3f} and "
-        f"{record['mean_turn_deg'] + 0.0:.2f}° to the left{after}"
-    ).replace("-0.00°", "0.00°")
+        f"{record['mean_turn_deg']:z.2f}° to the left{after}"
+    )
 
 
 def _gaits(legs: list[dict[str, Any]]) -> None:
     rows = [
-        [leg["name"] if not i else "", cycles, gait, number(leg["slip_mm"], 3) if not i else ""]
+        {"leg": "" if i else leg["name"], "cycles": when, "states": gait}
+        | {"slip": "" if i else number(leg["slip_mm"], 3)}
         for leg in legs
-        for i, (cycles, gait) in enumerate(runs(leg["gaits"]))
+        for i, (when, gait) in enumerate(runs(leg["gaits"]))
     ]
-    show_table(
-        "Gaits",
-        ["leg", "cycles", "states", "slip [mm a cycle]"],
-        rows[:MOST_ROWS],
-        left=(0, 1, 2),
-        hidden=len(rows) - MOST_ROWS,
-    )
+    words = (Quantity(name, head=name) for name in ("leg", "cycles", "states"))
+    slip = Quantity("slip", head="slip [mm a cycle]", left=False)
+    show_records("Gaits", [*words, slip], rows)
 
 
 def _feet(record: dict[str, Any]) -> None:
     known = [leg for leg in record["legs"] if leg["feet_mm"] is not None]
     if known:
-        each = ", ".join(f"{leg['name']} {feet_text(leg['feet_mm'])} mm" for leg in known)
+        feet = next(q for q in PREDICTED if q.name == "feet")
+        each = ", ".join(f"{leg['name']} {feet.cell(leg)} mm" for leg in known)
         show_lines(
             "",
             f"Feet stand {number(record['foot_mm'])} mm deep; by statics the predicted gait stays: "
@@ -82,22 +82,3 @@ def runs(gaits: list[str]) -> list[tuple[str, str]]:
         found.append((f"{first}" if first == last else f"{first} to {last}", gait or "none"))
         first = last + 1
     return found
-
-
-def _cycles(record: dict[str, Any]) -> None:
-    columns = (record["advance_over_u_max"], record["sideways_over_u_max"], record["turn_deg"])
-    rows = [
-        [str(i + 1), *(f"{_whole(v):.3f}" for v in row)]
-        for i, row in enumerate(zip(*columns, strict=True))
-    ]
-    show_table(
-        "Cycle by cycle",
-        ["cycle", "d/u_max", "to the left", "turn to the left [deg]"],
-        rows[:MOST_ROWS],
-        hidden=len(rows) - MOST_ROWS,
-    )
-
-
-def _whole(value: float) -> float:
-    # A rounding error has no sign.
-    return 0.0 if abs(value) < 5e-4 else value

@@ -2,31 +2,41 @@
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table, show_text
+from stepwell.base import Column
+from stepwell.cli.screen import number, show_facts, show_lines, show_records, show_text
+from stepwell.results import SENSITIVITY, TOLERANCES
 
 MOST_ROWS = 12
 
 
 def show(record: dict[str, Any]) -> None:
     """Print what `results.yield_record` or `results.survival_record` returns."""
-    title = [record["title"], ""] if record["title"] else []
-    show_lines(*title, *lines(record, record["cells"]))
+    show_facts(record, {}, 10)
+    show_lines(*lines(record, record["cells"]))
     if "outcomes" not in record:
         show_text(record["assumptions"])
         return
     if record["advice"]:
         show_text(record["advice"])
-    outcomes = record["outcomes"]
-    if outcomes:
-        show_table(
-            "What the others do",
-            ["outcome", "share"],
-            [[one["outcome"], percent(one["count"] / record["samples"])] for one in outcomes][
-                :MOST_ROWS
-            ],
-            hidden=len(outcomes) - MOST_ROWS,
+    show_records(
+        "What the others do",
+        [
+            Column("outcome", lambda one: one["outcome"]),
+            Column("share", lambda one: percent(one["count"] / record["samples"]), True),
+        ],
+        record["outcomes"],
+        most=MOST_ROWS,
+    )
+    if record["sensitivities"] is not None:
+        show_records(
+            "Share of the variance of the smallest gap that a part makes, alone and with others",
+            SENSITIVITY,
+            sorted(record["sensitivities"], key=lambda one: -one["total"]),
+            most=MOST_ROWS,
         )
-    _sensitivities(record)
+        if record["gap_agreement"] is not None:
+            agreed = percent(record["gap_agreement"])
+            show_lines(f"The gap tells what the engine finds in {agreed}")
     show_text(record["assumptions"])
 
 
@@ -48,14 +58,7 @@ def percent(share: float) -> str:
 
 
 def _tolerances(given: dict[str, float]) -> str:
-    known = {
-        "anchors ±{} mm": given["anchor_mm"],
-        "stiffness ±{} %": given["stiffness_percent"],
-        "rest length ±{} %": given["rest_length_percent"],
-        "levers ±{} mm": given["lever_mm"],
-        "friction up to {} N": given["friction_N"],
-    }
-    told = [text.format(number(value)) for text, value in known.items() if value]
+    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in TOLERANCES if given[q.key]]
     return ", ".join(told) or "no tolerance"
 
 
@@ -67,25 +70,3 @@ def _critical(pair: dict[str, Any] | None, names: list[str]) -> str:
         f"{first} before {second} while {pair['while']}: in the other order in "
         f"{percent(pair['share'])}"
     )
-
-
-def _sensitivities(record: dict[str, Any]) -> None:
-    table = record["sensitivities"]
-    if table is None:
-        return
-    rows = sorted(table, key=lambda one: -one["total"])
-    show_table(
-        "Share of the variance of the smallest gap that a part makes, alone and with others",
-        ["part", "alone", "with others"],
-        [[one["part"], *(_share(one[key]) for key in ("first_order", "total"))] for one in rows][
-            :MOST_ROWS
-        ],
-        hidden=len(rows) - MOST_ROWS,
-    )
-    if record["gap_agreement"] is not None:
-        show_lines(f"The gap tells what the engine finds in {percent(record['gap_agreement'])}")
-
-
-def _share(value: float) -> str:
-    # An estimate may fall a little below zero.
-    return f"{max(0.0, value):.2f}"

@@ -9,7 +9,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepwell.base import REACH, ByValue, csv_text, write_atomic
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base import REACH, ByValue, Quantity, Schema, variables, write_csv
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
@@ -25,6 +28,34 @@ if TYPE_CHECKING:
     import xarray
 
 Vec2 = tuple[float, float]
+
+# The way of the anchor, at every fraction of it.
+WAY: Schema = (
+    Quantity("fraction", read="resistance.fraction"),
+    Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
+    Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
+    Quantity(
+        "force_0",
+        "N",
+        "at state 0",
+        "resistance.force_0",
+        doc="force against the displacement at state 0",
+    ),
+    Quantity(
+        "force_1",
+        "N",
+        "at state 1",
+        "resistance.force_1",
+        doc="force against the displacement at state 1",
+    ),
+    Quantity(
+        "peak",
+        "N",
+        "largest",
+        "resistance.peak",
+        doc="largest force against the displacement over the travel",
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,24 +114,17 @@ class Reprogramming(ByValue):
             return Resistance.nowhere()
         return Resistance.of(self.chain.cells[self.cell], self.anchor, self.displacement)
 
+    def along(self, axis: int) -> NDArray[np.float64]:
+        """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
+        return self.resistance.fraction * self.displacement[axis]
+
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
         import xarray
 
-        push = self.resistance
-        columns = {
-            "x": (push.fraction * self.displacement[0], "m", "displacement along x"),
-            "y": (push.fraction * self.displacement[1], "m", "displacement along y"),
-            "force_0": (push.force_0, "N", "force against the displacement at state 0"),
-            "force_1": (push.force_1, "N", "force against the displacement at state 1"),
-            "peak": (push.peak, "N", "largest force against the displacement over the travel"),
-        }
         return xarray.Dataset(
-            {
-                name: ("fraction", values, {"units": unit, "long_name": text})
-                for name, (values, unit, text) in columns.items()
-            },
-            {"fraction": push.fraction},
+            variables(WAY[1:], self, "fraction"),
+            {"fraction": self.resistance.fraction},
             {
                 "title": self.chain.title or "reprogramming",
                 "by": self.by,
@@ -108,24 +132,14 @@ class Reprogramming(ByValue):
                 "after": self.after,
                 "distance_m": self.distance,
                 "method": self.method,
-                "work_0_J": push.work_0,
-                "work_1_J": push.work_1,
+                "work_0_J": self.resistance.work_0,
+                "work_1_J": self.resistance.work_1,
             },
         )
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
         """Write the way as CSV, units in the column names (mm, N)."""
-        push = self.resistance
-        columns = {
-            "fraction": push.fraction,
-            "x_mm": push.fraction * self.displacement[0] * 1e3,
-            "y_mm": push.fraction * self.displacement[1] * 1e3,
-            "force_0_N": push.force_0,
-            "force_1_N": push.force_1,
-            "peak_N": push.peak,
-        }
-        rows = ((f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True))
-        write_atomic(file, csv_text(columns, rows))
+        write_csv(file, ((q, q.of(self)) for q in WAY))
 
     def __str__(self):
         if math.isinf(self.distance):

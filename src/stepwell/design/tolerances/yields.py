@@ -15,11 +15,11 @@ from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    Quantity,
     ReadOnly,
     __version__,
-    csv_text,
     require,
-    write_atomic,
+    write_csv,
 )
 from stepwell.design.orders import by_cells_at_1, full_cycle, reached, short, unsearchable
 from stepwell.design.tolerances.draws import Draws
@@ -178,9 +178,10 @@ class Yield(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        counts = [(self.wanted, self.successes), *self.outcomes.items()]
-        rows = ((text, str(count), f"{count / self.n:.9g}") for text, count in counts)
-        write_atomic(path, csv_text(("outcome", "count", "share_1"), rows))
+        texts = [self.wanted, *self.outcomes]
+        counts = [self.successes, *self.outcomes.values()]
+        shares = Quantity("share", "1"), [count / self.n for count in counts]
+        write_csv(path, [(Quantity("outcome"), texts), (Quantity("count"), counts), shares], 9)
 
     def __str__(self):
         low, high = self.interval

@@ -5,10 +5,28 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from stepwell.base import __version__, versions
+from stepwell.base import Quantity, Schema, __version__, plain, record, versions
 from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
 from stepwell.lab.bands.choice import Choice
 from stepwell.lab.bands.spread import Estimate, of_samples
+
+ESTIMATE: Schema = (
+    Quantity("value"),
+    Quantity("low"),
+    Quantity("high"),
+    Quantity("next_low"),
+    Quantity("next_high"),
+    Quantity("spread"),
+    Quantity("each"),
+)
+LAW: Schema = (
+    Quantity("law", read="law.name"),
+    Quantity("numbers", head="numbers", read="parameters", left=False),
+    Quantity("leaves", "N", read="fitted.rmse"),
+    Quantity("predicts", "N", read="score"),
+    Quantity("values", read=lambda law: {k: _estimate(e) for k, e in law.estimates.items()}),
+    Quantity("at_bound", read="fitted.at_bound"),
+)
 
 
 def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
@@ -27,7 +45,7 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "schema": "stepwell.lab.band/1",
         "stepwell": __version__,
         "versions": versions(),
-        "window_mm": [1e3 * edge for edge in test.window],
+        "window_mm": plain(test.window, 1e3),
         "cycles": list(test.cycles),
         "samples": list(test.samples),
         "told": list(test.told),
@@ -45,22 +63,12 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
             if not math.isnan(value)
         ],
         "loss_used": _loss_used(test),
-        "laws": [
-            {
-                "law": candidate.law.name,
-                "numbers": candidate.parameters,
-                "leaves_N": candidate.fitted.rmse,
-                "predicts_N": candidate.score,
-                "values": {name: _estimate(e) for name, e in candidate.estimates.items()},
-                "at_bound": list(candidate.fitted.at_bound),
-            }
-            for candidate in choice.candidates
-        ],
+        "laws": [record(LAW, candidate) for candidate in choice.candidates],
         "law_best": choice.best.law.name,
         "law_chosen": choice.chosen.law.name,
         "left_out": choice.folds,
         "law_told": choice.told,
-        "rest_length_mm": None if choice.rest_length is None else 1e3 * choice.rest_length,
+        "rest_length_mm": plain(choice.rest_length, 1e3),
         "rest_length_told": choice.rest_length_told(),
         "table": table,
     }
@@ -76,11 +84,4 @@ def _loss_used(test: BandTest) -> dict[str, Any] | None:
 
 
 def _estimate(estimate: Estimate) -> dict[str, Any]:
-    numbers = {
-        name: getattr(estimate, name)
-        for name in ("value", "low", "high", "next_low", "next_high", "spread")
-    }
-    return {
-        **{name: None if math.isnan(number) else number for name, number in numbers.items()},
-        "each": {str(sample): value for sample, value in estimate.each.items()},
-    }
+    return record(ESTIMATE, estimate, each={str(k): value for k, value in estimate.each.items()})

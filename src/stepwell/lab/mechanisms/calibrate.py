@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, record
 from stepwell.lab.bands import student
+from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.windows import judged, quiet_zones
 from stepwell.lab.recordings import LabError
@@ -271,18 +272,9 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
     return {
         "law": calibration.law,
         "k_N_per_m": calibration.reference,
-        "parameters": [
-            {"name": p.name, "unit": p.unit, "value": p.value, "low": p.low, "high": p.high}
-            for p in calibration.parameters
-        ],
+        "parameters": [record(PARAMETER, p) for p in calibration.parameters],
         "errors": [
-            {
-                "series": sample.name,
-                "d_mm": [1e3 * x for x in sample.geometry],
-                "bands": sample.bands,
-                "fit_over_kr": float(fit),
-                "left_out_over_kr": float(out),
-            }
+            record(ERROR, sample, fit=fit, left_out=out)
             for sample, fit, out in zip(
                 calibration.samples,
                 calibration.fit_error,

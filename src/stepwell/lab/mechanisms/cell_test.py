@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.windows import judged, quiet_zones
 from stepwell.mechanism import Cell
@@ -137,29 +138,7 @@ class CellTest(ByValue):
 
     def record(self) -> dict[str, Any]:
         """The result as JSON can hold it; docs/commands.md describes the names."""
-        one, model = self.plain, self.cell
-        return {
-            "series": self.series.name,
-            "kind": "cell",
-            "runs": [run.source for run in self.series.recordings],
-            "baseline": [run.source for run in self.series.baseline],
-            "told": list(self.series.told),
-            "k_r_N": self.series.scale,
-            "rmse_over_kr": self.rmse,
-            "rmse_bar_corrected_over_kr": self.rmse_corrected,
-            "max_over_kr": self.worst,
-            "rmse_energy_over_kr2": self.rmse_energy,
-            "spread_over_kr": self.spread / self.series.scale,
-            "F0_N": {"measured": one.force_0, "model": model.force_0},
-            "F1_N": {"measured": one.force_1, "model": model.force_1},
-            "barrier_mJ": {"measured": one.barrier * 1e3, "model": model.barrier * 1e3},
-            "bistable": {"measured": one.is_bistable, "model": model.is_bistable},
-            "rises": [
-                {"from_mm": a * 1e3, "to_mm": b * 1e3, "by_N": height}
-                for a, b, height in self.rises
-            ],
-            "verdict": self.verdict,
-        }
+        return record(CELL_TEST, self)
 
     def _gap(self, reading: Reading) -> Array:
         return (reading.force - self.cell.force(reading.theta))[reading.inside]

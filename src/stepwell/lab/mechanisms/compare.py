@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, __version__, csv_text, versions
+from stepwell.base import ByValue, Quantity, __version__, versions, write_csv
 from stepwell.lab.mechanisms.cell_test import CellTest, cell_test, mean_rmse
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
@@ -66,17 +67,18 @@ class Comparison(ByValue):
             {"source": f"stepwell {__version__}, lab.compare"},
         )
 
-    def to_csv(self) -> str:
-        """The same rows as CSV text, units in the column names (mm, N)."""
+    def to_csv(self, file: str | os.PathLike[str]) -> None:
+        """Write the same rows as CSV, units in the column names (mm, N)."""
         data = self.to_xarray()
-        names = data["series"].values
-        head = ("series", "stroke_mm", "measured_N", "model_N", "judged")
-        columns = (data[name].values for name in ("of", "stroke", "force", "model", "judged"))
-        rows = (
-            (str(names[of]), f"{u * 1e3:.6g}", f"{force:.6g}", f"{model:.6g}", str(int(inside)))
-            for of, u, force, model, inside in zip(*columns, strict=True)
-        )
-        return csv_text(head, rows)
+        series = data["series"].values[data["of"].values].tolist()
+        columns = [
+            (Quantity("series"), series),
+            (Quantity("stroke", "mm"), data["stroke"].values),
+            (Quantity("measured", "N"), data["force"].values),
+            (Quantity("model", "N"), data["model"].values),
+            (Quantity("judged"), data["judged"].values.astype(int)),
+        ]
+        write_csv(file, columns, 6)
 
     def __repr__(self):
         return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs)"

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.snaps import find_snaps
 from stepwell.lab.mechanisms.windows import judged, quiet_zones
@@ -105,7 +106,7 @@ class PairTest(ByValue):
     @property
     def verdict(self) -> str:
         """A word, and what is behind it."""
-        names = " then ".join(self.series.chain.names[cell] for cell in self.shown)
+        names = " then ".join(self.names(self.shown))
         if self.tie:
             return f"tie: the model cannot tell the order; the data are {self.ratio:.2f} to 1"
         if self.ratio < TELLING:
@@ -135,33 +136,16 @@ class PairTest(ByValue):
 
     def record(self) -> dict[str, Any]:
         """The result as JSON can hold it; docs/commands.md describes the names."""
-        mean, spread, count = self.snap_strokes
-        held = bool(self.snaps_predicted) and not count
-        names = self.series.chain.names
-        return {
-            "series": self.series.name,
-            "kind": "pair",
-            "runs": [run.source for run in self.series.recordings],
-            "baseline": [run.source for run in self.series.baseline],
-            "told": list(self.series.told),
-            "k_r_N": self.series.scale,
-            "rmse_over_kr": self.rmse,
-            "rmse_bar_corrected_over_kr": self.rmse_corrected,
-            "max_over_kr": self.worst,
-            "spread_over_kr": self.spread / self.series.scale,
-            "order_shown": [names[cell] for cell in self.shown],
-            "order_predicted": [names[cell] for cell in self.predicted],
-            "order_tie": self.tie,
-            "order_error_ratio": self.ratio,
-            "snaps_mm": [[1e3 * u for u in snaps] for snaps in self.snaps],
-            "snap_mean_mm": None if math.isnan(mean) else mean * 1e3,
-            "snap_spread_mm": None if math.isnan(spread) else spread * 1e3,
-            "snaps_predicted_mm": [1e3 * u for u in self.snaps_predicted],
-            "snaps_with_friction_mm": [1e3 * u for u in self.snaps_with_friction],
-            "pull_N": self.pull if held else None,
-            "hold_N": self.hold if held else None,
-            "verdict": self.verdict,
-        }
+        return record(PAIR_TEST, self)
+
+    def names(self, order: Order) -> list[str]:
+        """What its cells are called, in an order."""
+        return [self.series.chain.names[cell] for cell in order]
+
+    @property
+    def held(self) -> bool:
+        """Whether it never snaps where the model does."""
+        return bool(self.snaps_predicted) and not self.snap_strokes[2]
 
     def __repr__(self):
         return f"PairTest({self.series.name}: {self.verdict})"

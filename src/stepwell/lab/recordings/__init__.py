@@ -13,9 +13,10 @@ from stepwell.lab.recordings.names import (
 from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike
 from stepwell.lab.recordings.read import Batch, natural, read, read_all
 from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.recordings.table import hashes, summary, table, table_csv
+from stepwell.lab.recordings.table import SUMMARY, hashes, summary, table, to_csv
 
 __all__ = [
+    "SUMMARY",
     "Batch",
     "Curve",
     "LabError",
@@ -37,6 +38,6 @@ __all__ = [
     "stem_of",
     "summary",
     "table",
-    "table_csv",
+    "to_csv",
     "unlike",
 ]

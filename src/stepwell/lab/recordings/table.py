@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import __version__, csv_text
+from stepwell.base import Quantity, Schema, __version__, record, write_csv
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import Recording
 
 if TYPE_CHECKING:
     import xarray as xr
+
+SAMPLE: Schema = (
+    Quantity("half"),
+    Quantity("direction"),
+    Quantity("time", "s"),
+    Quantity("stroke", "mm"),
+    Quantity("force", "N"),
+)
+SUMMARY: Schema = (
+    Quantity("source", head="file"),
+    Quantity("samples", head="samples", read=len, left=False),
+    Quantity("rate", "Hz", "rate"),
+    Quantity("speed", "mm_s", "speed", form=3),
+    Quantity("stroke_from", "mm", read=lambda one: one.stroke[0]),
+    Quantity("stroke_to", "mm", read=lambda one: one.stroke[-1]),
+    Quantity("stroke_range", "mm", read=lambda one: np.ptp(one.stroke)),
+    Quantity("force_from", "N", read=lambda one: one.force[0]),
+    Quantity("force_least", "N", read=lambda one: np.min(one.force)),
+    Quantity("force_most", "N", read=lambda one: np.max(one.force)),
+    Quantity("direction", head="direction"),
+    Quantity("halves", head="halves", read=lambda one: len(one.halves), left=False),
+    Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns]),
+    Quantity("odd"),
+)
 
 
 def table(recordings: Sequence[Recording]) -> xr.Dataset:
@@ -28,24 +53,23 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
     """
     import xarray as xr
 
-    columns: dict[str, list[Any]] = {"recording": [], "half": [], "direction": []}
+    columns: dict[str, list[Any]] = {name: [] for name in ("of", *(q.name for q in SAMPLE))}
     for number, recording in enumerate(recordings):
         # A turning point belongs to the half that it ends.
         half = np.searchsorted(recording.turns, np.arange(len(recording)), side="left")
         ways = [1 if recording.direction_of(h) == "loading" else -1 for h in recording.halves]
-        columns["recording"].append(np.full(len(recording), number))
+        columns["of"].append(np.full(len(recording), number))
         columns["half"].append(half)
         columns["direction"].append(np.array(ways)[half])
-    measured = {"time": "s", "stroke": "m", "force": "N"}
-    data: dict[str, Any] = {
-        name: ("row", np.concatenate([*parts, []]).astype(np.int64), {"units": "1"})
-        for name, parts in columns.items()
+        for name in ("time", "stroke", "force"):
+            columns[name].append(getattr(recording, name))
+    whole = {name: np.concatenate([*parts, []]) for name, parts in columns.items()}
+    data = {
+        q.name: ("row", whole[q.name].astype(float if q.unit else np.int64), {"units": q.si})
+        for q in SAMPLE
     }
-    for name, unit in measured.items():
-        values = np.concatenate([*(getattr(r, name) for r in recordings), []])
-        data[name] = ("row", values, {"units": unit})
-    data["of"] = data.pop("recording")
-    data["of"][2]["long_name"] = "number of the recording"
+    numbered = {"units": "1", "long_name": "number of the recording"}
+    data["of"] = "row", whole["of"].astype(np.int64), numbered
     return xr.Dataset(
         data,
         {"recording": [recording.source for recording in recordings]},
@@ -53,46 +77,23 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
     )
 
 
-def table_csv(recordings: Sequence[Recording]) -> str:
-    """The same rows as CSV text, units in the column names (s, mm, N)."""
-    head = ("recording", "half", "direction", "time_s", "stroke_mm", "force_N")
+def to_csv(recordings: Sequence[Recording], file: str | os.PathLike[str]) -> None:
+    """Write the same rows as CSV, units in the column names (s, mm, N)."""
     data = table(recordings)
-    columns = (data[name].values for name in ("of", "half", "direction", "time", "stroke", "force"))
-    rows = (
-        (recordings[of].name, str(half), str(way), f"{time:.10g}", f"{u * 1e3:.10g}", f"{f:.10g}")
-        for of, half, way, time, u, f in zip(*columns, strict=True)
-    )
-    return csv_text(head, rows)
+    names = [recordings[of].name for of in data["of"].values]
+    columns = ((q, data[q.name].values) for q in SAMPLE)
+    write_csv(file, [(Quantity("recording"), names), *columns], 10)
 
 
 def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     """What each recording holds, as JSON can hold it; docs/commands.md describes the names."""
     beside = batch_oddities(recordings)
     return [
-        {
-            "source": recording.source,
-            "samples": len(recording),
-            "rate_Hz": _known(recording.rate),
-            "speed_mm_s": _known(recording.speed * 1e3),
-            "stroke_from_mm": float(recording.stroke[0]) * 1e3,
-            "stroke_to_mm": float(recording.stroke[-1]) * 1e3,
-            "stroke_range_mm": float(np.ptp(recording.stroke)) * 1e3,
-            "force_from_N": float(recording.force[0]),
-            "force_least_N": float(np.min(recording.force)),
-            "force_most_N": float(np.max(recording.force)),
-            "direction": recording.direction,
-            "halves": len(recording.halves),
-            "turns_mm": [float(recording.stroke[i]) * 1e3 for i in recording.turns],
-            "odd": [*oddities(recording), *beside.get(recording.source, ())],
-        }
-        for recording in recordings
+        record(SUMMARY, one, odd=[*oddities(one), *beside.get(one.source, ())])
+        for one in recordings
     ]
 
 
 def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
     """The SHA-256 of each recording's file by its name: what a result was computed from."""
     return {recording.source: recording.sha256 for recording in recordings}
-
-
-def _known(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

@@ -1,11 +1,12 @@
 """Stroke programs: the turning points that bring a chain to a state."""
 
 from stepwell.sequences.programs.plan import program
-from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.program import Program, Turn, Unreachable, turn_schema
 
 __all__ = [
     "Program",
     "Turn",
     "Unreachable",
     "program",
+    "turn_schema",
 ]

@@ -8,13 +8,23 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import ByValue, StepwellError, csv_text, write_atomic
+from stepwell.base import ByValue, Quantity, Schema, StepwellError, told_in, write_csv
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
 from stepwell.statics import Path
 
 _GIVEN = "as it was given"
+
+
+def turn_schema(unit: str) -> Schema:
+    """What is told of a turning point; `unit` is that in which drives are told."""
+    return (
+        Quantity("drive", unit, "at", form=6),
+        Quantity("low", unit, "from", form=6),
+        Quantity("high", unit, "to", form=6),
+        Quantity("branch", head="can go back to"),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,18 +148,16 @@ class Program(ByValue):
 
     def to_csv(self, file: str | File) -> None:
         """Write begin, turns and end as CSV, with their windows (mm, or N)."""
-        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
-        head = ["what", *(f"{name}_{unit}" for name in ("drive", "low", "high"))]
         rows = [
             ("begin", self.begin, self.begin, self.begin),
             *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
             ("end", self.end, self.low, self.high),
         ]
-        told = ([what, *(f"{value * factor:.9g}" for value in values)] for what, *values in rows)
-        write_atomic(file, csv_text(head, told))
+        schema = Quantity("what"), *turn_schema(told_in(self.chain.drive_unit)[0])[:3]
+        write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
 
     def __str__(self):
-        unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
+        unit, factor = told_in(self.chain.drive_unit)
         points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
         text = f"{self.start} to {self.to}: {points} {unit}"
         if not self.turns:

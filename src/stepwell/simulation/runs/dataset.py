@@ -7,42 +7,40 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import __version__, write_atomic
+from stepwell.base import Quantity, Schema, __version__, variables, write_atomic
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from stepwell.simulation.runs.walk import Walk
 
-VARIABLES = {
-    "x": ("m", "body's origin, along the start's x axis", ()),
-    "y": ("m", "body's origin, to the left", ()),
-    "z": ("m", "body's origin, above the floor", ()),
-    "yaw": ("rad", "heading", ()),
-    "pitch": ("rad", "nose down", ()),
-    "roll": ("rad", "right side down", ()),
-    "command": ("m", "stroke wanted", ()),
-    "stroke": ("m", "stroke reached", ()),
-    "actuator_force": ("N", "that pushes the outermost blocks out", ()),
-    "travel": ("m", "of each cell", ("leg", "cell")),
-    "foot_height": ("m", "lowest point above the floor", ("leg",)),
-    "foot_force": ("N", "that the floor carries, mean since the sample before", ("leg",)),
-    "foot_speed": ("m/s", "along the floor", ("leg",)),
-    "support_force": ("N", "that the floor carries, mean since the sample before", ("support",)),
-    "antenna": ("rad", "rotation from rest", ("antennas",)),
-    "touch": ("N", "of what touches the antenna, mean since the sample before", ("antennas",)),
-    "obstacle_force": ("N", "on each obstacle, mean since the sample before", ("obstacle",)),
-}
+_MEAN = "mean since the sample before"
+_CARRIED = f"that the floor carries, {_MEAN}"
+SAMPLES: Schema = (
+    Quantity("x", "mm", doc="body's origin, along the start's x axis"),
+    Quantity("y", "mm", doc="body's origin, to the left"),
+    Quantity("z", "mm", doc="body's origin, above the floor"),
+    Quantity("yaw", "deg", doc="heading"),
+    Quantity("pitch", "deg", doc="nose down"),
+    Quantity("roll", "deg", doc="right side down"),
+    Quantity("command", "mm", doc="stroke wanted"),
+    Quantity("stroke", "mm", doc="stroke reached"),
+    Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
+    Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
+    Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
+    Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
+    Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
+    Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
+    Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
+    Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
+    Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
+)
 
 
 def dataset(walk: Walk) -> xr.Dataset:
     """The samples of a walk, named and with units."""
     import xarray as xr
 
-    variables = {
-        name: xr.Variable(("time", *dims), getattr(walk, name), {"units": unit, "long_name": words})
-        for name, (unit, words, dims) in VARIABLES.items()
-    }
     coordinates = {
         "time": ("time", walk.time, {"units": "s", "long_name": "from the first cycle's start"}),
         "leg": [leg.name for leg in walk.robot.legs],
@@ -57,7 +55,7 @@ def dataset(walk: Walk) -> xr.Dataset:
         "integrator": str(walk.settings.integrator),
         "linkage": str(walk.settings.linkage),
     }
-    return xr.Dataset(variables, coordinates, attributes)
+    return xr.Dataset(variables(SAMPLES, walk, "time"), coordinates, attributes)
 
 
 def write_netcdf(data: xr.Dataset, path: str | os.PathLike[str]) -> None:

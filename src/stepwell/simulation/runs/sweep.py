@@ -8,12 +8,12 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, __version__, csv_text, require, write_atomic
+from stepwell.base import ByValue, Quantity, Schema, __version__, require, write_atomic, write_csv
 from stepwell.kernels import cores
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
@@ -28,6 +28,18 @@ Array = NDArray[np.float64]
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8
 CHUNK = 500  # steps at a time
+TRIAL: Schema = (
+    Quantity("advance", "over_u_max", "d/u_max", form=".3f"),
+    Quantity("sideways", "over_u_max"),
+    Quantity("turn", "deg", "turn", form="z.1f"),
+    Quantity("work", "mJ"),
+    Quantity(
+        "gaits",
+        head="states of the last cycle",
+        form=lambda gaits: " | ".join(dict.fromkeys(gait or "none" for gait in gaits)),
+    ),
+    Quantity("stopped"),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,13 +95,11 @@ class Sweep(ByValue):
         """One row a trial, with units."""
         import xarray as xr
 
-        units = {"advance": "1", "sideways": "1", "turn": "rad", "work": "J"}
         columns: dict[str, xr.Variable] = {
             name: xr.Variable("trial", np.asarray(values)) for name, values in self.values.items()
         }
-        for name, unit in units.items():
-            numbers = np.array([getattr(trial, name) for trial in self.trials])
-            columns[name] = xr.Variable("trial", numbers, {"units": unit})
+        for q in TRIAL[:4]:
+            columns[q.name] = xr.Variable("trial", np.array(self._all(q)), {"units": q.si})
         gaits = np.array([trial.gaits for trial in self.trials], dtype=str)
         columns["gait"] = xr.Variable(("trial", "leg"), gaits.reshape(len(self.trials), -1))
         columns["stopped"] = xr.Variable(
@@ -104,15 +114,20 @@ class Sweep(ByValue):
             OSError: it cannot be written.
         """
         legs = len(self.trials[0].gaits) if self.trials else 0
-        head = [*self.values, "advance_1", "sideways_1", "turn_deg", "work_J"]
-        head += [f"gait_{i + 1}" for i in range(legs)] + ["stopped"]
-        rows: list[list[str]] = []
-        for i, trial in enumerate(self.trials):
-            row = [repr(float(values[i])) for values in self.values.values()]
-            numbers = (trial.advance, trial.sideways, np.degrees(trial.turn), trial.work)
-            row += [f"{number:.6g}" for number in numbers]
-            rows.append([*row, *trial.gaits, trial.stopped])
-        write_atomic(path, csv_text(head, rows))
+        *numbers, gaits, stopped = TRIAL
+        columns = [
+            *(
+                (Quantity(name), [repr(float(v)) for v in given])
+                for name, given in self.values.items()
+            ),
+            *((q, self._all(q)) for q in numbers),
+            *((Quantity(f"gait_{i + 1}"), [g[i] for g in self._all(gaits)]) for i in range(legs)),
+            (stopped, self._all(stopped)),
+        ]
+        write_csv(path, columns, 6)
+
+    def _all(self, quantity: Quantity) -> list[Any]:
+        return [quantity.of(trial) for trial in self.trials]
 
     def __repr__(self):
         names = ", ".join(self.values)

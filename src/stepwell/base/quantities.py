@@ -1,0 +1,216 @@
+"""What a result holds: names, units and words, of which JSON, CSV, xarray and tables are made."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from stepwell.base.write import csv_text, write_atomic
+
+# Units in which people are told what is in SI inside: the SI unit, and how many make one of it.
+# All others are told as they are.
+_UNITS = {
+    "mm": ("m", 1e3),
+    "mm_s": ("m/s", 1e3),
+    "mJ": ("J", 1e3),
+    "mN": ("N", 1e3),
+    "ms": ("s", 1e3),
+    "g": ("kg", 1e3),
+    "deg": ("rad", 180.0 / math.pi),
+    "percent": ("1", 1e2),
+}
+_TOLD = {_UNITS[unit][0]: unit for unit in ("mm", "mJ", "g", "deg")}
+_SIGNS = {"percent": "%", "mm_s": "mm/s"}
+_RATIO = "over_"
+
+
+def told_in(unit: str) -> tuple[str, float]:
+    """The unit in which users are told a number in SI, and how many of it make one."""
+    told = _TOLD.get(unit, unit)
+    return told, _UNITS.get(told, (unit, 1.0))[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """One name in the schema of a result.
+
+    Args:
+        name: of the attribute; in JSON and in CSV the unit stands behind it.
+        unit: in which it is told, such as "mm"; "over_kr" and such for ratios; "" for words,
+            counts and flags.
+        head: of its column in tables, without the unit; without a head it is in no table.
+        read: another attribute, or a function of the value.
+        form: digits in tables, or a format, or a function of what is told.
+        doc: what it is, in words.
+        none: what tables tell where there is none.
+        left: whether its column starts at the left; words do.
+        dims: further dimensions in xarray.
+    """
+
+    name: str
+    unit: str = ""
+    head: str = ""
+    read: str | Callable[[Any], Any] = ""
+    form: int | str | Callable[[Any], str] = 4
+    doc: str = ""
+    none: str = ""
+    left: bool | None = None
+    dims: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """The name with its unit."""
+        return f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
+
+    @property
+    def si(self) -> str:
+        """The unit of the value itself."""
+        return _UNITS.get(self.unit, (self.sign or "1", 1.0))[0]
+
+    @property
+    def factor(self) -> float:
+        """How many of the unit that is told make one in SI."""
+        return _UNITS.get(self.unit, ("", 1.0))[1]
+
+    @property
+    def sign(self) -> str:
+        """How the unit is written beside a number; "" for a bare one."""
+        return "" if self.unit.startswith(_RATIO) else _SIGNS.get(self.unit, self.unit)
+
+    @property
+    def heading(self) -> str:
+        """The head of its column, with the unit; "" without a head."""
+        return f"{self.head} [{self.sign}]" if self.head and self.sign else self.head
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its column holds numbers."""
+        return bool(self.unit) if self.left is None else not self.left
+
+    def of(self, value: Any) -> Any:
+        """What a value has of it, in SI."""
+        return (
+            self.read(value) if callable(self.read) else attrgetter(self.read or self.name)(value)
+        )
+
+    def cell(self, row: Mapping[str, Any]) -> str:
+        """What a table tells of it, read off a record."""
+        return self.text(row[self.key])
+
+    def text(self, told: Any) -> str:
+        """What a table tells of what a record holds."""
+        if told is None:
+            return self.none
+        if callable(self.form):
+            return self.form(told)
+        if isinstance(told, list):
+            return ", ".join(map(self.text, told))
+        if not isinstance(told, float):
+            return str(told)
+        return number(told, self.form) if isinstance(self.form, int) else f"{told:{self.form}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table that tells several quantities of a row in words of its own."""
+
+    heading: str
+    cell: Callable[[Mapping[str, Any]], str]
+    numeric: bool = False
+
+
+Schema = Sequence[Quantity]
+Columns = Sequence[Quantity | Column]
+
+
+def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
+    """A value as JSON can hold it: each quantity under its name and unit.
+
+    Args:
+        schema: what is told.
+        value: what has it.
+        given: quantities by name that `value` does not have itself.
+    """
+    told = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
+    return {q.key: plain(found, q.factor) for q, found in told}
+
+
+def plain(value: Any, factor: float = 1.0) -> Any:
+    """What JSON can hold of a value: numbers in another unit, None where they are not finite."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, str | bool):
+        return value
+    if isinstance(value, Mapping):
+        return {key: plain(part, factor) for key, part in value.items()}
+    if isinstance(value, Enum):
+        return value.name.lower()
+    if isinstance(value, Iterable):
+        return [plain(part, factor) for part in value]
+    if isinstance(value, int) and factor == 1.0:
+        return value
+    scaled = float(value) * factor
+    return scaled if math.isfinite(scaled) else None
+
+
+def shown(schema: Columns) -> list[Quantity | Column]:
+    """The columns that tables have of a schema."""
+    return [column for column in schema if column.heading]
+
+
+def write_csv(
+    file: str | os.PathLike[str], columns: Iterable[tuple[Quantity, Any]], digits: int = 12
+) -> None:
+    """Write columns as CSV, whole or not at all, with the unit in every heading.
+
+    Args:
+        file: where to.
+        columns: of each quantity its values in SI.
+        digits: of numbers.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    head, values = zip(*((q.key, _texts(q, found, digits)) for q, found in columns), strict=True)
+    write_atomic(file, csv_text(head, zip(*values, strict=True)))
+
+
+def _texts(quantity: Quantity, values: Any, digits: int) -> list[str]:
+    if quantity.factor != 1.0:
+        values = np.asarray(values, float) * quantity.factor
+    rows = values.tolist() if isinstance(values, np.ndarray) else values
+    return [f"{value:.{digits}g}" if isinstance(value, float) else str(value) for value in rows]
+
+
+def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
+    """The variables that xarray has of a value, in SI, with units and meaning as attributes."""
+    return {
+        q.name: (
+            (*dims, *q.dims),
+            q.of(value),
+            {"units": q.si, **({"long_name": q.doc} if q.doc else {})},
+        )
+        for q in schema
+    }
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number for people; an empty place where there is none."""
+    return "" if value is None else f"{_whole(value):.{digits}g}"
+
+
+def signed(value: float) -> str:
+    """A change for people, with its sign."""
+    return f"{_whole(value):+.4g}"
+
+
+def _whole(value: float) -> float:
+    # A rounding error has no sign.
+    return 0.0 if abs(value) < 1e-12 else value

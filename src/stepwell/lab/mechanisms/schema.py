@@ -1,0 +1,85 @@
+"""What is told of unit cells, pairs and calibrations: names, units and words of each number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stepwell.base import Quantity, Schema
+
+
+def _both(name: str) -> Any:
+    return lambda test: {
+        "measured": getattr(test.plain, name),
+        "model": getattr(test.cell, name),
+    }
+
+
+def _beside(told: dict[str, float]) -> str:
+    return f"{told['measured']:.3f} ({told['model']:.3f})"
+
+
+def _order(names: list[str]) -> str:
+    return " then ".join(names)
+
+
+def _series(kind: str) -> Schema:
+    return (
+        Quantity("series", head="series", read="series.name"),
+        Quantity("kind", read=lambda test: kind),
+        Quantity("runs", read=lambda test: [run.source for run in test.series.recordings]),
+        Quantity("baseline", read=lambda test: [run.source for run in test.series.baseline]),
+        Quantity("told", read="series.told"),
+        Quantity("k_r", "N", read="series.scale"),
+        Quantity("rmse", "over_kr", "RMSE", form=".3f"),
+        Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
+        Quantity("max", "over_kr", "max", "worst", ".3f"),
+    )
+
+
+_SPREAD = Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale)
+CELL_TEST: Schema = (
+    *_series("cell"),
+    Quantity("rmse_energy", "over_kr2", "E RMSE", form=".3f"),
+    _SPREAD,
+    Quantity("F0", "N", "F0", _both("force_0"), _beside),
+    Quantity("F1", "N", "F1", _both("force_1"), _beside),
+    Quantity("barrier", "mJ", "barrier", _both("barrier"), _beside),
+    Quantity("bistable", read=_both("is_bistable")),
+    Quantity(
+        "rises",
+        read=lambda test: [
+            {"from_mm": a * 1e3, "to_mm": b * 1e3, "by_N": height} for a, b, height in test.rises
+        ],
+    ),
+    Quantity("verdict"),
+)
+PAIR_TEST: Schema = (
+    *_series("pair"),
+    _SPREAD,
+    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), _order),
+    Quantity("order_predicted", "", "model", lambda test: test.names(test.predicted), _order),
+    Quantity("order_tie", read="tie"),
+    Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False),
+    Quantity("snaps", "mm"),
+    Quantity("snap_mean", "mm", read=lambda test: test.snap_strokes[0]),
+    Quantity("snap_spread", "mm", read=lambda test: test.snap_strokes[1]),
+    Quantity("snaps_predicted", "mm"),
+    Quantity("snaps_with_friction", "mm"),
+    Quantity("pull", "N", read=lambda test: test.pull if test.held else None),
+    Quantity("hold", "N", read=lambda test: test.hold if test.held else None),
+    Quantity("verdict"),
+)
+PARAMETER: Schema = (
+    Quantity("name", head="number"),
+    Quantity("unit", head="unit"),
+    Quantity("value", head="value", left=False),
+    Quantity("low", head="from", left=False),
+    Quantity("high", head="to", left=False),
+)
+ERROR: Schema = (
+    Quantity("series", head="series", read="name"),
+    Quantity("d", "mm", "d", "geometry", lambda d: f"({d[0]:g}, {d[1]:g})", left=True),
+    Quantity("bands"),
+    Quantity("fit", "over_kr", "fit", form=".3f"),
+    Quantity("left_out", "over_kr", "left out", form=".3f"),
+)
