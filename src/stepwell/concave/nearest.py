@@ -96,6 +96,11 @@ def nearest(
             low = angle
         else:
             high = angle
+    # Near the nearest point all rays are as long but for rounding; the slope tells which it is.
+    angle = 0.5 * (low + high)
+    away = first_crossing(cell, side, force, math.cos(angle), math.sin(angle), 1.5 * best)
+    if away <= best * (1.0 + 1e-12):
+        best, at = min(best, away), angle
     return best, math.cos(at), math.sin(at)
 
 
