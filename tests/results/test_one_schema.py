@@ -8,8 +8,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from stepwell.simulation.runs.dataset import SAMPLES
-from stepwell.simulation.runs.sweep import Sweep, Trial
 
 import stepwell as sw
 from sizes import examples
@@ -20,6 +18,8 @@ from stepwell.design import margin
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports import report
 from stepwell.simulation import TRIAL
+from stepwell.simulation.runs.dataset import SAMPLES
+from stepwell.simulation.runs.sweep import Sweep, Trial
 
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
