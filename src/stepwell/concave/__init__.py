@@ -10,13 +10,11 @@ from stepwell.concave.certificate import (
     travel_at,
 )
 from stepwell.concave.certified import certified_within
-from stepwell.concave.end_grid import look
 from stepwell.concave.ends import end_force, end_forces_at
 from stepwell.concave.nearest import concave_disc, nearest_of
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sift import sift
 from stepwell.concave.sorted_chain import SortedChain
-from stepwell.concave.sweep import decide, sweep
 
 __all__ = [
     "ASK",
@@ -30,16 +28,13 @@ __all__ = [
     "certify",
     "closed",
     "concave_disc",
-    "decide",
     "end_force",
     "end_forces",
     "end_forces_at",
     "in_disc",
-    "look",
     "nearest_of",
     "push",
     "sift",
     "simple",
-    "sweep",
     "travel_at",
 ]

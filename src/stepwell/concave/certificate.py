@@ -11,14 +11,12 @@ from stepwell.kernels import entry, kernel
 from stepwell.mechanism import Cell, Linear, band_length, length_slopes
 
 __all__ = [
-    "Pair",
     "Simple",
     "band_length",
     "certify",
     "closed",
     "end_forces",
     "length_slopes",
-    "pair",
     "push",
     "simple",
     "travel_at",
@@ -41,16 +39,6 @@ class Simple(NamedTuple):
     rest: float  # ℓ0 [m]
     lever: float  # r [m]
     sin_limit: float  # sin θc
-
-
-class Pair(NamedTuple):
-    """What two concave cells do when a rigid actuator loads and unloads them once."""
-
-    first_loading: int  # 0 inner, 1 outer
-    first_unloading: int
-    snap_loading: float  # stroke [m], NaN where none
-    snap_unloading: float
-    holds: bool  # False: a cell is pushed through its whole travel in a snap; ask the engine
 
 
 def simple(cell: Cell) -> Simple | None:
@@ -191,53 +179,3 @@ def travel_at(cell: Simple, force: float) -> float:
         if done:
             break
     return travel
-
-
-@kernel
-def pair(inner: Simple, outer: Simple) -> Pair:
-    """The full cycle of two certified cells under a rigid actuator.
-
-    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
-    F = λ, two in transit with falling forces are unstable):
-    - loading: the smaller F0 (cell i) leaves 0 first, and its force only falls, so the other
-      (j) stays; i arrives with λ = F1_i. Then λ rises with nothing moving to F0_j, and j moves
-      with λ = F_j(s) falling from there. i holds its stop while F1_i <= F_j(s): for ever if
-      F1_j >= F1_i, else up to F_j(s*) = F1_i, at the stroke S_i + s*. There i comes off its
-      stop, two cells are in transit, and the chain snaps: j runs to its stop, i gives back
-      S_j - s*, then finishes alone, since F1_j < F1_i <= λ keeps j where it is.
-    - unloading: the same picture upside down. The larger F1 (i) leaves 1 first and arrives at
-      0; j follows from S_j with λ = F_j(s) rising from F1_j; i holds while F0_i >= F_j(s): up
-      to F_j(s*) = F0_i if F0_j > F0_i, at the stroke s*.
-    A cell that would have to give back more than its whole travel reaches its other stop in
-    the snap, which adds a vertex; only unequal levers or limits allow it (`holds` is False).
-    Equal forces, which no rule decides, go to the inner cell first.
-    """
-    inner_0, inner_1 = end_forces(inner)
-    outer_0, outer_1 = end_forces(outer)
-    full_inner = 2.0 * inner.lever * inner.sin_limit
-    full_outer = 2.0 * outer.lever * outer.sin_limit
-    snap_loading, snap_unloading = np.nan, np.nan
-    holds = True
-    if inner_0 <= outer_0:
-        first_loading = 0
-        if outer_1 < inner_1:
-            travel = travel_at(outer, inner_1)
-            snap_loading = full_inner + travel
-            holds = full_outer - travel < full_inner
-    else:
-        first_loading = 1
-        if inner_1 < outer_1:
-            travel = travel_at(inner, outer_1)
-            snap_loading = full_outer + travel
-            holds = full_inner - travel < full_outer
-    if inner_1 >= outer_1:
-        first_unloading = 0
-        if outer_0 > inner_0:
-            snap_unloading = travel_at(outer, inner_0)
-            holds = holds and snap_unloading < full_inner
-    else:
-        first_unloading = 1
-        if inner_0 > outer_0:
-            snap_unloading = travel_at(inner, outer_0)
-            holds = holds and snap_unloading < full_outer
-    return Pair(first_loading, first_unloading, snap_loading, snap_unloading, holds)

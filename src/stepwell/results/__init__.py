@@ -9,7 +9,7 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head
-from stepwell.results.map import parameter_boundary_rows, parameter_map_record, told_in
+from stepwell.results.map import boundary_rows, map_record, told_in
 from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
     convergence_record,
@@ -18,13 +18,7 @@ from stepwell.results.robot import (
     sweep_record,
     walk_record,
 )
-from stepwell.results.run import (
-    LONGEST_BECOMING,
-    boundary_rows,
-    force_scale,
-    map_record,
-    run_record,
-)
+from stepwell.results.run import LONGEST_BECOMING, force_scale, run_record
 from stepwell.results.ties import tie_notes
 
 __all__ = [
@@ -38,8 +32,6 @@ __all__ = [
     "impossible_record",
     "map_record",
     "maze_record",
-    "parameter_boundary_rows",
-    "parameter_map_record",
     "program_record",
     "reprogram_record",
     "robot_record",

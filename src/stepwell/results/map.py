@@ -15,9 +15,9 @@ from stepwell.results.run import finite
 if TYPE_CHECKING:
     import xarray
 
-    from stepwell.design import ParameterBoundary
+    from stepwell.design import Boundary
 
-PARAMETER_MAP_SCHEMA = "stepwell.parameter-map/1"
+MAP_SCHEMA = "stepwell.map/2"
 _TOLD = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}
 
 
@@ -26,39 +26,34 @@ def told_in(unit: str) -> tuple[str, float]:
     return _TOLD.get(unit, (unit, 1.0))
 
 
-def parameter_map_record(
+def map_record(
     dataset: xarray.Dataset,
-    boundaries: Iterable[ParameterBoundary],
+    boundaries: Iterable[Boundary],
     design: tuple[float, float] | None = None,
     *,
     text: str | None = None,
 ) -> dict[str, Any]:
-    """What a map over two parameters says in short: how much of it each sequence takes.
+    """What a map says in short: how much of it each sequence takes.
 
     Args:
-        dataset: what `design.parameter_map` returns.
-        boundaries: what `design.parameter_boundaries` returns for the same parameters.
-        design: the two parameters of the design itself, in SI.
+        dataset: what `design.transition_map` or `design.parameter_map` returns.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
+        design: the two parameters of the design itself, in SI, if it has one place on the map.
         text: of the design file, for the hash of it; unknown by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
-    codes = dataset["sequence"].to_numpy()
-    notes = dataset["sequence"].attrs
-    meanings = str(notes["flag_meanings"]).split()
-    values = [int(value) for value in notes["flag_values"]]
+    axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
+    pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}
     return {
-        **head(PARAMETER_MAP_SCHEMA, text),
+        **head(MAP_SCHEMA, text),
         "title": str(dataset.attrs["title"]),
-        **{
-            name: _axis(dataset[letter], None if design is None else design[k])
-            for k, (name, letter) in enumerate((("across", "x"), ("up", "y")))
-        },
-        "shares": {
-            meaning: float(np.mean(codes == value))
-            for value, meaning in zip(values, meanings, strict=True)
-        },
+        **{name: _axis(dataset[letter], here) for name, letter, here in axes},
+        "shares": _shares(dataset["sequence"]),
+        **pathways,
+        "moved_cell": str(dataset.attrs["moved_cell"]),
+        "monostable_fraction": float(np.mean(dataset["monostable"].to_numpy())),
         "degenerate_designs": int(np.sum(dataset["degenerate"].to_numpy())),
         "closed_form_designs": int(dataset.attrs["closed_form_designs"]),
         "engine_designs": int(dataset.attrs["engine_designs"]),
@@ -76,7 +71,7 @@ def parameter_map_record(
     }
 
 
-def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
+def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a map as CSV: curve, kind and the two parameters, a row for every point."""
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
@@ -93,6 +88,12 @@ def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
             for x, y in boundary.points.tolist()
         ]
     return csv_text(head, rows)
+
+
+def _shares(field: xarray.DataArray) -> dict[str, float]:
+    codes, notes = field.to_numpy(), field.attrs
+    flags = zip(np.atleast_1d(notes["flag_values"]), notes["flag_meanings"].split(), strict=True)
+    return {meaning: float(np.mean(codes == value)) for value, meaning in flags}
 
 
 def _axis(axis: xarray.DataArray, design: float | None) -> dict[str, Any]:

@@ -44,9 +44,11 @@ class KnobRange:
         from stepwell.design import knob
         from stepwell.results import told_in
 
-        factor = told_in(knob(chain, self.name).unit)[1]
+        one = knob(chain, self.name)
+        factor = told_in(one.unit)[1]
         space = np.geomspace if self.log else np.linspace
-        return self.name, space(self.start / factor, self.stop / factor, self.count)
+        values = space(self.start / factor, self.stop / factor, self.count)
+        return self.name, one.values(values, 2)
 
 
 def knob_range(text: str) -> KnobRange:
