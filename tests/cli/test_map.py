@@ -70,9 +70,8 @@ def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell,
     assert {row["kind"] for row in rows} == {"loading_order", "unloading_order"}
     assert len(rows) > 100
     for row in rows[::10]:
-        moved = outer.with_anchors(
-            q=(float(row["outer.q.x_mm"]) / 1e3, float(row["outer.q.y_mm"]) / 1e3)
-        )
+        q = float(row["outer.q.x_mm"]) / 1e3, float(row["outer.q.y_mm"]) / 1e3
+        moved = outer.with_anchors(q=q)
         force = "force_0" if row["kind"] == "loading_order" else "force_1"
         assert getattr(moved, force) == pytest.approx(getattr(inner, force), abs=1e-8)
 

@@ -75,7 +75,9 @@ def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle):
 
 def test_pathways_of_two_cells_are_called_by_their_name_where_they_are(pair):
     dataset, _ = pair
-    figure = figures.transition_map(*pair, {"forward": (0.020, 0.0), "backward": (0.005, 0.0)})
+    figure = figures.transition_map(
+        pair[0], pair[1], {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
+    )
     meaning, code = key(figure), codes(dataset)
     assert "clockwise: 00>10>11>01>00" in meaning.values()
     assert "via 10: 00>10>11>10>00" in meaning.values()
@@ -210,7 +212,7 @@ def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
 def test_words_stay_apart_and_on_the_page(pair, shuffle):
     crossing = {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)}
     for found in (pair, shuffle, (*pair, crossing)):
-        figure = figures.transition_map(*found)
+        figure = figures.transition_map(*found)  # type: ignore[arg-type]
         assert collisions(figure) == []
         assert cut_off(figure) == []
         assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0

@@ -143,29 +143,28 @@ def _orders(
     def ask(t: Floats) -> Ints:
         return outcomes.label(place(t)).astype(np.int64)
 
-    differences = _differences(outcomes)
-    exact = _Exact(lambda t: differences(outcomes.forces(place(t))), proved)
     found: list[tuple[tuple[int, int], Floats, float | None]] = []
+    known = None
     if outcomes.base is not None:
+        differences = _differences(outcomes, outcomes.base)
+        exact = _Exact(lambda t: differences(outcomes.forces(place(t))), proved)
         found += [(sides, points, error) for _, sides, points, error in exact.curves()]
+        known = exact.known
     nodes, shape = grid.reshape(-1, 2), grid.shape[:2]
     unproved = (proved(nodes) < 0).reshape(shape)
     label = outcomes.label(place(nodes), progress).astype(np.int64).reshape(shape)
-    known = exact.known if found else None
     pieces = searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
     return found + [(sides, points, None) for sides, points in pieces]
 
 
-def _differences(outcomes: Outcomes) -> Callable[[Floats], Floats]:
+def _differences(outcomes: Outcomes, base: Floats) -> Callable[[Floats], Floats]:
     """From (m, 2, 2) end forces of the cells that vary, all differences that may vanish [N].
 
     Of their F0 from those of all other cells, then of their F1: (m, k).
     """
     first, last = outcomes.turned[0], outcomes.turned[-1]
     stays = [i for i in range(len(outcomes.chain)) if i not in (first, last)]
-    fixed = np.zeros((len(stays), 2))
-    for k, i in enumerate(stays if outcomes.base is not None else ()):
-        fixed[k] = end_forces(Simple(*outcomes.base[i, :6]))
+    fixed = np.array([end_forces(Simple(*base[i, :6])) for i in stays]).reshape(-1, 2)
 
     def differences(forces: Floats) -> Floats:
         found: list[Floats] = []

@@ -105,7 +105,7 @@ class Outcomes:
             return found
         base, n = self.base, len(self.chain)
         turned = np.array(self.turned)
-        runs: dict[int, tuple[NDArray[np.intp], Floats, Ints]] = {}
+        runs: dict[int, tuple[NDArray[np.intp], NDArray[np.intp], Ints]] = {}
 
         def block(begin: int, end: int) -> None:
             m = slice(begin, end)

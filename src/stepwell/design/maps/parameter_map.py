@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 Axis = tuple[str | Knob, ArrayLike]
 Axes = tuple[tuple[Knob, Floats], tuple[Knob, Floats]]
 Progress = Callable[[int, int], None]
+_Notes = dict[str, object]
 
 # Below this gap, in units of k r, no maker and no rounding error can tell the order.
 _TIE = 1e-9
@@ -174,40 +175,32 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
     scale, staying = _scale(outcomes)
     turned = " or ".join(chain.names[i] for i in outcomes.turned)
     impossible, unsolved = (int(np.sum(sequence == code)) for code in (IMPOSSIBLE, UNSOLVED))
-    counts = {"units": "1"}
-    about: dict[str, tuple[NDArray[np.generic], dict[str, object]]] = {
+    about: dict[str, tuple[NDArray[np.generic], _Notes]] = {
         "sequence": (
             sequence,
-            {"long_name": "states visited in a full cycle"}
+            _noted("states visited in a full cycle")
             | _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32),
         ),
-        "snap_loading": (
-            found.strokes[0],
-            {"long_name": "stroke of the first snap while loading", "units": "m"},
-        ),
+        "snap_loading": (found.strokes[0], _noted("stroke of the first snap while loading", "m")),
         "snap_unloading": (
             found.strokes[1],
-            {"long_name": "stroke of the first snap while unloading", "units": "m"},
+            _noted("stroke of the first snap while unloading", "m"),
         ),
-        "snaps_loading": (found.snaps[0], {"long_name": "steps that snap while loading"} | counts),
-        "snaps_unloading": (
-            found.snaps[1],
-            {"long_name": "steps that snap while unloading"} | counts,
-        ),
+        "snaps_loading": (found.snaps[0], _noted("steps that snap while loading", "1")),
+        "snaps_unloading": (found.snaps[1], _noted("steps that snap while unloading", "1")),
         "margin": (
             found.gap / scale,
-            {"long_name": "smallest gap between two F0 or two F1, over k r"}
-            | counts
+            _noted("smallest gap between two F0 or two F1, over k r", "1")
             | {"k_r_N": scale, "k_r_of": staying},
         ),
-        "monostable": (found.monostable, {"long_name": f"{turned} is stable in one state only"}),
-        "degenerate": (found.degenerate, {"long_name": "design on a boundary: a tie decides"}),
+        "monostable": (found.monostable, _noted(f"{turned} is stable in one state only")),
+        "degenerate": (found.degenerate, _noted("design on a boundary: a tie decides")),
     }
     if len(chain) == 2:
         # The four pathways come first among the sequences, and OTHER after them.
         pathway = np.minimum(sequence, list(Pathway).index(Pathway.OTHER)).astype(np.int8)
         words = [p.name.lower() for p in Pathway]
-        notes = {"long_name": "order in which the cells load and unload"} | _flags(words, np.int8)
+        notes = _noted("order in which the cells load and unload") | _flags(words, np.int8)
         about = {"pathway": (pathway, notes)} | about
     shape = (len(axes[1][1]), len(axes[0][1]))
     return xr.Dataset(
@@ -235,7 +228,12 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
     )
 
 
-def _flags(words: list[str], kind: type[np.signedinteger]) -> dict[str, object]:
+def _noted(name: str, unit: str | None = None) -> _Notes:
+    notes: _Notes = {"long_name": name}
+    return notes if unit is None else notes | {"units": unit}
+
+
+def _flags(words: list[str], kind: type[np.signedinteger]) -> _Notes:
     return {
         "flag_values": np.array([*range(len(words)), IMPOSSIBLE, UNSOLVED], kind),
         "flag_meanings": " ".join([*words, "impossible", "unsolved"]),
