@@ -136,10 +136,7 @@ class Outcomes:
 
     def ask(self, i: int, values: Floats, found: Found) -> None:
         """Have the engine follow one design, (2,) values, and note what it does under i."""
-        design, result, number = self._follow(values)
-        found.sequence[i] = number
-        if design is not None:
-            found.monostable[i] = any(not design.cells[c].is_bistable for c in self.turned)
+        result, found.sequence[i] = self._follow(values)
         if result is None:
             return
         found.degenerate[i] = bool(result.degenerate)
@@ -154,9 +151,9 @@ class Outcomes:
         for done, i in enumerate(waiting):
             if told is not None:
                 told(done, len(waiting))
-            _, result, number[i] = self._follow(values[i])
+            result, number[i] = self._follow(values[i])
             if result is not None and result.degenerate:
-                _, result, beside = self._follow(values[i] + _ASIDE * self._spans)
+                result, beside = self._follow(values[i] + _ASIDE * self._spans)
                 number[i] = TIED if result is None or result.degenerate else beside
         if told is not None:
             told(len(waiting), len(waiting))
@@ -199,16 +196,16 @@ class Outcomes:
         ends(self.added(values), self.base, self.rows, self.columns, turned, out)
         return out
 
-    def _follow(self, values: Floats) -> tuple[Chain | None, Cycle | None, int]:
+    def _follow(self, values: Floats) -> tuple[Cycle | None, int]:
         try:
             design = self.design(values)
         except ValueError:
-            return None, None, IMPOSSIBLE
+            return None, IMPOSSIBLE
         try:
             result = cycle(design)
         except StaticsError:
-            return design, None, UNSOLVED
-        return design, result, self._number(result.sequence)
+            return None, UNSOLVED
+        return result, self._number(result.sequence)
 
     def _of_orders(self, orders: Ints) -> int:
         key = orders.tobytes()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import __version__, require
+from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
 from stepwell.design.parameters import WAY, Knob, knob, knobs
 from stepwell.mechanism import Chain, SlipError
@@ -104,6 +105,9 @@ def parameter_map(
         if progress is not None:
             progress(done, len(waiting))
         outcomes.ask(i, nodes[i], found)
+    for cell in outcomes.turned if waiting else ():
+        states = Stability(outcomes, cell, nodes[waiting])
+        found.monostable[waiting] |= states(nodes[waiting]) == 1
     if progress is not None:
         progress(len(waiting), len(waiting))
     return _labelled(outcomes, found, ((first, xs), (second, ys)), asked=len(waiting))

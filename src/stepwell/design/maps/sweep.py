@@ -50,7 +50,7 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
     order = np.empty((2, n), np.int64)
     for c in range(n):
         order[0, c] = order[1, c] = c
-        force[0, c], force[1, c], full[c] = numbers(cells[c])
+        force[0, c], force[1, c], full[c] = numbers(cells, c)
     for i in range(len(values)):
         proved[i] = False
         for k in range(2):
@@ -60,10 +60,10 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
         holds = True
         lone = False
         for c in turned:
-            holds = cells[c, FRICTION] <= 0.0 and certify(simple_of(cells[c]), 0.0)
+            holds = cells[c, FRICTION] <= 0.0 and certify(simple_of(cells, c), 0.0)
             if not holds:
                 break
-            force[0, c], force[1, c], full[c] = numbers(cells[c])
+            force[0, c], force[1, c], full[c] = numbers(cells, c)
             lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
         if not holds:
             continue
@@ -75,7 +75,7 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
             continue
         closest = np.inf
         for side in range(2):
-            sort(order[side], force[side])
+            sort(order, force, side)
             stroke, count = np.nan, 0
             # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
             pull = -np.inf
@@ -86,7 +86,7 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
                 back = -force[1 - side, c]
                 if back < pull:
                     if count == 0:
-                        stroke = travel_at(simple_of(cells[c]), pull if side == 0 else -pull)
+                        stroke = travel_at(simple_of(cells, c), pull if side == 0 else -pull)
                         gives = full[c] - stroke if side == 0 else stroke
                         holds = holds and (equal or gives < full[order[side, 0]])
                         # The other cells that are full meanwhile.
@@ -99,7 +99,9 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
         if not holds:
             continue
         proved[i] = True
-        orders[i] = order
+        for side in range(2):
+            for k in range(n):
+                orders[i, side, k] = order[side, k]
         gap[i] = closest
         monostable[i] = lone
 
@@ -114,31 +116,36 @@ def ends(values, base, rows, columns, turned, out):
         for k in range(2):
             cells[rows[k], columns[k]] += values[i, k]
         for k in range(len(turned)):
-            out[i, k, 0], out[i, k, 1] = end_forces(simple_of(cells[turned[k]]))
+            out[i, k, 0], out[i, k, 1] = end_forces(simple_of(cells, turned[k]))
+
+
+# Elements are looked up and not rows: in machine code a row is an object of its own.
 
 
 @kernel
-def simple_of(row):
-    """The cell of a row of numbers."""
-    return Simple(row[0], row[1], row[2], row[3], row[4], row[5])
+def simple_of(cells, c):
+    """The cell in a row of numbers."""
+    return Simple(cells[c, 0], cells[c, 1], cells[c, 2], cells[c, 3], cells[c, 4], cells[c, 5])
 
 
 @kernel
-def numbers(row):
+def numbers(cells, c):
     """F0 [N], -F1 [N] and the full travel [m] of a cell."""
-    force_0, force_1 = end_forces(simple_of(row))
-    return force_0, -force_1, 2.0 * row[4] * row[5]
+    force_0, force_1 = end_forces(simple_of(cells, c))
+    return force_0, -force_1, 2.0 * cells[c, 4] * cells[c, 5]
 
 
 @kernel
-def sort(order, force):
+def sort(order, force, side):
     """Put cells in ascending order of force, equal ones by number; the order is mostly right."""
-    for k in range(1, len(order)):
-        c = order[k]
+    for k in range(1, order.shape[1]):
+        c = order[side, k]
+        own = force[side, c]
         j = k
-        while j > 0 and (
-            force[order[j - 1]] > force[c] or (force[order[j - 1]] == force[c] and order[j - 1] > c)
-        ):
-            order[j] = order[j - 1]
+        while j > 0:
+            before = order[side, j - 1]
+            if force[side, before] < own or (force[side, before] == own and before < c):
+                break
+            order[side, j] = before
             j -= 1
-        order[j] = c
+        order[side, j] = c
