@@ -198,7 +198,7 @@ def test_a_video_of_too_many_frames_is_refused_before_any_is_drawn(tmp_path, mon
 
 def test_a_map_tells_the_memory_that_it_would_take():
     axis = np.linspace(0.0, 0.02, 10**5)
-    with pytest.raises(ValueError, match=r"100000 x 100000, which take 251\.5 GiB"):
+    with pytest.raises(ValueError, match=r"100000 x 100000, which take 558\.8 GiB"):
         transition_map(leg(), x=axis, y=axis)
     with pytest.raises(ValueError, match=r"which take .* GiB"):
         parameter_map(leg(), ("outer.q.x", axis), ("outer.q.y", axis))

@@ -186,9 +186,7 @@ def motion_records() -> list[dict[str, Any]]:
         results.yield_record(yields(forward, spread, n=500, sensitivity=True)),
         results.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
         results.reprogram_record(reprogram(forward, None, "inner.p")),
-        results.parameter_map_record(
-            parameter_map(forward, *axes), parameter_boundaries(forward, *axes)
-        ),
+        results.map_record(parameter_map(forward, *axes), parameter_boundaries(forward, *axes)),
     ]
 
 

@@ -15,6 +15,7 @@ from cli.folders import written
 from stepwell.cli.options.grid import Grid, cell_of, grid, marks
 from stepwell.design import parameter_boundaries, parameter_map
 
+FOUR = [pathway for pathway in sw.Pathway if pathway is not sw.Pathway.OTHER]
 SMALL = ("--x", "0:20:41", "--y", "-15:15:41")
 
 
@@ -22,18 +23,22 @@ def test_the_papers_map_has_the_papers_areas(stepwell):
     # Physics of the two-cell map, q_out over x 0..20, y -15..15 mm.
     record = json.loads(stepwell("map", "forward.toml", "--json").stdout)
     expected = {"counterclockwise": 0.261, "via_01": 0.262, "via_10": 0.262, "clockwise": 0.215}
-    found = {name: record["area_fractions"][name] for name in expected}
+    found = {name: record["pathway_shares"][name] for name in expected}
     assert found == pytest.approx(expected, abs=2e-3)
-    assert sum(record["area_fractions"].values()) == pytest.approx(1.0)
+    assert sum(record["pathway_shares"].values()) == pytest.approx(1.0)
+    by_sequence = {pathway.name.lower(): record["shares"][pathway.value] for pathway in FOUR}
+    assert by_sequence == found
 
 
 def test_the_same_shares_are_printed(stepwell):
     record = json.loads(stepwell("map", "forward.toml", *SMALL, "--json").stdout)
     text = stepwell("map", "forward.toml", *SMALL).stdout
-    for name, share in record["area_fractions"].items():
+    for name, share in record["pathway_shares"].items():
         assert (f"{100 * share:.1f} %" in text) == (share > 0)
         assert (name.replace("_", " ") in text) == (share > 0)
-    assert "x 0 to 20 mm, 41 places; y -15 to 15 mm, 41 places" in text
+    assert "Across outer.q.x 0 to 20 mm, 41 values; up outer.q.y -15 to 15 mm, 41 values" in text
+    monostable = f"outer is monostable on {100 * record['monostable_fraction']:.1f} % of the map"
+    assert monostable in text
 
 
 def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
@@ -65,7 +70,8 @@ def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell,
     assert {row["kind"] for row in rows} == {"loading_order", "unloading_order"}
     assert len(rows) > 100
     for row in rows[::10]:
-        moved = outer.with_anchors(q=(float(row["x_mm"]) / 1e3, float(row["y_mm"]) / 1e3))
+        q = float(row["outer.q.x_mm"]) / 1e3, float(row["outer.q.y_mm"]) / 1e3
+        moved = outer.with_anchors(q=q)
         force = "force_0" if row["kind"] == "loading_order" else "force_1"
         assert getattr(moved, force) == pytest.approx(getattr(inner, force), abs=1e-8)
 
@@ -74,7 +80,8 @@ def test_the_boundaries_are_where_forces_are_equal_and_not_pixel_edges(stepwell,
 def test_the_inner_cell_can_move_too(stepwell, cell):
     record = json.loads(stepwell("map", "forward.toml", *SMALL, "--cell", cell, "--json").stdout)
     assert record["moved_cell"] == "inner"
-    assert record["design_q_mm"] == [10, 0]
+    assert [record[name]["parameter"] for name in ("across", "up")] == ["inner.q.x", "inner.q.y"]
+    assert [record[name]["design"] for name in ("across", "up")] == [10, 0]
 
 
 def test_bands_with_anchors_of_their_own_have_no_single_place_on_the_map():
@@ -97,7 +104,7 @@ def test_bands_with_anchors_of_their_own_have_no_single_place_on_the_map():
         (("--y", "0:inf:200"), "'0:inf:200': must rise"),
         (("--y", "0:20:1"), "'0:20:1': the count must be 2 or more."),
         (("--y", "0:20:999999999"), "'0:20:999999999': 999999999 places of a map: at most"),
-        (("--x", "0:20:5001", "--y", "0:20:5000"), "5001 x 5000, which take 0.6 GiB, are 25005000"),
+        (("--x", "0:20:5001", "--y", "0:20:5000"), "5001 x 5000, which take 1.4 GiB, are 25005000"),
     ],
 )
 def test_wrong_options_end_in_code_2_with_what_is_allowed(stepwell, arguments, message):
@@ -115,7 +122,7 @@ def test_any_two_parameters_span_a_map(stepwell, tmp_path):
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())
-    assert record["schema"] == "stepwell.parameter-map/1"
+    assert record["schema"] == "stepwell.map/2"
     assert record["across"] == {
         "parameter": "outer.q.x",
         "unit": "mm",
@@ -137,7 +144,7 @@ def test_the_boundary_of_two_parameters_is_where_forces_are_equal(stepwell, tmp_
     stepwell("map", "forward.toml", *axes, "--out", "out")
     inner, outer = sw.preset("paper-forward").cells
     with open(tmp_path / "out" / "boundaries.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+        rows = [row for row in csv.DictReader(file) if row["kind"] != "bistable"]
     assert len(rows) > 20
     for row in rows:
         stiff = replace(inner.bands[0], stiffness=float(row["inner.stiffness_N_per_m"]))
@@ -193,10 +200,16 @@ def test_two_parameters_have_to_go_together(stepwell, across, options, message):
     assert message in result.output
 
 
-def test_a_chain_that_is_no_pair_ends_in_code_2_with_a_way_out(stepwell):
-    result = stepwell("map", "preset:three-wave")
-    assert result.exit_code == 2
-    assert "the chain has 3 cells: a transition map" in result.output
+def test_a_chain_of_any_length_has_a_map_over_an_anchor(stepwell):
+    axes = ("--x", "0:20:5", "--y", "-15:15:5", "--cell", "2")
+    record = json.loads(stepwell("map", "preset:three-wave", *axes, "--json").stdout)
+    assert record["closed_form_designs"] == 25
+    assert "pathway_shares" not in record
+    assert sum(record["shares"].values()) == pytest.approx(1.0)
+    (own,) = {band.q for band in sw.preset("three-wave").cells[1].bands}
+    assert [record[name]["design"] for name in ("across", "up")] == pytest.approx(
+        [1e3 * place for place in own]
+    )
 
 
 def test_negative_numbers_are_no_options(stepwell):

@@ -8,18 +8,10 @@ import pytest
 
 import stepwell as sw
 from chains import LEVER, LIMIT, concave_cell
-from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import Simple, certify, end_forces, force_at, simple, travel_at
-from stepwell.concave.pair import pair
 
 PAPER = [(10, 0), (0, 0), (20, 0), (10, -15), (20, 15), (0, -15)]
-BY_ORDER = {
-    (0, 0): "00>10>11>01>00",
-    (0, 1): "00>10>11>10>00",
-    (1, 0): "00>01>11>01>00",
-    (1, 1): "00>01>11>10>00",
-}
 
 
 def any_simple(rng: np.random.Generator) -> Simple:
@@ -148,70 +140,3 @@ def test_a_force_beyond_the_end_forces_gives_the_stop():
     f0, f1 = end_forces(s)
     assert travel_at(s, f0 + 1.0) == 0.0
     assert travel_at(s, f1 - 1.0) == 2 * s.lever * s.sin_limit
-
-
-def strokes(cycle: sw.Cycle, direction: int) -> list[float]:
-    return [snap.stroke for snap in cycle.snaps if snap.direction == direction]
-
-
-def check(snaps: list[float], expected: float, full: float) -> None:
-    if math.isnan(expected):
-        assert snaps == []
-    else:
-        assert snaps == pytest.approx([expected], abs=1e-12 * full)
-
-
-def test_two_concave_cells_do_in_closed_form_what_the_engine_follows():
-    rng = np.random.default_rng(6)
-    met, extra = set(), 0
-    for n in range(examples(150)):
-        cells = [concave_cell(rng), concave_cell(rng)]
-        if n % 2:
-            other = replace(cells[1], lever=rng.uniform(0.010, 0.020), limit=rng.uniform(0.3, 1.0))
-            cells[rng.integers(2)] = other
-        s = [numbers(cell) for cell in cells]
-        if not (certify(s[0], 0.0) and certify(s[1], 0.0)):
-            continue
-        chain = sw.Chain(tuple(cells))
-        cycle, result = chain.cycle(), pair(*s)
-        if not result.holds:
-            # Pushed through its whole travel in the snap: a vertex more.
-            assert len(cycle.sequence) > 5
-            extra += 1
-            continue
-        met.add((result.first_loading, result.first_unloading))
-        assert cycle.sequence == BY_ORDER[result.first_loading, result.first_unloading]
-        check(strokes(cycle, 1), result.snap_loading, chain.full_stroke)
-        check(strokes(cycle, -1), result.snap_unloading, chain.full_stroke)
-    assert met == set(BY_ORDER)
-    assert extra > 0
-
-
-def test_snap_strokes_agree_with_brute_force():
-    rng = np.random.default_rng(7)
-    snapped = 0
-    while snapped < examples(3):
-        cells = [concave_cell(rng), concave_cell(rng)]
-        result = pair(numbers(cells[0]), numbers(cells[1]))
-        if math.isnan(result.snap_loading) or math.isnan(result.snap_unloading):
-            continue
-        snapped += 1
-        slow = [
-            OracleCell(
-                c.lever,
-                c.limit,
-                [(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length, 0.0, 0.0, False)],
-            )
-            for c in cells
-        ]
-        full = sum(c.full_travel for c in cells)
-        steps = 400
-        # A snap smaller than a drive step is none to a follower with steps.
-        give_back = min(full - result.snap_loading, result.snap_unloading)
-        if give_back < 4 * full / steps:
-            snapped -= 1
-            continue
-        run = follow(slow, [0.0, full, 0.0], steps=steps, snap_travel=2 * full / steps)
-        assert run.sequence == BY_ORDER[result.first_loading, result.first_unloading]
-        expected = [result.snap_loading, result.snap_unloading]
-        assert [s.drive for s in run.snaps] == pytest.approx(expected, abs=2 * full / steps)

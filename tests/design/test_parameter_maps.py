@@ -11,13 +11,13 @@ from hypothesis import assume, given, strategies as st
 import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
-from stepwell.design import BoundaryKind
-from stepwell.design.maps.outcomes import snapping_steps
-from stepwell.design.maps.parameter_map import (
-    ParameterBoundary,
+from stepwell.design import (
+    Boundary,
+    BoundaryKind,
     parameter_boundaries,
     parameter_map,
 )
+from stepwell.design.maps.outcomes import snapping_steps
 from stepwell.design.parameters.parameter import parameter, parameters
 
 
@@ -45,13 +45,18 @@ def design(chain: sw.Chain, names: tuple[str, str], values: tuple[float, float])
     return chain
 
 
-def some(curve: ParameterBoundary, count: int) -> list[int]:
+def some(curve: Boundary, count: int) -> list[int]:
     """Numbers of a few points, none at an end."""
     inside = np.arange(1, len(curve.points) - 1)
     return inside[np.linspace(0, len(inside) - 1, min(count, len(inside))).astype(int)].tolist()
 
 
-def beside(curve: ParameterBoundary, i: int, spans: np.ndarray, away: float) -> list[np.ndarray]:
+def orders(found: tuple[Boundary, ...]) -> tuple[Boundary, ...]:
+    """Without the limits of bistability."""
+    return tuple(b for b in found if b.kind is not BoundaryKind.BISTABLE)
+
+
+def beside(curve: Boundary, i: int, spans: np.ndarray, away: float) -> list[np.ndarray]:
     """Places on both sides of a point of the curve, `away` of the axes from it."""
     tangent = (curve.points[i + 1] - curve.points[i - 1]) / spans
     normal = np.array([-tangent[1], tangent[0]]) / np.linalg.norm(tangent)
@@ -99,7 +104,6 @@ def maps(draw) -> tuple[sw.Chain, tuple[str, str]]:
     return chain, tuple(draw(st.lists(st.sampled_from(names), min_size=2, max_size=2, unique=True)))
 
 
-@pytest.mark.slow
 @given(maps())
 def test_every_node_does_what_the_engine_says(case):
     chain, names = case
@@ -128,7 +132,7 @@ def test_every_node_does_what_the_engine_says(case):
     [
         ("outer.stiffness", 16),
         ("inner.friction", 4),  # where it is zero
-        ("outer.lever", 0),  # unequal travels
+        ("outer.lever", 16),  # of two cells, travels may differ
         ("actuator_stiffness", 0),
     ],
 )
@@ -141,9 +145,9 @@ def test_the_closed_form_serves_where_it_is_proved_and_nowhere_else(x, closed):
 
 def test_equal_travels_of_other_levers_are_sorted_in_closed_form():
     # S = 2 r sin θc: at sin θc = 0.5 and r = 20 mm as at 45° and 10√2 mm.
-    chain = sw.Chain((cell(10, 0), replace(cell(20, 0), lever=0.020)))
+    chain = sw.Chain((cell(10, 0), cell(12, -5), replace(cell(20, 0), lever=0.020)))
     angles = [0.4, math.pi / 6, 0.6]
-    data = parameter_map(chain, ("outer.limit", angles), ("outer.stiffness", [20.0, 30.0]))
+    data = parameter_map(chain, ("3.limit", angles), ("3.stiffness", [20.0, 30.0]))
     assert data.attrs["closed_form_designs"] == 2
 
 
@@ -188,7 +192,7 @@ def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
     names = (f"{chain.names[-1]}.q.x", f"{chain.names[0]}.stiffness")
     x, y = (0.0, 0.020), (15.0, 60.0)
     spans = np.array([np.ptp(x), np.ptp(y)])
-    found = parameter_boundaries(chain, (names[0], x), (names[1], y), search=31)
+    found = orders(parameter_boundaries(chain, (names[0], x), (names[1], y), search=31))
     assert found
     for curve in found:
         assert curve.method == "exact"
@@ -202,8 +206,8 @@ def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
 
 def test_an_exact_curve_is_where_two_forces_are_equal_to_rounding():
     names = ("inner.stiffness", "outer.q.x")
-    found = parameter_boundaries(
-        TILTED, (names[0], (15.0, 60.0)), (names[1], (0.0, 0.020)), search=31
+    found = orders(
+        parameter_boundaries(TILTED, (names[0], (15.0, 60.0)), (names[1], (0.0, 0.020)), search=31)
     )
     kinds = {curve.kind for curve in found}
     assert kinds == {BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER}
@@ -229,12 +233,11 @@ def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
     np.testing.assert_allclose(curve.points[:, 0] / curve.points[:, 1], ratio, rtol=1e-12)
 
 
-@pytest.mark.slow
 def test_friction_moves_the_curves_by_its_force_exactly():
     # A cell leaves 0 at F0 + f and leaves 1 at F1 - f.
     names = ("outer.q.x", "inner.friction")
-    found = parameter_boundaries(
-        TILTED, (names[0], (0.0, 0.020)), (names[1], (0.01, 0.15)), search=15
+    found = orders(
+        parameter_boundaries(TILTED, (names[0], (0.0, 0.020)), (names[1], (0.01, 0.15)), search=15)
     )
     kinds = {curve.kind: curve for curve in found}
     assert set(kinds) == {BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER}
@@ -250,7 +253,6 @@ def test_friction_moves_the_curves_by_its_force_exactly():
             assert abs(gap) < 1e-7
 
 
-@pytest.mark.slow
 def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
     stiffness = np.geomspace(3.0, 3000.0, 6)
     data = parameter_map(
@@ -317,7 +319,8 @@ def test_a_curve_prints_what_changes_and_how_it_was_found():
     found = parameter_boundaries(
         PAPER, ("outer.q.x", (0.005, 0.015)), ("outer.stiffness", (20.0, 40.0)), search=9
     )
-    assert "exact, within 1e-13 of the axes" in repr(found[0])
+    assert found[0].error < 1e-14
+    assert f"exact, within {found[0].error:.1g} of the axes" in repr(found[0])
     assert "change places" in repr(found[0])
 
 

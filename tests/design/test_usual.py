@@ -11,12 +11,12 @@ from stepwell.design import (
     AnchorBox,
     Stock,
     design,
+    parameter_map,
     reprogram,
     survival,
     transition_map,
     yields,
 )
-from stepwell.design.maps.parameter_map import parameter_map
 from stepwell.design.synthesis.inverse import PAPER_LEVER
 from stepwell.files import dumps, loads
 from stepwell.mechanism import SlipError
@@ -68,7 +68,7 @@ def across(chain: sw.Chain) -> object:
         (lambda c: survival(c, (0, 0.04), "11", sw.Tolerances(anchor=0.3), n=1), "anchor", 0.0003),
         (lambda c: c.margin(reach=20), "reach", 0.020),
         (lambda c: reprogram(c, None, "inner.p", reach=20), "reach", 0.020),
-        (across, "x", 0.020),
+        (across, "outer.q.x", 0.020),
         (
             lambda c: parameter_map(c, ("inner.q.x", [0, 20]), ("outer.q.y", [0, 0.01])),
             "inner.q.x",

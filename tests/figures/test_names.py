@@ -54,7 +54,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
         {name: (0.01, 0.0)},
     )
     yield partial(
-        figures.parameter_map,
+        figures.transition_map,
         parameter_map(chain, *knobs),
         parameter_boundaries(chain, *knobs),
         {name: (0.01, 30.0)},

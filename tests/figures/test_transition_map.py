@@ -1,100 +1,227 @@
-"""The transition map: regions named, boundaries exact, designs in their place."""
+"""The map over two parameters: regions by names or letters, curves by numbers, all explained."""
+
+import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from figures.drawn import legend_of, lines, points, says, untidy
+import stepwell as sw
+from figures.drawn import collisions, cut_off, lines, points, says, words
 from stepwell import figures, files
-from stepwell.design import boundaries, transition_map
+from stepwell.design import parameter_boundaries, parameter_map
+from stepwell.figures.common.style import INK, LOADING, UNLOADING
 
-X = np.linspace(0.0, 0.020, 41)
-Y = np.linspace(-0.015, 0.015, 61)
-DESIGNS = {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
+X = ("outer.q.x", np.linspace(0.0, 0.020, 41))
+Y = ("outer.q.y", np.linspace(-0.015, 0.015, 61))
+PLACE = ("two.q.x", np.linspace(0.0, 0.020, 41)), ("two.q.y", np.linspace(-0.015, 0.015, 61))
 
 
 @pytest.fixture(scope="module")
-def found():
+def pair():
     chain = files.preset("paper-forward")
-    return transition_map(chain, 1, x=X, y=Y), boundaries(chain, 1, x=X, y=Y)
+    return parameter_map(chain, X, Y), parameter_boundaries(chain, X, Y, search=31)
 
 
-def test_each_pathway_is_named_in_its_region(found):
-    figure = figures.transition_map(found[0], found[1], DESIGNS)
-    said = says(figure)
-    for name in ("clockwise", "via 01", "via 10"):
-        assert said.count(name) == 1
-    assert said.count("counterclockwise") + said.count("counter-\nclockwise") == 1
+@pytest.fixture(scope="module")
+def shuffle():
+    chain = files.preset("four-shuffle")
+    return parameter_map(chain, *PLACE), parameter_boundaries(chain, *PLACE, search=31)
 
-    dataset, _ = found
-    codes = dict(
-        zip(str(dataset.pathway.flag_meanings).split(), dataset.pathway.flag_values, strict=True)
-    )
-    ax = figure.axes[0]
-    for text in ax.texts:
-        name = text.get_text().replace("-\n", "").replace(" ", "_")
-        if name in codes:
+
+def key(figure) -> dict[str, str]:
+    """What the letters and numbers in the column beside the map mean, pathways by themselves."""
+    texts = iter(text.get_text() for text in figure.axes[1].texts)
+    found = {}
+    for text in texts:
+        # Each row is a letter, a number or nothing, and what it means.
+        meaning = next(texts) if re.fullmatch(r"[A-Z]|[0-9]*", text) else text
+        found[text if text else meaning] = meaning
+    return found
+
+
+def codes(dataset) -> dict[str, int]:
+    notes = dataset["sequence"].attrs
+    return dict(zip(notes["flag_meanings"].split(), notes["flag_values"].tolist(), strict=True))
+
+
+def test_letters_stand_in_the_region_of_their_sequence(shuffle):
+    dataset, boundaries = shuffle
+    figure = figures.transition_map(dataset, boundaries)
+    meaning, code = key(figure), codes(dataset)
+    seen = set()
+    for text in figure.axes[0].texts:
+        letter = text.get_text()
+        if letter.isalpha():
             x, y = text.get_position()
-            here = dataset.pathway.sel(x=x * 1e-3, y=y * 1e-3, method="nearest")
-            assert int(here) == codes[name]
+            here = dataset.sequence.sel(x=x * 1e-3, y=y * 1e-3, method="nearest")
+            assert int(here) == code[meaning[letter]]
+            seen.add(letter)
+    assert "A" in seen
+    assert len(seen) >= 8
 
 
-def test_axes_are_the_anchor_in_millimetres_at_equal_scale(found):
-    (ax,) = figures.transition_map(*found).axes
+def test_the_key_names_every_sequence_that_occurs_and_no_other(shuffle):
+    dataset, _ = shuffle
+    meaning = key(figures.transition_map(dataset))
+    code = codes(dataset)
+    occurring = {name for name, value in code.items() if np.any(dataset.sequence == value)}
+    del meaning["two monostable"]
+    assert set(meaning.values()) == occurring
+    # The largest region comes first.
+    sizes = [int(np.sum(dataset.sequence == code[meaning[letter]])) for letter in sorted(meaning)]
+    assert sizes == sorted(sizes, reverse=True)
+
+
+def test_pathways_of_two_cells_are_called_by_their_name_where_they_are(pair):
+    dataset, _ = pair
+    figure = figures.transition_map(
+        pair[0], pair[1], {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
+    )
+    meaning, code = key(figure), codes(dataset)
+    assert "clockwise: 00>10>11>01>00" in meaning.values()
+    assert "via 10: 00>10>11>10>00" in meaning.values()
+    four = {p.label: code[p.value] for p in sw.Pathway if p is not sw.Pathway.OTHER}
+    named = []
+    for text in figure.axes[0].texts:
+        name = text.get_text().replace("-\n", "")
+        if name in four:
+            x, y = text.get_position()
+            here = dataset.sequence.sel(x=x * 1e-3, y=y * 1e-3, method="nearest")
+            assert int(here) == four[name]
+            named.append(name)
+    assert sorted(named) == sorted(four)
+
+
+def test_every_boundary_is_drawn_in_the_colour_of_what_changes(pair):
+    dataset, boundaries = pair
+    figure = figures.transition_map(dataset, boundaries)
+    drawn = lines(figure, "boundary") + lines(figure, "stability edge")
+    assert len(drawn) == len(boundaries) == 6
+    assert len(lines(figure, "stability edge")) == 2
+    colours = {"LOADING_ORDER": LOADING, "UNLOADING_ORDER": UNLOADING, "BISTABLE": INK}
+    for boundary in boundaries:
+        (line,) = [
+            line
+            for line in drawn
+            if len(points(line)) == len(boundary.points)
+            and points(line) == pytest.approx(boundary.points * 1e3)
+        ]
+        assert line.get_color() == colours[boundary.kind.name]
+
+
+def test_curves_are_numbered_by_what_changes_across_them(pair):
+    figure = figures.transition_map(*pair)
+    meaning = key(figure)
+    assert meaning["1"] != meaning["2"]
+    assert {meaning["1"], meaning["2"]} == {
+        "inner and outer change places while loading",
+        "inner and outer change places while unloading",
+    }
+    on_map = [t.get_text() for t in figure.axes[0].texts if t.get_gid() == "number"]
+    assert sorted(on_map) == ["1", "1", "2", "2"]
+
+
+def test_axes_are_named_with_the_units_that_are_read(pair):
+    (ax, _) = figures.transition_map(*pair).axes
     assert ax.get_xlabel() == "$q_x$ of outer [mm]"
     assert ax.get_ylabel() == "$q_y$ of outer [mm]"
-    assert ax.get_aspect() == 1.0
     assert (*ax.get_xlim(), *ax.get_ylim()) == pytest.approx((0, 20, -15, 15))
+    box = ax.get_window_extent()
+    assert box.height / box.width == pytest.approx(1.5, rel=0.02)
 
 
-def test_boundaries_are_the_exact_curves(found):
-    dataset, curves = found
-    figure = figures.transition_map(dataset, curves)
-    drawn = lines(figure, "boundary") + lines(figure, "stability edge")
-    assert len(drawn) == len(curves) == 4
-    lengths = sorted(len(points(line)) for line in drawn)
-    assert lengths == sorted(len(curve.points) for curve in curves)
-    assert len(lines(figure, "stability edge")) == 2
+def test_monostable_ground_is_hatched_and_explained(pair):
+    figure = figures.transition_map(*pair)
+    assert any(getattr(c, "hatches", [None])[0] for c in figure.axes[0].collections)
+    assert {"outer monostable", "bistable up to here"} <= set(key(figure).values())
+    bistable = figures.transition_map(pair[0].sel(y=slice(-0.004, 0.004)))
+    assert not any(getattr(c, "hatches", [None])[0] for c in bistable.axes[0].collections)
+    assert "outer monostable" not in key(bistable).values()
 
 
-def test_designs_stand_at_their_anchor(found):
-    figure = figures.transition_map(found[0], found[1], DESIGNS)
+def test_a_sequence_without_room_for_its_letter_is_in_the_key(pair):
+    dataset = pair[0].copy(deep=True)
+    other = dataset.sequence.attrs["flag_values"].max() + 1
+    notes = dataset.sequence.attrs
+    notes["flag_values"] = np.append(notes["flag_values"], other)
+    notes["flag_meanings"] += " 00>11>00"
+    dataset["sequence"][30, 20] = other
+    assert key(figures.transition_map(dataset))["A"] == "00>11>00"
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "label", "shown"),
+    [
+        ("outer.stiffness", (15.0, 45.0), "Stiffness of outer [N/m]", (15.0, 45.0)),
+        ("outer.rest_length", (0.005, 0.012), "Rest length of outer [mm]", (5.0, 12.0)),
+        ("outer.limit", (0.6, 0.8), "Angle limit of outer [deg]", (34.377, 45.837)),
+        ("actuator_stiffness", (20.0, 200.0), "Actuator stiffness [N/m]", (20.0, 200.0)),
+    ],
+)
+def test_other_parameters_have_their_own_units(name, values, label, shown):
+    dataset = parameter_map(
+        files.preset("paper-forward"), X, (name, np.linspace(values[0], values[1], 3))
+    ).isel(x=slice(0, 3))
+    (ax, _) = figures.transition_map(dataset).axes
+    assert ax.get_ylabel() == label
+    assert ax.get_ylim() == pytest.approx(shown, rel=1e-4)
+
+
+def test_geometric_values_give_a_logarithmic_axis():
+    stiffness = ("actuator_stiffness", np.geomspace(20.0, 2000.0, 5))
+    dataset = parameter_map(
+        files.preset("paper-forward"), stiffness, ("outer.q.x", np.linspace(0.0, 0.020, 4))
+    )
+    (ax, _) = figures.transition_map(dataset).axes
+    assert ax.get_xscale() == "log"
+    assert ax.get_yscale() == "linear"
+
+
+def test_designs_stand_at_their_parameters(pair):
+    designs = {"forward": (0.020, 0.0), "backward": (0.005, 0.0)}
+    figure = figures.transition_map(pair[0], pair[1], designs)
     drawn = np.concatenate([points(line) for line in lines(figure, "design")])
     assert drawn == pytest.approx(np.array([(20.0, 0.0), (5.0, 0.0)]))
-    assert {"forward", "backward"} <= set(says(figure))
+    assert set(designs) <= set(says(figure))
+    assert collisions(figure) == []
 
 
-def test_monostable_ground_is_hatched_and_explained(found):
-    figure = figures.transition_map(*found)
-    found_hatches = [getattr(c, "hatches", [None])[0] for c in figure.axes[0].collections]
-    assert any(found_hatches)
-    assert "outer monostable" in legend_of(figure)
-    bistable = figures.transition_map(found[0].sel(y=slice(-0.004, 0.004)))
-    assert legend_of(bistable) == []
-
-
-def test_words_stay_apart(found):
-    for designs in (
-        {},
-        DESIGNS,
-        {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)},
-    ):
-        figure = figures.transition_map(found[0], found[1], designs)
-        assert untidy(figure) == []
-
-
-def test_a_pathway_without_room_for_its_name_is_in_the_key(found):
-    dataset = found[0].copy(deep=True)
-    codes = dict(
-        zip(str(dataset.pathway.flag_meanings).split(), dataset.pathway.flag_values, strict=True)
-    )
-    dataset.pathway[30, 20] = codes["other"]
-    assert "other pathway" in legend_of(figures.transition_map(dataset))
-
-
-def test_impossible_places_stay_white(found):
-    dataset = found[0].copy(deep=True)
-    dataset.pathway[:, :20] = -1
+def test_neighbouring_regions_differ_in_colour(shuffle):
+    dataset, _ = shuffle
     mesh = figures.transition_map(dataset).axes[0].collections[0]
-    shown = np.ma.asarray(mesh.get_array()).reshape(61, 41)
-    assert np.ma.getmaskarray(shown)[:, :20].all()
-    assert not np.ma.getmaskarray(shown)[:, 20:].any()
+    number = np.ma.asarray(mesh.get_array()).reshape(dataset.sequence.shape).astype(int)
+    colours = mesh.cmap(mesh.norm(number))
+    for axis in (0, 1):
+        changes = np.diff(number, axis=axis) != 0
+        same = np.all(np.diff(colours, axis=axis) == 0, axis=-1)
+        assert not np.any(changes & same)
+
+
+def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
+    dataset = pair[0].copy(deep=True)
+    code = codes(dataset)
+    dataset["sequence"][:, :5] = code["impossible"]
+    figure = figures.transition_map(dataset)
+    shown = np.ma.asarray(figure.axes[0].collections[0].get_array()).reshape(61, 41)
+    assert np.ma.getmaskarray(shown)[:, :5].all()
+    assert not np.ma.getmaskarray(shown)[:, 5:].any()
+    assert "no mechanism: the band's ends meet" in says(figure)
+
+
+def test_words_stay_apart_and_on_the_page(pair, shuffle):
+    crossing = {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)}
+    for found in (pair, shuffle, (*pair, crossing)):
+        figure = figures.transition_map(*found)  # type: ignore[arg-type]
+        assert collisions(figure) == []
+        assert cut_off(figure) == []
+        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+        assert 25.4 * figure.get_size_inches()[0] == pytest.approx(180.0)
+
+
+def test_a_map_read_back_from_a_file_looks_the_same(pair, tmp_path):
+    dataset, boundaries = pair
+    dataset.to_netcdf(tmp_path / "map.nc")
+    with xr.open_dataset(tmp_path / "map.nc") as again:
+        first = figures.svg(figures.transition_map(dataset, boundaries))
+        assert figures.svg(figures.transition_map(again, boundaries)) == first

@@ -27,10 +27,10 @@ from stepwell.concave import (
     simple,
     slopes_by_sizes,
 )
-from stepwell.design import parameter_boundaries
+from stepwell.design import BoundaryKind, boundaries, parameter_boundaries
 from stepwell.design.margins import Resistance, robustness
 from stepwell.design.placement import Kind, Rule, Stock
-from stepwell.design.plane import Box, Level
+from stepwell.design.plane import Box
 from stepwell.robot.gait import round as round_
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
@@ -210,10 +210,11 @@ def _():
     return [np.sum(line.points[0]) for line in found]
 
 
-@route("boundary of a map", PLACE)
+@route("boundaries of an anchor's map", PLACE)
 def _():
-    level = Level(plain(INNER), -1, end_forces(plain(cell(14, -3)))[0])
-    return level.project(np.array([[0.02, -0.01], [0.025, -0.008]]))
+    found = boundaries(PAIR, 1, x=(0.006, 0.026), y=(-0.012, 0.008), search=5)
+    orders = BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER
+    return [np.sum(line.points[0]) for line in found if line.kind in orders]
 
 
 @route("end forces of many that are made", FORCE)

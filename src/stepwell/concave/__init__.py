@@ -4,6 +4,7 @@ from stepwell.concave.cell import (
     Simple,
     energy_at,
     force_at,
+    full_travel,
     most_bend,
     of_row,
     simple,
@@ -27,7 +28,6 @@ from stepwell.concave.ends import (
     slopes_by_sizes,
     steepest,
 )
-from stepwell.concave.pair import decide, sweep
 from stepwell.concave.relays import Plan, Relays, fewest_strokes, relays
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sorting import (
@@ -58,7 +58,6 @@ __all__ = [
     "closed",
     "concave_disc",
     "concave_line",
-    "decide",
     "end_force",
     "end_force_field",
     "end_forces",
@@ -66,6 +65,7 @@ __all__ = [
     "energy_at",
     "fewest_strokes",
     "force_at",
+    "full_travel",
     "in_disc",
     "most_bend",
     "motion_orders",
@@ -81,6 +81,5 @@ __all__ = [
     "smallest_gap",
     "snaps_of",
     "steepest",
-    "sweep",
     "travel_at",
 ]

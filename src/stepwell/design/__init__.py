@@ -8,7 +8,6 @@ from types import ModuleType
 from typing import Any
 
 from stepwell.design.maps import (
-    ParameterBoundary,
     boundaries,
     parameter_boundaries,
     parameter_map,
@@ -54,7 +53,6 @@ __all__ = [
     "Impossible",
     "Margin",
     "Parameter",
-    "ParameterBoundary",
     "Reached",
     "Reprogramming",
     "Resistance",

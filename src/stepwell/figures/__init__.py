@@ -6,7 +6,6 @@ from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
     Sensitivity,
-    parameter_map,
     tornado,
     transition_map,
     yield_bars,
@@ -60,7 +59,6 @@ __all__ = [
     "measured_pairs",
     "mechanism",
     "overview",
-    "parameter_map",
     "prediction",
     "robot_above",
     "robot_drawing",

@@ -22,7 +22,7 @@ from stepwell.reports.measured import (
 from stepwell.reports.page import report
 from stepwell.reports.program import write_program
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
-from stepwell.reports.run import write_map, write_parameter_map, write_run
+from stepwell.reports.run import write_map, write_run
 
 __all__ = [
     "checked_suffix",
@@ -34,7 +34,6 @@ __all__ = [
     "write_graph",
     "write_map",
     "write_maze",
-    "write_parameter_map",
     "write_program",
     "write_readings",
     "write_reprogramming",

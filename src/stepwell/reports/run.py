@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from stepwell.base import write_atomic
 from stepwell.files import dumps, staged_folder
@@ -18,19 +18,13 @@ from stepwell.reports.steps import (
     write_json,
     write_netcdf,
 )
-from stepwell.results import (
-    boundary_rows,
-    map_record,
-    parameter_boundary_rows,
-    parameter_map_record,
-    run_record,
-)
+from stepwell.results import boundary_rows, map_record, run_record
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from stepwell.design import Boundary, Margin, ParameterBoundary
+    from stepwell.design import Boundary, Margin
     from stepwell.sequences import Cycle
 
 # Beyond this a drawing is too small to see, and the figures room refuses it.
@@ -72,13 +66,14 @@ def write_map(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a transition map into a folder, all of it or nothing.
+    """Write a map into a folder, all of it or nothing.
 
     Args:
-        dataset: what `design.transition_map` returns.
-        boundaries: what `design.boundaries` returns for the same chain and cell.
+        dataset: what `design.transition_map` or `design.parameter_map` returns.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         folder: made if missing; what the same function wrote there before is replaced.
-        designs: anchor q [m] of each design to be marked, by name.
+        designs: the two parameters in SI of each design to be marked, by name; the first is the
+            one that map.json tells.
         text: of the design file, for the hash of it in map.json.
         progress: called with (done, total) files.
         force: replace files that others wrote or changed too.
@@ -92,78 +87,19 @@ def write_map(
     """
     from stepwell import figures
 
-    q = next(iter(designs.values()), None) if designs else None
-    return _write_map(
-        dataset,
-        map_record(dataset, boundaries, q, text=text),
-        boundary_rows(boundaries),
-        lambda: figures.transition_map(dataset, boundaries, designs),
-        folder,
-        progress,
-        force,
-    )
-
-
-def write_parameter_map(
-    dataset: xarray.Dataset,
-    boundaries: tuple[ParameterBoundary, ...],
-    folder: str | os.PathLike[str],
-    *,
-    design: tuple[float, float] | None = None,
-    text: str | None = None,
-    progress: Progress | None = None,
-    force: bool = False,
-) -> tuple[str, ...]:
-    """Write a map over two parameters into a folder, all of it or nothing.
-
-    Args:
-        dataset: what `design.parameter_map` returns.
-        boundaries: what `design.parameter_boundaries` returns for the same parameters.
-        folder: made if missing; what the same function wrote there before is replaced.
-        design: the two parameters of the design itself, in SI, to be marked.
-        text: of the design file, for the hash of it in map.json.
-        progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
-
-    Returns:
-        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
-
-    Raises:
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
-        OSError: the folder cannot be written.
-    """
-    from stepwell import figures
-
-    inside = {"this design": design} if design and _shows(dataset, design) else None
-    return _write_map(
-        dataset,
-        parameter_map_record(dataset, boundaries, design, text=text),
-        parameter_boundary_rows(boundaries),
-        lambda: figures.parameter_map(dataset, boundaries, inside),
-        folder,
-        progress,
-        force,
-    )
-
-
-def _write_map(
-    dataset: xarray.Dataset,
-    record: dict[str, Any],
-    rows: str,
-    draw: Callable[[], Figure],
-    folder: str | os.PathLike[str],
-    progress: Progress | None,
-    force: bool,
-) -> tuple[str, ...]:
+    designs = designs or {}
+    inside = {name: place for name, place in designs.items() if _shows(dataset, place)}
+    record = map_record(dataset, boundaries, next(iter(designs.values()), None), text=text)
     with staged_folder(folder, "map", record, force=force) as draft:
         steps = Steps(progress, 5)
         write_netcdf(draft / "map.nc", dataset)
         steps.next()
         write_json(draft / "map.json", record)
         steps.next()
-        write_atomic(draft / "boundaries.csv", rows)
+        write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
         steps.next()
-        save_figures({"map": draw()}, draft, steps)
+        drawn = figures.transition_map(dataset, boundaries, inside)
+        save_figures({"map": drawn}, draft, steps)
         return names(draft)
 
 

@@ -12,7 +12,7 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head
-from stepwell.results.map import parameter_boundary_rows, parameter_map_record
+from stepwell.results.map import boundary_rows, map_record
 from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
     CHANGE,
@@ -29,15 +29,7 @@ from stepwell.results.robot import (
     sweep_record,
     walk_record,
 )
-from stepwell.results.run import (
-    CELL,
-    boundary_rows,
-    change_columns,
-    event_columns,
-    force_scale,
-    map_record,
-    run_record,
-)
+from stepwell.results.run import CELL, change_columns, event_columns, force_scale, run_record
 from stepwell.results.ties import tie_notes
 
 __all__ = [
@@ -64,8 +56,6 @@ __all__ = [
     "impossible_record",
     "map_record",
     "maze_record",
-    "parameter_boundary_rows",
-    "parameter_map_record",
     "program_record",
     "reprogram_record",
     "robot_record",

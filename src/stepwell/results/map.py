@@ -7,51 +7,45 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import csv_text, told_in
+from stepwell.base import csv_text, plain, told_in
 from stepwell.results.head import head
-from stepwell.results.run import finite
 
 if TYPE_CHECKING:
     import xarray
 
-    from stepwell.design import ParameterBoundary
+    from stepwell.design import Boundary
 
-PARAMETER_MAP_SCHEMA = "stepwell.parameter-map/1"
+MAP_SCHEMA = "stepwell.map/2"
 
 
-def parameter_map_record(
+def map_record(
     dataset: xarray.Dataset,
-    boundaries: Iterable[ParameterBoundary],
+    boundaries: Iterable[Boundary],
     design: tuple[float, float] | None = None,
     *,
     text: str | None = None,
 ) -> dict[str, Any]:
-    """What a map over two parameters says in short: how much of it each sequence takes.
+    """What a map says in short: how much of it each sequence takes.
 
     Args:
-        dataset: what `design.parameter_map` returns.
-        boundaries: what `design.parameter_boundaries` returns for the same parameters.
-        design: the two parameters of the design itself, in SI.
+        dataset: what `design.transition_map` or `design.parameter_map` returns.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
+        design: the two parameters of the design itself, in SI, if it has one place on the map.
         text: of the design file, for the hash of it; unknown by default.
 
     Returns:
         The record that docs/commands.md describes.
     """
-    codes = dataset["sequence"].to_numpy()
-    notes = dataset["sequence"].attrs
-    meanings = str(notes["flag_meanings"]).split()
-    values = [int(value) for value in notes["flag_values"]]
+    axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
+    pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}
     return {
-        **head(PARAMETER_MAP_SCHEMA, text),
+        **head(MAP_SCHEMA, text),
         "title": str(dataset.attrs["title"]),
-        **{
-            name: _axis(dataset[letter], None if design is None else design[k])
-            for k, (name, letter) in enumerate((("across", "x"), ("up", "y")))
-        },
-        "shares": {
-            meaning: float(np.mean(codes == value))
-            for value, meaning in zip(values, meanings, strict=True)
-        },
+        **{name: _axis(dataset[letter], here) for name, letter, here in axes},
+        "shares": _shares(dataset["sequence"]),
+        **pathways,
+        "moved_cell": str(dataset.attrs["moved_cell"]),
+        "monostable_fraction": float(np.mean(dataset["monostable"].to_numpy())),
         "degenerate_designs": int(np.sum(dataset["degenerate"].to_numpy())),
         "closed_form_designs": int(dataset.attrs["closed_form_designs"]),
         "engine_designs": int(dataset.attrs["engine_designs"]),
@@ -61,7 +55,7 @@ def parameter_map_record(
                 "kind": boundary.kind.name.lower(),
                 "between": list(boundary.sequences),
                 "method": boundary.method,
-                "error_of_axes": finite(boundary.error),
+                "error_of_axes": plain(boundary.error),
                 "points": len(boundary.points),
             }
             for boundary in boundaries
@@ -69,7 +63,7 @@ def parameter_map_record(
     }
 
 
-def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
+def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     """The curves of a map as CSV: curve, kind and the two parameters, a row for every point."""
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
@@ -88,13 +82,19 @@ def parameter_boundary_rows(boundaries: Iterable[ParameterBoundary]) -> str:
     return csv_text(head, rows)
 
 
+def _shares(field: xarray.DataArray) -> dict[str, float]:
+    codes, notes = field.to_numpy(), field.attrs
+    flags = zip(np.atleast_1d(notes["flag_values"]), notes["flag_meanings"].split(), strict=True)
+    return {meaning: float(np.mean(codes == value)) for value, meaning in flags}
+
+
 def _axis(axis: xarray.DataArray, design: float | None) -> dict[str, Any]:
     unit, factor = told_in(str(axis.attrs["units"]))
     return {
         "parameter": str(axis.attrs["long_name"]),
         "unit": unit,
-        "from": finite(float(axis[0]), factor),
-        "to": finite(float(axis[-1]), factor),
+        "from": plain(float(axis[0]), factor),
+        "to": plain(float(axis[-1]), factor),
         "count": len(axis),
-        "design": None if design is None else finite(design, factor),
+        "design": None if design is None else plain(design, factor),
     }

@@ -6,17 +6,12 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stepwell.base import (
     Column,
     Columns,
     Quantity,
     Schema,
-    csv_text,
     number,
-    plain,
-    plain as finite,
     record,
     signed,
     told_in,
@@ -27,14 +22,11 @@ from stepwell.results.ties import tie_notes
 from stepwell.statics import Cause
 
 if TYPE_CHECKING:
-    import xarray
-
-    from stepwell.design import Boundary, Change, Margin
+    from stepwell.design import Change, Margin
     from stepwell.sequences import Cycle
     from stepwell.statics import Event
 
 RUN_SCHEMA = "stepwell.run/1"
-MAP_SCHEMA = "stepwell.map/1"
 # The states of a chain are as many as its cells, each as long: past this only orders are told.
 LONGEST_SPELLED_OUT = 64
 # What a design becomes past each of its changes takes a cycle a change: longer chains are told
@@ -221,64 +213,3 @@ def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
         Column("which way", way),
         *([past] if any(change["becomes"] for change in changes) else []),
     )
-
-
-def map_record(
-    dataset: xarray.Dataset,
-    boundaries: Iterable[Boundary],
-    q: tuple[float, float] | None = None,
-    *,
-    text: str | None = None,
-) -> dict[str, Any]:
-    """What a transition map says in short: how much of it each pathway takes.
-
-    Args:
-        dataset: what `design.transition_map` returns.
-        boundaries: what `design.boundaries` returns for the same chain and cell.
-        q: the design's own anchor [m], if it has one.
-        text: of the design file, for the hash of it; unknown by default.
-
-    Returns:
-        The record that docs/commands.md describes, in mm.
-    """
-    codes = dataset["pathway"].to_numpy()
-    attributes = dataset["pathway"].attrs
-    meanings = str(attributes["flag_meanings"]).split()
-    values = [int(value) for value in attributes["flag_values"]]
-    axes = {name: dataset[name].to_numpy() * 1e3 for name in ("x", "y")}
-    return {
-        **head(MAP_SCHEMA, text),
-        "title": str(dataset.attrs["title"]),
-        "moved_cell": str(dataset.attrs["moved_cell"]),
-        "design_q_mm": None if q is None else [finite(v, 1e3) for v in q],
-        **{
-            f"{name}_mm": {"from": float(a[0]), "to": float(a[-1]), "count": len(a)}
-            for name, a in axes.items()
-        },
-        "area_fractions": {
-            meaning: float(np.mean(codes == value))
-            for value, meaning in zip(values, meanings, strict=True)
-        },
-        "monostable_fraction": float(np.mean(dataset["monostable"].to_numpy())),
-        "degenerate_designs": int(np.sum(dataset["degenerate"].to_numpy())),
-        "boundaries": [
-            {
-                "changes": boundary.changes,
-                "kind": boundary.kind.name.lower(),
-                "method": boundary.method,
-                "error_mm": finite(boundary.error, 1e3),
-                "points": len(boundary.points),
-            }
-            for boundary in boundaries
-        ],
-    }
-
-
-def boundary_rows(boundaries: Iterable[Boundary]) -> str:
-    """The curves of a transition map as CSV: curve, kind, x_mm, y_mm, a row for every point."""
-    rows = (
-        (str(number), boundary.kind.name.lower(), f"{x * 1e3:.9g}", f"{y * 1e3:.9g}")
-        for number, boundary in enumerate(boundaries)
-        for x, y in boundary.points
-    )
-    return csv_text(("curve", "kind", "x_mm", "y_mm"), rows)

@@ -1,7 +1,7 @@
 """`stepwell map`: what a chain does for each place of an anchor, or of any two parameters."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from functools import partial
+from typing import Annotated
 
 import typer
 
@@ -19,9 +19,6 @@ from stepwell.cli.options import (
     parameter_range,
 )
 from stepwell.cli.screen import usable
-
-if TYPE_CHECKING:
-    from stepwell.mechanism import Chain
 
 CELL, ACROSS, UP = "outer", Grid(0, 20, 200), Grid(-15, 15, 200)
 _Axis = Annotated[
@@ -48,14 +45,6 @@ _Parameter = Annotated[
 ]
 
 
-class _Place(NamedTuple):
-    """The design file, and where its map goes."""
-
-    text: str
-    out: Path | None
-    force: bool
-
-
 def map_(
     design: Design,
     cell: _Cell = CELL,
@@ -67,27 +56,44 @@ def map_(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw the transition map of two cells, or of any two parameters of a chain.
+    """Draw the transition map over a cell's anchor, or over any two parameters of a chain.
 
-    It tells what the pair does for every place of one anchor, and where exactly that changes;
-    with --across and --up, what any chain does for all values of two of its parameters. With
-    --out, the picture, its data as NetCDF and the boundaries as CSV are written into a folder.
+    It tells what the chain does for every place of one anchor, and where exactly that changes;
+    with --across and --up, what it does for all values of two of its parameters. With --out, the
+    picture, its data as NetCDF and the boundaries as CSV are written into a folder.
     """
-    from stepwell import files
+    from stepwell import files, reports, results
     from stepwell.cli.options import free
-    from stepwell.cli.screen import show_json, show_written
+    from stepwell.cli.screen import progress, show_json, show_written
     from stepwell.cli.text import map as _map_text
+    from stepwell.design import boundaries, parameter_boundaries, parameter_map, transition_map
 
     text = files.read(design)
     chain = files.loads_chain(text, design)
     free(out, "map", force)
-    place = _Place(text, out, force)
+    names: tuple[str, ...] = ()
     with usable(design):
         if across is None and up is None:
-            record, names = _of_anchor(chain, cell_of(chain, cell), x, y, place)
+            index = cell_of(chain, cell)
+            nodes = partial(transition_map, chain, index, x=x.metres, y=y.metres)
+            curves = partial(boundaries, chain, index, x=x.metres, y=y.metres)
+            designs = marks(chain, index)
         else:
-            axes = _both(cell, x, y, across, up)
-            record, names = _of_parameters(chain, axes, place)
+            first, second = _both(cell, x, y, across, up)
+            axes = first.values(chain), second.values(chain)
+            nodes = partial(parameter_map, chain, *axes)
+            curves = partial(parameter_boundaries, chain, *axes)
+            designs = {"this design": (first.read(chain), second.read(chain))}
+        with progress("map") as tell:
+            dataset = nodes(progress=tell)
+        with progress("boundaries") as tell:
+            found = curves(progress=tell)
+        if out is not None:
+            with progress("writing") as tell:
+                names = reports.write_map(
+                    dataset, found, out, designs=designs, text=text, progress=tell, force=force
+                )
+    record = results.map_record(dataset, found, next(iter(designs.values()), None), text=text)
     if as_json:
         show_json(record, out, names)
     else:
@@ -95,66 +101,9 @@ def map_(
         show_written(out, names)
 
 
-_Shown = tuple[dict[str, Any], tuple[str, ...]]
-_Axes = tuple[ParameterRange, ParameterRange]
-
-
-def _of_anchor(chain: "Chain", cell: int, x: Grid, y: Grid, place: _Place) -> _Shown:
-    """The record of an anchor's map, and the files written."""
-    from stepwell import reports, results
-    from stepwell.cli.screen import progress
-    from stepwell.design import boundaries, transition_map
-
-    xs, ys = x.metres, y.metres
-    with progress("map") as tell:
-        dataset = transition_map(chain, cell, x=xs, y=ys, progress=tell)
-    with progress("boundaries") as tell:
-        curves = boundaries(chain, cell, x=xs, y=ys, progress=tell)
-    designs, names = marks(chain, cell), ()
-    if place.out is not None:
-        with progress("writing") as tell:
-            names = reports.write_map(
-                dataset,
-                curves,
-                place.out,
-                designs=designs,
-                text=place.text,
-                progress=tell,
-                force=place.force,
-            )
-    here = next(iter(designs.values()), None)
-    return results.map_record(dataset, curves, here, text=place.text), names
-
-
-def _of_parameters(chain: "Chain", axes: _Axes, place: _Place) -> _Shown:
-    """The record of a map over two parameters, and the files written."""
-    from stepwell import reports, results
-    from stepwell.cli.screen import progress
-    from stepwell.design import parameter_boundaries, parameter_map
-
-    x, y = (axis.values(chain) for axis in axes)
-    with progress("map") as tell:
-        dataset = parameter_map(chain, x, y, progress=tell)
-    with progress("boundaries") as tell:
-        curves = parameter_boundaries(chain, x, y, progress=tell)
-    here, names = (axes[0].read(chain), axes[1].read(chain)), ()
-    if place.out is not None:
-        with progress("writing") as tell:
-            names = reports.write_parameter_map(
-                dataset,
-                curves,
-                place.out,
-                design=here,
-                text=place.text,
-                progress=tell,
-                force=place.force,
-            )
-    return results.parameter_map_record(dataset, curves, here, text=place.text), names
-
-
 def _both(
     cell: str, x: Grid, y: Grid, across: ParameterRange | None, up: ParameterRange | None
-) -> _Axes:
+) -> tuple[ParameterRange, ParameterRange]:
     """Two parameters, without options of the other kind of map."""
     if across is None or up is None:
         missing, given = ("--across", "--up") if across is None else ("--up", "--across")

@@ -44,9 +44,11 @@ class ParameterRange:
         from stepwell.base import told_in
         from stepwell.design import parameter
 
-        factor = told_in(parameter(chain, self.name).unit)[1]
+        one = parameter(chain, self.name)
+        factor = told_in(one.unit)[1]
         space = np.geomspace if self.log else np.linspace
-        return self.name, space(self.start / factor, self.stop / factor, self.count)
+        values = space(self.start / factor, self.stop / factor, self.count)
+        return self.name, one.values(values, 2)
 
 
 def parameter_range(text: str) -> ParameterRange:

@@ -3,80 +3,47 @@
 from typing import Any
 
 from stepwell.cli.screen import number, show_lines, show_table
+from stepwell.sequences import Pathway
 
 
 def show(record: dict[str, Any]) -> None:
-    """Print what `results.map_record` or `results.parameter_map_record` returns."""
-    if "across" in record:
-        _of_parameters(record)
+    """Print what `results.map_record` returns."""
+    ends = {
+        name: f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
+        f"{axis['count']} values"
+        for name, axis in record.items()
+        if name in ("across", "up")
+    }
+    show_lines(record["title"], "", f"Across {ends['across']}; up {ends['up']}")
+    shares = [(name, f"{100 * share:.1f} %") for name, share in record["shares"].items() if share]
+    if "pathway_shares" in record:
+        labels = {pathway.value: pathway.label for pathway in Pathway}
+        rows = [[labels.get(name, ""), name, share] for name, share in shares]
+        show_table("Sequences", ["pathway", "sequence", "share of the map"], rows, left=(0, 1))
     else:
-        _of_anchor(record)
-
-
-def _of_parameters(record: dict[str, Any]) -> None:
-    def axis(name: str) -> str:
-        one = record[name]
-        ends = f"{number(one['from'])} to {number(one['to'])} {one['unit']}"
-        return f"{one['parameter']} {ends}, {one['count']} values"
-
-    show_lines(record["title"], "", f"Across {axis('across')}; up {axis('up')}")
-    show_table(
-        "Sequences",
-        ["sequence", "share of the map"],
-        [[name, f"{100 * share:.1f} %"] for name, share in record["shares"].items() if share],
-    )
+        show_table("Sequences", ["sequence", "share of the map"], [list(row) for row in shares])
     show_lines(
         "",
-        f"{record['closed_form_designs']} designs in closed form, {record['engine_designs']} by "
-        f"the engine; {record['degenerate_designs']} sit on a boundary.",
+        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
+        f"the map. {record['closed_form_designs']} designs in closed form, "
+        f"{record['engine_designs']} by the engine; {record['degenerate_designs']} sit on a "
+        f"boundary.",
     )
     if not record["boundaries"]:
         return
     show_table(
         "Boundaries",
-        ["what changes", "points", "how"],
-        [
-            [boundary["changes"], str(boundary["points"]), boundary["method"]]
-            for boundary in record["boundaries"]
-        ],
-        left=(0, 2),
-    )
-
-
-def _of_anchor(record: dict[str, Any]) -> None:
-    x, y = record["x_mm"], record["y_mm"]
-    show_lines(
-        record["title"],
-        "",
-        f"Anchor q of {record['moved_cell']}: "
-        f"x {number(x['from'])} to {number(x['to'])} mm, {x['count']} places; "
-        f"y {number(y['from'])} to {number(y['to'])} mm, {y['count']} places",
-    )
-    show_table(
-        "Pathways",
-        ["pathway", "share of the map"],
-        [
-            [name.replace("_", " "), f"{100 * share:.1f} %"]
-            for name, share in record["area_fractions"].items()
-            if share
-        ],
-    )
-    show_lines(
-        "",
-        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
-        f"the map; {record['degenerate_designs']} designs sit on a boundary.",
-    )
-    show_table(
-        "Boundaries",
-        ["what changes", "points", "how", "within [mm]"],
+        ["what changes", "points", "how", "within"],
         [
             [
                 boundary["changes"],
                 str(boundary["points"]),
                 boundary["method"],
-                "" if boundary["method"] == "exact" else number(boundary["error_mm"], 2),
+                ""
+                if boundary["method"] == "exact"
+                else f"{number(boundary['error_of_axes'], 2)} of the axes",
             ]
             for boundary in record["boundaries"]
         ],
-        left=(0, 2),
+        left=(0, 2, 3),
     )

@@ -1,74 +1,62 @@
-"""Where a cell stops having two stable states, in the plane of its anchor q."""
-
-import math
+"""Where a cell stops having two stable states, in the plane of two parameters."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.parameters import with_q
-from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Box, kept, searched, smoothed
-from stepwell.mechanism import Cell, Linear, band_length
+from stepwell.design.maps.outcomes import IMPOSSIBLE, Outcomes
 
 Floats = NDArray[np.float64]
 
 
-def limits(cell: Cell, name: str, box: Box, nodes: int, sagitta: float) -> list[Boundary]:
-    """The limits of bistability inside the box.
+class Stability:
+    """How many stable states a cell whose parameters vary has, 1 or 2, by (m, 2) values.
 
-    Exact for one linear band that only pulls and no load; searched on a grid otherwise.
+    Attributes:
+        words: for each limit that is known in closed form, what changes there; none where every
+            design has to be asked.
     """
-    band = cell.bands[0]
-    plain = len(cell.bands) == 1 and cell.load is None and isinstance(band.law, Linear)
-    if not plain or (band.two_sided and not _taut(cell, box.grid(nodes))):
-        return _searched(cell, name, box, nodes)
-    # The energy of one band that only pulls has one peak, at θmax = atan2(d_y, d_x) where the
-    # band is longest (Kamp et al. 2024, Eq. 3), unless it is slack even there, r + |d| <= ℓ0.
-    p, slack = np.array(band.p), max(band.rest_length - cell.lever, 0.0)
-    lines = [
-        (
-            f"state {state} of {name} stops being stable: F{state} = 0",
-            box.ray(p, angle, slack),
-        )
-        for state, angle in ((0, -cell.limit), (1, cell.limit))
-    ]
-    if slack > 0 and not band.two_sided:
 
-        def onto(q: Floats) -> Floats:
-            out = q - p
-            return p + slack * out / np.linalg.norm(out, axis=1)[:, None]
+    def __init__(self, outcomes: Outcomes, cell: int, nodes: Floats):
+        self._outcomes, self._cell = outcomes, cell
+        band, name = outcomes.chain.cells[cell].bands[0], outcomes.chain.names[cell]
+        numbers = outcomes.numbers(cell, nodes)
+        self.words: tuple[str, ...] = ()
+        if numbers is not None and (not band.two_sided or _taut(numbers)):
+            self.words = (
+                f"state 0 of {name} stops being stable: F0 = 0",
+                f"state 1 of {name} stops being stable: F1 = 0",
+                f"{name} goes slack over its whole travel: r + |q - p| = ℓ0",
+            )
 
-        angle = np.linspace(-cell.limit, cell.limit, nodes)
-        arc = p + slack * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        words = f"{name} goes slack over its whole travel: r + |q - p| = ℓ0"
-        lines += [(words, line) for line in kept(smoothed(arc, onto, sagitta), box.holds, onto)]
-    rounding = 4 * np.finfo(float).eps * (box.diagonal + math.hypot(*band.d))
-    return [
-        Boundary(BoundaryKind.BISTABLE, points, words, "exact", float(rounding))
-        for words, points in lines
-        if len(points) > 1
-    ]
+    def limits(self, values: Floats) -> Floats:
+        """(m, 3) numbers that are all positive where the cell is bistable, in closed form.
+
+        The energy of one band that only pulls has one peak, at θmax = atan2(d_y, d_x) where the
+        band is longest (Kamp et al. 2024, Eq. 3), unless it is slack even there, r + |d| <= ℓ0.
+        """
+        numbers = self._outcomes.numbers(self._cell, values)
+        assert numbers is not None
+        dx, dy, _, rest, lever, sine = numbers.T[:6]
+        cosine = np.sqrt(1.0 - sine**2)
+        across, along = dy * cosine, dx * sine
+        return np.stack([along + across, along - across, lever + np.hypot(dx, dy) - rest], axis=1)
+
+    def __call__(self, values: Floats) -> NDArray[np.int64]:
+        """The number of states; `IMPOSSIBLE` where there is no such cell."""
+        if self.words:
+            return 1 + np.all(self.limits(values) > 0, axis=1).astype(np.int64)
+        return np.array([self._ask(one) for one in values], np.int64)
+
+    def _ask(self, values: Floats) -> int:
+        try:
+            return 1 + int(self._outcomes.design(values).cells[self._cell].is_bistable)
+        except ValueError:
+            return IMPOSSIBLE
 
 
-def _taut(cell: Cell, grid: Floats) -> bool:
+def _taut(numbers: Floats) -> bool:
     # ℓ² is linear in (cos θ, sin θ): over the travel it is smallest at a stop, or at the turn
     # opposite to d, which for d_x > 0 lies outside.
-    d = grid - np.array(cell.bands[0].p)
-    sine, cosine = -math.sin(cell.limit), math.cos(cell.limit)
-    shortest = band_length(sine, cosine, d[..., 0], np.abs(d[..., 1]), cell.lever)
-    return bool(np.all(d[..., 0] > 0) and np.all(shortest >= cell.bands[0].rest_length))
-
-
-def _searched(cell: Cell, name: str, box: Box, nodes: int) -> list[Boundary]:
-    def ask(q: Floats) -> int:
-        try:
-            return int(with_q(cell, float(q[0]), float(q[1])).is_bistable)
-        except ValueError:
-            return -1
-
-    grid = box.grid(nodes)
-    label = np.array([[ask(q) for q in row] for row in grid], np.int64)
-    words = f"{name} has two stable states on one side, one on the other"
-    return [
-        Boundary(BoundaryKind.BISTABLE, points, words, "search", RESOLVED)
-        for _, points in searched(ask, grid, label, ignore=-1)
-    ]
+    dx, dy, _, rest, lever, sine = numbers.T[:6]
+    x, y = dx + lever * np.sqrt(1.0 - sine**2), np.abs(dy) - lever * sine
+    return bool(np.all(dx > 0) and np.all(np.hypot(x, y) >= rest))

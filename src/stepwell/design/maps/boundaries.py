@@ -1,32 +1,40 @@
-"""The boundaries of the transition map, as curves and not as edges of pixels."""
+"""The boundaries of a map, as curves and not as edges of pixels."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.concave import end_forces
-from stepwell.design.maps import bistable
-from stepwell.design.maps.pathways import IMPOSSIBLE, Pathways
-from stepwell.design.parameters import axis, refuse_far, require_places, which
+from stepwell.concave import Simple, end_forces
+from stepwell.design.maps.between import between
+from stepwell.design.maps.bistable import Stability
+from stepwell.design.maps.outcomes import IMPOSSIBLE, Outcomes
+from stepwell.design.maps.parameter_map import Axis, Progress, anchor, both, require_places
 from stepwell.design.plane import (
     RESOLVED,
     Boundary,
     BoundaryKind,
-    Box,
     Level,
     curves,
-    kept,
+    parted,
     searched,
     smoothed,
 )
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Place = Callable[[Floats], Floats]
 
 _GRID = 201  # nodes each way between which exact curves are looked for
-_BYTES = 60  # of a node, on the way
-_SMOOTH = 2e-5  # of the box diagonal: farthest that a chord may be from its curve
+_SMOOTH = 2e-5  # of the axes: farthest that a chord may be from its curve
+_CUTS = 24  # halvings of a chord on which an exact curve ends
+_ASIDE = 1e-9  # of the axes: how far from a curve its two sides are looked at
+_SHORTEST = 100 * _ASIDE  # what is left of a curve between two others that cross there
+_STATES = {1: "one stable state", 2: "two stable states"}
 
 
 def boundaries(
@@ -36,101 +44,228 @@ def boundaries(
     x: ArrayLike,
     y: ArrayLike,
     search: int = 61,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Boundary, ...]:
-    """The curves between the regions of a transition map, in the same box.
-
-    Where both cells are proved concave and the actuator is rigid, the pathway changes exactly
-    where the cells' F0 or F1 are equal, and those curves are returned, cut where the proof
-    ends. Elsewhere the general engine is asked on a coarser grid and every change between two
-    neighbouring nodes is bisected; such curves end up to one grid step short of a point where
-    three pathways meet, and features finer than that grid are not seen.
+    """The curves between the regions of a `transition_map`: `parameter_boundaries` of its anchor.
 
     Args:
-        chain: two cells.
-        cell: the one whose anchor moves, 0 or 1 or its name.
-        x, y: rising places of its anchor q [m]; only the first and the last count.
+        chain: two cells or any other number.
+        cell: the one whose anchor moves, 0 for the innermost, or its name.
+        x, y: rising places of its anchor q [m].
         search: nodes each way of the grid for the general engine.
         progress: called with (done, total) while the general engine works.
 
     Returns:
-        Pathway boundaries first, then the limits of bistability.
+        As `parameter_boundaries`.
 
     Raises:
-        ValueError: a chain that is no pair, or axes that do not rise.
+        ValueError: no such cell, or axes that do not rise.
+    """
+    return parameter_boundaries(*anchor(chain, cell, x, y), search=search, progress=progress)
+
+
+def parameter_boundaries(
+    chain: Chain,
+    x: Axis,
+    y: Axis,
+    *,
+    search: int = 61,
+    progress: Progress | None = None,
+) -> tuple[Boundary, ...]:
+    """The curves between the regions of a map over two parameters.
+
+    Where the closed form holds, the sequence changes exactly where two cells' F0 or F1 are equal,
+    and those curves are returned, cut where they meet each other and where the proof ends.
+    Elsewhere the general engine is asked on a coarser grid and every change between two
+    neighbouring nodes is bisected to 1e-9 of the axes; such curves end up to one grid step short
+    of a point where three regions meet, and features finer than that grid are not seen. So with
+    the limits within which the cells whose parameters vary are bistable: exact for one linear
+    band and no load.
+
+    Args:
+        chain: any number of cells.
+        x, y: name and rising values of a parameter, two or more. The grid keeps their spacing:
+            np.geomspace makes it logarithmic.
+        search: nodes of that coarser grid each way.
+        progress: called with (done, total) while the general engine works.
+
+    Returns:
+        The curves on which the sequence changes, each with the sequences on both sides and what
+        changes between them, then the limits of bistability.
+
+    Raises:
+        ValueError: no such parameter, values that do not rise or that it cannot have, or fewer
+            than 2 nodes.
 
     Source: Kamp et al. 2024, Fig. 2C and Eq. 3; curves: theory page, "Two cells".
     """
-    cell = which(chain, cell)
-    x, y = axis("x", x, 2), axis("y", y, 2)
-    require_places(search, search, _BYTES)
-    refuse_far(chain, cell, x, y)
-    box = Box(float(x[0]), float(x[-1]), float(y[0]), float(y[-1]))
-    pathways = Pathways(chain, cell)
-    levels = _levels(pathways)
-    sagitta = _SMOOTH * box.diagonal
-    return (
-        *_orders(pathways, levels, box, sagitta),
-        *_searched(pathways, levels, box, search, progress),
-        *bistable.limits(chain.cells[cell], chain.names[cell], box, search, sagitta),
-    )
+    (first, xs), (second, ys) = both(chain, x, y, 2)
+    if search < 2:
+        raise ValueError(f"search = {search}: must be 2 or more nodes each way.")
+    require_places(search, search)
+    outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
+    names, units = (first.name, second.name), (first.unit, second.unit)
 
+    axes = _extended(xs), _extended(ys)
 
-def _levels(pathways: Pathways) -> tuple[Level, ...]:
-    if pathways.fixed is None or pathways.moving is None:
-        return ()
-    equal_0, equal_1 = end_forces(pathways.fixed)
-    return Level(pathways.moving, -1, equal_0), Level(pathways.moving, +1, equal_1)
+    def place(t: Floats) -> Floats:
+        # From the unit square to the parameters, with the spacing of the user's values.
+        return np.stack([np.interp(t[:, k], *axes[k]) for k in (0, 1)], axis=-1)
+
+    def boundary(
+        kind: BoundaryKind, t: Floats, changes: str, error: float | None, sides: tuple[str, str]
+    ) -> Boundary:
+        method = "search" if error is None else "exact"
+        error = RESOLVED if error is None else error
+        return Boundary(kind, place(t), changes, method, error, names, units, sides)
+
+    found: list[Boundary] = []
+    grid = _square(search)
+    for (a, b), t, error in _orders(outcomes, place, grid, progress):
+        kind, changes = _change(outcomes, a, b)
+        sides = outcomes.meaning(a), outcomes.meaning(b)
+        found.append(boundary(kind, t, changes, error, sides))
+    for cell in outcomes.turned:
+        for t, changes, error in _limits(outcomes, cell, place, grid):
+            sides = _STATES[1], _STATES[2]
+            found.append(boundary(BoundaryKind.BISTABLE, t, changes, error, sides))
+    return tuple(found)
 
 
 def _orders(
-    pathways: Pathways, levels: tuple[Level, ...], box: Box, sagitta: float
-) -> list[Boundary]:
-    inner, outer = pathways.chain.names
-    found: list[Boundary] = []
-    for level in levels:
-        if level.side < 0:
-            kind, changes = BoundaryKind.LOADING_ORDER, f"{inner} or {outer} loads first: equal F0"
-        else:
-            kind = BoundaryKind.UNLOADING_ORDER
-            changes = f"{inner} or {outer} unloads first: equal F1"
-        for line in curves(level, box.grid(_GRID) - pathways.p):
-            smooth = smoothed(line, level.project, sagitta)
-            for d in kept(smooth, level.proved, level.project):
-                error = float(np.max(level.distance(d)))
-                found.append(Boundary(kind, d + pathways.p, changes, "exact", error))
-    return found
+    outcomes: Outcomes, place: Place, grid: Floats, progress: Progress | None
+) -> list[tuple[tuple[int, int], Floats, float | None]]:
+    """Where the sequence changes: its numbers on both sides, points, and the error if exact."""
+
+    def proved(t: Floats) -> Ints:
+        return outcomes.closed_form(place(t)).sequence.astype(np.int64)
+
+    def ask(t: Floats) -> Ints:
+        return outcomes.label(place(t)).astype(np.int64)
+
+    found: list[tuple[tuple[int, int], Floats, float | None]] = []
+    known = None
+    if outcomes.base is not None:
+        differences = _differences(outcomes, outcomes.base)
+        exact = _Exact(lambda t: differences(outcomes.forces(place(t))), proved)
+        found += [(sides, points, error) for _, sides, points, error in exact.curves()]
+        known = exact.known
+    nodes, shape = grid.reshape(-1, 2), grid.shape[:2]
+    unproved = (proved(nodes) < 0).reshape(shape)
+    label = outcomes.label(place(nodes), progress).astype(np.int64).reshape(shape)
+    pieces = searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
+    return found + [(sides, points, None) for sides, points in pieces]
 
 
-def _searched(
-    pathways: Pathways,
-    levels: tuple[Level, ...],
-    box: Box,
-    nodes: int,
-    progress: Callable[[int, int], None] | None,
-) -> list[Boundary]:
-    grid = box.grid(nodes)
-    label = pathways.proved(grid.reshape(-1, 2)).reshape(nodes, nodes).astype(np.int64)
-    unproved = label < 0
-    waiting = np.argwhere(unproved)
-    for done, (row, column) in enumerate(waiting):
-        if progress is not None:
-            progress(done, len(waiting))
-        label[row, column] = pathways(grid[row, column])
+def _differences(outcomes: Outcomes, base: Floats) -> Callable[[Floats], Floats]:
+    """From (m, 2, 2) end forces of the cells that vary, all differences that may vanish [N].
 
-    def known(q: Floats) -> NDArray[np.bool_]:
-        d = q - pathways.p
-        on = [level.proved(d) & (level.distance(d) < 10 * RESOLVED) for level in levels]
-        return np.any(on, axis=0) if on else np.zeros(len(d), bool)
+    Of their F0 from those of all other cells, then of their F1: (m, k).
+    """
+    first, last = outcomes.turned[0], outcomes.turned[-1]
+    stays = [i for i in range(len(outcomes.chain)) if i not in (first, last)]
+    fixed = np.array([end_forces(Simple(*base[i, :6])) for i in stays]).reshape(-1, 2)
 
-    found = searched(pathways, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
-    return [
-        Boundary(
-            BoundaryKind.PATHWAY,
-            points,
-            " | ".join(pathways.words(number) for number in labels),
-            "search",
-            RESOLVED,
-        )
-        for labels, points in found
-    ]
+    def differences(forces: Floats) -> Floats:
+        found: list[Floats] = []
+        for side in range(2):
+            for k in range(len(outcomes.turned)):
+                found.append(forces[:, k, side, None] - fixed[:, side])
+            if first != last:
+                found.append(forces[:, :1, side] - forces[:, 1:, side])
+        return np.hstack(found)
+
+    return differences
+
+
+def _limits(
+    outcomes: Outcomes, cell: int, place: Place, grid: Floats
+) -> list[tuple[Floats, str, float | None]]:
+    """Where a cell stops being bistable: points, what changes, and the error if exact."""
+    nodes = place(grid.reshape(-1, 2))
+    states = Stability(outcomes, cell, nodes)
+
+    def ask(t: Floats) -> Ints:
+        return states(place(t))
+
+    if states.words:
+        exact = _Exact(lambda t: states.limits(place(t)), ask)
+        return [(points, states.words[k], error) for k, _, points, error in exact.curves()]
+    words = f"{outcomes.chain.names[cell]} has two stable states on one side, one on the other"
+    label = states(nodes).reshape(grid.shape[:2])
+    return [(points, words, None) for _, points in searched(ask, grid, label, ignore=IMPOSSIBLE)]
+
+
+class _Exact:
+    """Curves on which one of several functions vanishes and across which a label changes.
+
+    Args:
+        functions: (m, k) values of k functions at (m, 2) places in the unit square.
+        label: at (m, 2) places; negative where nothing is known.
+    """
+
+    def __init__(self, functions: Callable[[Floats], Floats], label: Callable[[Floats], Ints]):
+        self._functions, self._label = functions, label
+        self._levels: list[Level] = []
+
+    def curves(self) -> list[tuple[int, tuple[int, int], Floats, float]]:
+        """Which function, the labels on both sides, points, and how far they are off at most.
+
+        Each curve is cut where it meets another and where a label is not known.
+        """
+        found: list[tuple[int, tuple[int, int], Floats, float]] = []
+        grid = _square(_GRID)
+        values = self._functions(grid.reshape(-1, 2)).reshape(_GRID, _GRID, -1)
+        for k in range(values.shape[-1]):
+            level = Level(lambda t, k=k: self._functions(t)[:, k])
+            for line in curves(level, grid, values[:, :, k]):
+                smooth = smoothed(line, level.project, _SMOOTH)
+
+                def sides(t: Floats, level: Level = level) -> Ints:
+                    # Where a curve before this one runs along with it, there it is told already.
+                    codes = self._sides(level, t)
+                    for other in self._levels:
+                        codes[other.distance(t) < _ASIDE] = -1
+                    return codes
+
+                for code, points in parted(smooth, sides, level.project, _CUTS):
+                    if code >= 0 and np.max(np.ptp(points, axis=0)) > _SHORTEST:
+                        error = float(np.max(level.distance(points)))
+                        found.append((k, (code >> 32, code & 0xFFFFFFFF), points, error))
+            self._levels.append(level)
+        return found
+
+    def known(self, t: Floats) -> Bools:
+        """Which of (m, 2) places are on one of these curves."""
+        on = np.zeros(len(t), np.bool_)
+        for level in self._levels:
+            near = np.flatnonzero(level.distance(t) < 10 * RESOLVED)
+            on[near] |= self._sides(level, t[near]) >= 0
+        return on
+
+    def _sides(self, level: Level, t: Floats) -> Ints:
+        """The labels on both sides of a level as one number; -1 where they do not differ."""
+        _, slope = level.look(t)
+        aside = _ASIDE * slope / np.linalg.norm(slope, axis=1, keepdims=True)
+        both = self._label(np.concatenate([t + aside, t - aside])).reshape(2, -1)
+        low, high = np.min(both, axis=0), np.max(both, axis=0)
+        return np.where((low >= 0) & (low < high), (low << 32) + high, -1)
+
+
+def _extended(values: Floats) -> tuple[Floats, Floats]:
+    """Places on an axis from 0 to 1 and the values there, and on beyond both ends in a line."""
+    first, last = (len(values) - 1) * np.diff(values)[[0, -1]]
+    knots = np.concatenate([[-1.0], np.linspace(0.0, 1.0, len(values)), [2.0]])
+    return knots, np.concatenate([[values[0] - first], values, [values[-1] + last]])
+
+
+def _square(nodes: int) -> Floats:
+    """(nodes, nodes, 2) places in the unit square, rows upward, columns to the right."""
+    line = np.linspace(0.0, 1.0, nodes)
+    return np.stack(np.meshgrid(line, line), axis=-1)
+
+
+def _change(outcomes: Outcomes, a: int, b: int) -> tuple[BoundaryKind, str]:
+    if min(a, b) < 0:
+        return BoundaryKind.PATHWAY, f"{outcomes.meaning(a)} | {outcomes.meaning(b)}"
+    return between(outcomes.sequences[a], outcomes.sequences[b], outcomes.chain.names)

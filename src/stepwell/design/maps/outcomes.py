@@ -9,69 +9,84 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import (
-    Simple,
-    closed,
-    motion_orders,
-    proved_ends,
-    same_travel,
-    simple,
-    smallest_gap,
-    snaps_of,
-)
-from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
+from stepwell.concave import closed, simple
+from stepwell.design.maps.sweep import FRICTION, ends, sweep
 from stepwell.design.parameters import Parameter
-from stepwell.mechanism import Chain, travel_of
+from stepwell.kernels import in_blocks
+from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import StaticsError, StretchKind
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Ints = NDArray[np.int32]
 Bools = NDArray[np.bool_]
 
-_AT_ONCE = 1_000_000  # end forces that are sorted in one go
+# Instead of a sequence: no such chain, one that the engine cannot follow, and one in a region
+# where only friction could tell.
+IMPOSSIBLE, UNSOLVED, TIED = -1, -2, -3
+_WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
+# Longest chain whose sequences are written out; those of longer ones are told by their moves.
+_SHORT = 12
 # Of an axis: a design on a boundary is tied and its neighbours are not; within a region of ties
 # they are.
 _ASIDE = 1e-7 * np.array([0.8, 0.6])
+_BLOCK = 20_000  # designs that one core takes at a time
+_NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": FRICTION}
 
 
 @dataclass(frozen=True, eq=False)
-class Sorted:
-    """What the closed form says of m designs.
+class Found:
+    """What is known of m designs.
 
     Attributes:
-        number: (m,) of the sequence, or `UNSOLVED` where nothing is proved.
-        snaps: (m, 2) steps that snap while loading and while unloading.
-        gap: (m,) smallest difference of two F0 or of two F1 [N].
+        sequence: (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`.
+        strokes: (2, m) stroke [m] of the first snap, loading and unloading; NaN where none.
+        snaps: (2, m) steps that snap, loading and unloading; -1 where nothing is known.
+        gap: (m,) smallest difference of two F0 or of two F1 [N]; NaN where not proved.
+        monostable: (m,) whether a cell whose parameter varies is stable in one state only.
+        degenerate: (m,) whether a tie decides.
     """
 
-    number: Ints
+    sequence: Ints
+    strokes: Floats
     snaps: Ints
     gap: Floats
+    monostable: Bools
+    degenerate: Bools
+
+    @classmethod
+    def nothing(cls, m: int) -> Found:
+        """Of m designs."""
+        return cls(
+            np.full(m, UNSOLVED, np.int32),
+            np.full((2, m), np.nan),
+            np.full((2, m), -1, np.int32),
+            np.full(m, np.nan),
+            np.zeros(m, np.bool_),
+            np.zeros(m, np.bool_),
+        )
 
 
 class Outcomes:
-    """The sequence of a chain as a number, against the values of two parameters.
-
-    Numbers from 0 up stand for sequences; `IMPOSSIBLE` for a chain that cannot be made,
-    `UNSOLVED` for one that the engine cannot follow, and `TIED` for one in a region where only
-    friction could tell.
+    """The sequence of a chain as a number, and more, against the values of two parameters.
 
     Args:
         chain: any number of cells.
-        x, y: the parameters.
+        parameters: the parameters.
         spans: (2,) how far their values reach.
     """
 
-    def __init__(self, chain: Chain, x: Parameter, y: Parameter, spans: Floats):
-        self.chain, self.parameters, self._spans = chain, (x, y), spans
+    def __init__(self, chain: Chain, parameters: tuple[Parameter, Parameter], spans: Floats):
+        self.chain, self.parameters, self._spans = chain, parameters, spans
         # Two cells have their four pathways under the same numbers in every map.
         known = [p for p in Pathway if p is not Pathway.OTHER] if len(chain) == 2 else []
         self.sequences = [Sequence.parse(p.value) for p in known]
         self._numbers = {sequence: i for i, sequence in enumerate(self.sequences)}
-        self._fixed = self._other_cells()
-        self._moving = {k.cell: self._free_of_friction(k.cell) for k in (x, y)}
-        self.has_closed_form = self._fixed is not None and None not in self._moving.values()
+        self._by_orders: dict[bytes, int] = {}
+        self.turned = sorted({k.cell for k in parameters if k.cell is not None})
+        self.rows, self.columns, self._signs = self._places()
+        self._plain = {cell: self._row(cell) for cell in self.turned}
+        self.base = self._base()
 
     def design(self, values: Floats) -> Chain:
         """The chain at (x, y); ValueError where there is none."""
@@ -80,52 +95,124 @@ class Outcomes:
             chain = parameter.changed(chain, value)
         return chain
 
-    def closed_form(self, values: Floats) -> Sorted:
-        """What the closed form says of (m, 2) values, where it is proved."""
-        m, n = len(values), len(self.chain)
-        found = Sorted(np.full(m, UNSOLVED, np.int64), np.zeros((m, 2), np.int64), np.zeros(m))
-        if self.has_closed_form:
-            step = max(1, _AT_ONCE // n)
-            for start in range(0, m, step):
-                self._sort(values[start : start + step], found, start)
+    def closed_form(self, values: Floats, tie: float = 0.0) -> Found:
+        """What the closed form says of (m, 2) values, where it is proved.
+
+        Designs whose gap is below `tie` [N] are degenerate.
+        """
+        found = Found.nothing(len(values))
+        if self.base is None or len(values) == 0:
+            return found
+        base, n = self.base, len(self.chain)
+        turned = np.array(self.turned)
+        runs: dict[int, tuple[NDArray[np.intp], NDArray[np.intp], Ints]] = {}
+
+        def block(begin: int, end: int) -> None:
+            m = slice(begin, end)
+            orders = np.zeros((end - begin, 2, n), np.int32)
+            proved = np.empty(end - begin, np.bool_)
+            added = self.added(values[m])
+            out = found.strokes[:, m], found.snaps[:, m], found.gap[m], found.monostable[m]
+            sweep(added, base, self.rows, self.columns, turned, orders, *out, proved)
+            # Neighbours on a map mostly do the same: one look at the first of each run will do.
+            at = np.flatnonzero(proved)
+            first = np.append(True, np.any(orders[at[1:]] != orders[at[:-1]], axis=(1, 2)))
+            starts = np.flatnonzero(first[: len(at)])
+            runs[begin] = begin + at, np.append(starts, len(at)), orders[at[starts]]
+
+        count = len(values)
+        size = sweep.block(min(_BLOCK, count), values, base)
+        in_blocks(block, count, size)
+        for begin in sorted(runs):
+            at, starts, orders = runs[begin]
+            numbers = [self._of_orders(one) for one in orders]
+            found.sequence[at] = np.repeat(np.array(numbers, np.int32), np.diff(starts))
+        found.degenerate[:] = found.gap < tie
         return found
 
-    def by_engine(self, values: Floats) -> tuple[int, Cycle | None]:
-        """The number for one (2,) pair of values, and the cycle if there is one."""
-        try:
-            design = self.design(values)
-        except ValueError:
-            return IMPOSSIBLE, None
-        try:
-            result = cycle(design)
-        except StaticsError:
-            return UNSOLVED, None
-        return self._number(result.sequence), result
+    def proved(self, values: Floats) -> Bools:
+        """For which of (m, 2) values the closed form holds."""
+        return self.closed_form(values).sequence != UNSOLVED
 
-    def label(
-        self, values: Floats, told: Callable[[int, int], None] | None = None
-    ) -> tuple[Ints, Bools]:
-        """Numbers for (m, 2) values, and whether the closed form has proved each.
+    def ask(self, i: int, values: Floats, found: Found) -> None:
+        """Have the engine follow one design, (2,) values, and note what it does under i."""
+        result, found.sequence[i] = self._follow(values)
+        if result is None:
+            return
+        found.degenerate[i] = bool(result.degenerate)
+        found.snaps[:, i] = snapping_steps(result)
+        for snap in reversed(result.snaps):
+            found.strokes[0 if snap.direction > 0 else 1, i] = snap.stroke
 
-        `told` is called with (done, total) engine runs.
-        """
-        number = self.closed_form(values).number
-        proved = number != UNSOLVED
-        waiting = np.flatnonzero(~proved).tolist()
+    def label(self, values: Floats, told: Callable[[int, int], None] | None = None) -> Ints:
+        """Numbers for (m, 2) values; `told` is called with (done, total) engine runs."""
+        number = self.closed_form(values).sequence
+        waiting = np.flatnonzero(number == UNSOLVED).tolist()
         for done, i in enumerate(waiting):
             if told is not None:
                 told(done, len(waiting))
-            number[i] = self._without_ties(values[i])
+            result, number[i] = self._follow(values[i])
+            if result is not None and result.degenerate:
+                result, beside = self._follow(values[i] + _ASIDE * self._spans)
+                number[i] = TIED if result is None or result.degenerate else beside
         if told is not None:
             told(len(waiting), len(waiting))
-        return number, proved
+        return number
 
-    def _without_ties(self, values: Floats) -> int:
-        number, result = self.by_engine(values)
-        if result is None or not result.degenerate:
-            return number
-        beside, result = self.by_engine(values + _ASIDE * self._spans)
-        return TIED if result is None or result.degenerate else beside
+    def meaning(self, number: int) -> str:
+        """What a number stands for."""
+        if number < 0:
+            return _WORDS[number]
+        sequence = self.sequences[number]
+        if len(self.chain) <= _SHORT:
+            return str(sequence)
+        # Cells in the order in which they move, by number.
+        return "moves:" + ",".join("+".join(map(str, flip)) for flip in sequence.flips)
+
+    def added(self, values: Floats) -> Floats:
+        """(m, 2) what the values add to two of the numbers of `base`."""
+        added = values * self._signs
+        for k, parameter in enumerate(self.parameters):
+            if parameter.part == "limit":
+                added[:, k] = np.sin(values[:, k])
+        return added
+
+    def numbers(self, cell: int, values: Floats) -> Floats | None:
+        """(m, 7) a cell whose parameters vary, a row as in `sweep`, if it has one linear band."""
+        row = self._plain[cell]
+        if row is None:
+            return None
+        rows, added = np.tile(row, (len(values), 1)), self.added(values)
+        for k, parameter in enumerate(self.parameters):
+            if parameter.cell == cell:
+                rows[:, self.columns[k]] += added[:, k]
+        return rows
+
+    def forces(self, values: Floats) -> Floats:
+        """F0 and F1 [N] of the cells whose parameters vary, (m, c, 2), proved or not."""
+        assert self.base is not None
+        out = np.empty((len(values), len(self.turned), 2))
+        turned = np.array(self.turned)
+        ends(self.added(values), self.base, self.rows, self.columns, turned, out)
+        return out
+
+    def _follow(self, values: Floats) -> tuple[Cycle | None, int]:
+        try:
+            design = self.design(values)
+        except ValueError:
+            return None, IMPOSSIBLE
+        try:
+            result = cycle(design)
+        except StaticsError:
+            return None, UNSOLVED
+        return result, self._number(result.sequence)
+
+    def _of_orders(self, orders: Ints) -> int:
+        key = orders.tobytes()
+        if key not in self._by_orders:
+            loading, unloading = orders.tolist()
+            self._by_orders[key] = self._number(Sequence.full_cycle(loading, unloading))
+        return self._by_orders[key]
 
     def _number(self, sequence: Sequence) -> int:
         if sequence not in self._numbers:
@@ -133,78 +220,54 @@ class Outcomes:
             self.sequences.append(sequence)
         return self._numbers[sequence]
 
-    def _other_cells(self) -> dict[int, Simple] | None:
-        changed = {one.cell for one in self.parameters}
-        if math.isfinite(self.chain.actuator_stiffness) or None in changed:
+    def _places(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+        """Rows and columns of the numbers that the parameters change, and with which sign."""
+        rows, columns, signs = np.zeros(2, np.int64), np.zeros(2, np.int64), np.ones(2)
+        for k, parameter in enumerate(self.parameters):
+            anchor, _, axis = parameter.part.partition(".")
+            rows[k] = parameter.cell if parameter.cell is not None else 0
+            columns[k] = "xy".index(axis) if axis else _NUMBERS.get(parameter.part, 0)
+            signs[k] = -1.0 if anchor == "p" else 1.0
+        return rows, columns, signs
+
+    def _base(self) -> Floats | None:
+        """(n, 7) the cells as numbers, the parameters left out; None where nothing is proved."""
+        if math.isfinite(self.chain.actuator_stiffness) or any(
+            k.cell is None for k in self.parameters
+        ):
             return None
-        found: dict[int, Simple] = {}
+        base = np.empty((len(self.chain), FRICTION + 1))
         for i, cell in enumerate(self.chain.cells):
-            if i in changed:
+            if i in self.turned:
+                row = self._plain[i]
+                if row is None or row[FRICTION] > 0:
+                    return None
+                base[i] = row
                 continue
             numbers = closed(cell)
             if numbers is None:
                 return None
-            found[i] = numbers
-        return found
+            base[i] = *numbers, 0.0
+        return base
 
-    def _free_of_friction(self, cell: int | None) -> Simple | None:
-        if cell is None:
-            return None
+    def _row(self, cell: int) -> Floats | None:
+        """(7,) a cell with one linear band and no load as numbers, the parameters left out."""
         as_is = self.chain.cells[cell]
-        changes_friction = (cell, "friction") in [(k.cell, k.part) for k in self.parameters]
-        return simple(replace(as_is, friction=0.0) if changes_friction else as_is)
-
-    def _sort(self, values: Floats, found: Sorted, start: int) -> None:
-        assert self._fixed is not None
-        m, n = len(values), len(self.chain)
-        ends, full = np.zeros((m, n, 2)), np.empty((m, n))
-        proved = np.ones(m, np.bool_)
-        for i in range(n):
-            if i in self._fixed:
-                numbers = np.array([self._fixed[i]])
-            else:
-                numbers, rubs = self._changed(i, values)
-                proved &= ~rubs
-            ends[:, i], holds = proved_ends(numbers)
-            full[:, i] = travel_of(numbers[:, 5], numbers[:, 4], numbers[:, 5])
-            proved &= holds
-        # A cell gives back less than its travel in a snap, and needs as much as any to be emptied.
-        proved &= same_travel(np.max(full, axis=1), np.min(full, axis=1))
-        which = np.flatnonzero(proved)
-        if len(which) == 0:
-            return
-        ends = ends[which]
-        loading, unloading = motion_orders(ends)
-        rows, kind = np.unique(np.hstack([loading, unloading]), axis=0, return_inverse=True)
-        numbers = np.array(
-            [self._number(Sequence.full_cycle(row[:n], row[n:])) for row in rows.tolist()]
-        )
-        at = start + which
-        found.number[at] = numbers[kind.reshape(-1)]
-        found.snaps[at] = snaps_of(ends, loading, unloading)
-        found.gap[at] = smallest_gap(ends)
-
-    def _changed(self, cell: int, values: Floats) -> tuple[Floats, Bools]:
-        """(m, 6) numbers of a cell whose parameters are changed, and where it has friction."""
-        base, band = self._moving[cell], self.chain.cells[cell].bands[0]
-        assert base is not None
-        numbers = np.tile(np.array(base), (len(values), 1))
-        places = {"p": np.tile(band.p, (len(values), 1)), "q": np.tile(band.q, (len(values), 1))}
-        rubs = np.zeros(len(values), np.bool_)
-        for parameter, column in zip(self.parameters, values.T, strict=True):
-            if parameter.cell != cell:
+        plain = simple(replace(as_is, friction=0.0))
+        if plain is None:
+            return None
+        row = np.array([*plain, as_is.friction])
+        band, parts = as_is.bands[0], [k.part for k in self.parameters if k.cell == cell]
+        for part in parts:
+            end, _, axis = part.partition(".")
+            if not axis:
+                row[_NUMBERS[part]] = 0.0
                 continue
-            anchor, _, axis = parameter.part.partition(".")
-            if axis:
-                places[anchor][:, "xy".index(axis)] = column
-            elif parameter.part == "friction":
-                rubs |= column > 0
-            elif parameter.part == "limit":
-                numbers[:, 5] = np.sin(column)
-            else:
-                numbers[:, ("stiffness", "rest_length", "lever").index(parameter.part) + 2] = column
-        numbers[:, :2] = places["q"] - places["p"]
-        return numbers, rubs
+            # d = q - p: what is left is the other end of the band, unless that varies too.
+            column = "xy".index(axis)
+            left = -band.p[column] if end == "q" else band.q[column]
+            row[column] = 0.0 if {f"p.{axis}", f"q.{axis}"} <= set(parts) else left
+        return row
 
 
 def snapping_steps(result: Cycle) -> tuple[int, int]:

@@ -1,77 +1,72 @@
-"""Transition maps over any two parameters of a chain, and the curves between their regions."""
+"""Transition maps: what a chain does for all values of two of its parameters."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import __version__
-from stepwell.design.maps.between import between
-from stepwell.design.maps.outcomes import Bools, Floats, Ints, Outcomes, snapping_steps
-from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
-from stepwell.design.maps.transition_map import TIE
-from stepwell.design.parameters import Parameter, parameter, require_places
-from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Line, trace
-from stepwell.design.tolerances import WAY
+from stepwell.base import __version__, require
+from stepwell.design.maps.bistable import Stability
+from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
+from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, SlipError
+from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Axis = tuple[str, ArrayLike]
+Floats = NDArray[np.float64]
+Axis = tuple[str | Parameter, ArrayLike]
+Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
+Progress = Callable[[int, int], None]
+_Notes = dict[str, object]
 
-# Bisection in the closed form goes on down to rounding, which leaves this part of an axis.
-_EXACT = 1e-13
-# Longest chain whose sequences are written out; those of longer ones are told by their orders.
-_SHORT = 12
+# Below this gap, in units of k r, no maker and no rounding error can tell the order.
+_TIE = 1e-9
 _BYTES = 60  # of a place, on the way and in the result
-_WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
 
 
-@dataclass(frozen=True, eq=False)
-class ParameterBoundary(Boundary):
-    """A curve in the plane of two parameters, across which the chain does something else.
+def transition_map(
+    chain: Chain,
+    cell: int | str = 1,
+    *,
+    x: ArrayLike,
+    y: ArrayLike,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """What a chain does for every anchor q of one of its cells: `parameter_map` over that anchor.
 
-    As a `Boundary`, with these differences:
+    Args:
+        chain: two cells or any other number.
+        cell: the one whose anchor moves, 0 for the innermost, or its name; all its bands go to
+            the same place.
+        x, y: (nx,), (ny,) rising places of its anchor q on the outer block [m].
+        progress: called with (done, total) while the general engine works.
 
-    Attributes:
-        points: (m, 2) along the curve, each column in the SI unit of its parameter.
-        error: farthest a point is from the curve, as a part of the axes.
-        parameters: names of the two parameters.
-        units: their units.
-        sequences: what the chain does on either side; words where that is no sequence.
+    Returns:
+        The Dataset that `parameter_map` describes.
+
+    Raises:
+        ValueError: no such cell, axes that do not rise, or more places than the limit.
+
+    Source: Kamp et al. 2024, Fig. 2C; closed form: theory page, "Two cells".
     """
-
-    parameters: tuple[str, str]
-    units: tuple[str, str]
-    sequences: tuple[str, str]
-
-    def __repr__(self):
-        return (
-            f"ParameterBoundary({self.changes}; {len(self.points)} points, {self.method}, within "
-            f"{self.error:.1g} of the axes)"
-        )
+    return parameter_map(*anchor(chain, cell, x, y), progress=progress)
 
 
 def parameter_map(
-    chain: Chain,
-    x: Axis,
-    y: Axis,
-    *,
-    progress: Callable[[int, int], None] | None = None,
+    chain: Chain, x: Axis, y: Axis, *, progress: Progress | None = None
 ) -> xr.Dataset:
     """What a chain does for every value of two of its parameters.
 
     Any two parameters of any cells, of the actuator's stiffness or of friction; names as in
-    `parameter`. Designs of concave cells of equal travel under a rigid actuator are sorted in
-    closed form; all others go through the general engine one by one (a millisecond or so each).
-    `attrs` counts both.
+    `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are sorted
+    in closed form where the actuator is rigid; all others go through the general engine one by
+    one (a millisecond or so each). `attrs` counts both.
 
     Args:
         chain: any number of cells.
@@ -79,13 +74,19 @@ def parameter_map(
         progress: called with (done, total) while the general engine works.
 
     Returns:
-        Dataset with dims ("y", "x"):
+        Dataset with dims ("y", "x") and coordinates in SI:
         sequence, int32, codes in its attrs flag_values and flag_meanings, among them
         "impossible" where a band's ends would meet and "unsolved" where the engine gave up;
+        pathway, int8, the same by the names of `Pathway`, for two cells only;
+        snap_loading, snap_unloading, stroke [m] of the first snap, NaN where there is none;
         snaps_loading, snaps_unloading, steps from state to state in which the chain snaps
         (a snap that is handed on from cell to cell counts once); -1 where there is no answer;
-        degenerate, whether the design sits on a boundary (two forces within 1e-9 of k r, or the
-        engine met a tie).
+        margin, smallest difference of two F0 or of two F1, over k r of the first cell that
+        stays as it is (of the innermost where none does): zero exactly on a boundary, infinite
+        for one cell, NaN where the general engine had to decide;
+        monostable, whether a cell whose parameter varies is stable in one state only;
+        degenerate, whether the design sits on a boundary (margin below 1e-9, or the engine met
+        a tie).
 
     Raises:
         ValueError: no such parameter, values that do not rise or that it cannot have, or more
@@ -93,105 +94,38 @@ def parameter_map(
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
-    parameters, values = _axes(chain, x, y, 1)
-    require_places(len(values[0]), len(values[1]), _BYTES)
-    outcomes = Outcomes(chain, *parameters, np.array([np.ptp(v) for v in values]))
-    shape = (len(values[1]), len(values[0]))
-    nodes = np.stack(np.meshgrid(*values), axis=-1).reshape(-1, 2)
-    found = outcomes.closed_form(nodes)
-    sequence, snaps = found.number.copy(), found.snaps.copy()
-    scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
-    degenerate = (found.gap < TIE * scale) & (sequence != UNSOLVED)
-    waiting = np.flatnonzero(sequence == UNSOLVED).tolist()
+    (first, xs), (second, ys) = both(chain, x, y, 1)
+    require_places(len(xs), len(ys))
+    outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
+    nodes = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
+    scale, _ = _scale(outcomes)
+    found = outcomes.closed_form(nodes, _TIE * scale)
+    waiting = np.flatnonzero(found.sequence == UNSOLVED).tolist()
     for done, i in enumerate(waiting):
         if progress is not None:
             progress(done, len(waiting))
-        sequence[i], result = outcomes.by_engine(nodes[i])
-        snaps[i] = -1 if result is None else snapping_steps(result)
-        degenerate[i] = result is not None and bool(result.degenerate)
+        outcomes.ask(i, nodes[i], found)
+    for cell in outcomes.turned if waiting else ():
+        states = Stability(outcomes, cell, nodes[waiting])
+        found.monostable[waiting] |= states(nodes[waiting]) == 1
     if progress is not None:
         progress(len(waiting), len(waiting))
-    fields = {
-        "sequence": sequence.reshape(shape).astype(np.int32),
-        "snaps_loading": snaps[:, 0].reshape(shape).astype(np.int32),
-        "snaps_unloading": snaps[:, 1].reshape(shape).astype(np.int32),
-        "degenerate": degenerate.reshape(shape),
-    }
-    return _labelled(outcomes, fields, values, asked=len(waiting))
+    return _labelled(outcomes, found, ((first, xs), (second, ys)), asked=len(waiting))
 
 
-def parameter_boundaries(
-    chain: Chain,
-    x: Axis,
-    y: Axis,
-    *,
-    search: int = 61,
-    progress: Callable[[int, int], None] | None = None,
-) -> tuple[ParameterBoundary, ...]:
-    """The curves between the regions of a map over two parameters.
-
-    A grid is asked, and every change between two neighbouring nodes is bisected: to rounding
-    where the closed form holds ("exact"), else to 1e-9 of the axis by the general engine
-    ("search"). A curve ends up to one grid step short of a point where three regions meet, and
-    features finer than the grid are not seen.
-
-    Args:
-        chain: any number of cells.
-        x, y: name and rising values of a parameter, two or more. The grid keeps their spacing:
-            np.geomspace makes it logarithmic.
-        search: nodes of the grid each way.
-        progress: called with (done, total) while the general engine works.
-
-    Returns:
-        The curves, each with the sequences on both sides and what changes between them.
-
-    Raises:
-        ValueError: no such parameter, values that do not rise or that it cannot have, or fewer
-            than 2 nodes.
-    """
-    parameters, values = _axes(chain, x, y, 2)
-    if search < 2:
-        raise ValueError(f"search = {search}: must be 2 or more nodes each way.")
-    require_places(search, search, _BYTES)
-    outcomes = Outcomes(chain, *parameters, np.array([np.ptp(v) for v in values]))
-
-    def place(t: Floats) -> Floats:
-        # From the unit square to the parameters, with the spacing of the user's values.
-        spots = [np.linspace(0.0, 1.0, len(v)) for v in values]
-        return np.stack([np.interp(t[:, k], spots[k], values[k]) for k in (0, 1)], axis=-1)
-
-    line = np.linspace(0.0, 1.0, search)
-    grid = np.stack(np.meshgrid(line, line), axis=-1)
-    number, _ = outcomes.label(place(grid.reshape(-1, 2)), progress)
-
-    def centre(row: int, column: int) -> int:
-        middle = (grid[row, column] + grid[row + 1, column + 1]) / 2
-        return int(outcomes.label(place(middle[None]))[0][0])
-
-    found: list[ParameterBoundary] = []
-    for traced in trace(number.reshape(search, search), centre, ignore=IMPOSSIBLE):
-        for t, labels, exact in _curves(outcomes, place, grid, traced):
-            kind, changes, sides = _told(outcomes, labels)
-            found.append(
-                ParameterBoundary(
-                    kind,
-                    place(t),
-                    changes,
-                    "exact" if exact else "search",
-                    _EXACT if exact else RESOLVED,
-                    (parameters[0].name, parameters[1].name),
-                    (parameters[0].unit, parameters[1].unit),
-                    sides,
-                )
-            )
-    return tuple(found)
+def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[Chain, Axis, Axis]:
+    """The chain with all bands of a cell at one anchor q, and q.x and q.y as parameters."""
+    number = _which(chain, cell)
+    cells = list(chain.cells)
+    bands = cells[number].bands
+    cells[number] = replace(cells[number], band=tuple(replace(b, q=bands[0].q) for b in bands))
+    of_cell = {one.part: one for one in parameters(chain) if one.cell == number}
+    return replace(chain, cells=tuple(cells)), (of_cell["q.x"], x), (of_cell["q.y"], y)
 
 
-def _axes(
-    chain: Chain, x: Axis, y: Axis, least: int
-) -> tuple[tuple[Parameter, Parameter], tuple[Floats, Floats]]:
-    parameters: list[Parameter] = []
-    values: list[Floats] = []
+def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
+    """Two parameters with `least` or more values each; ValueError where they are none."""
+    found: list[tuple[Parameter, Floats]] = []
     for letter, given in (("x", x), ("y", y)):
         try:
             name, numbers = given
@@ -200,124 +134,89 @@ def _axes(
                 f"{letter} = {given!r}: must be the name of a parameter and its values, such as "
                 f"('{chain.names[0]}.stiffness', np.linspace(20, 40, 50))."
             ) from None
-        one = parameter(chain, name)
-        parameters.append(one)
-        values.append(one.values(numbers, least))
-        slips = one.slips(chain, max(values[-1].tolist(), key=abs))
+        one = name if isinstance(name, Parameter) else parameter(chain, name)
+        values = one.values(numbers, least)
+        slips = one.slips(chain, max(values.tolist(), key=abs))
         if slips:
             raise SlipError(slips, WAY)
         if "." not in one.part:
             # Values out of range are refused here; an anchor has none.
-            for value in values[-1][[0, -1]].tolist():
+            for value in values[[0, -1]].tolist():
                 one.changed(chain, value)
-    if parameters[0] == parameters[1]:
-        raise ValueError(f"x and y are both {parameters[0].name!r}: take two parameters.")
-    return (parameters[0], parameters[1]), (values[0], values[1])
+        found.append((one, values))
+    if found[0][0] == found[1][0]:
+        raise ValueError(f"x and y are both {found[0][0].name!r}: take two parameters.")
+    return found[0], found[1]
 
 
-def _curves(
-    outcomes: Outcomes, place: Callable[[Floats], Floats], grid: Floats, line: Line
-) -> list[tuple[Floats, tuple[int, int], bool]]:
-    """The stretches of a traced line with one pair of labels and one method.
-
-    Points (m, 2) in the unit square, the labels on both sides, and whether it is exact.
-    """
-    ends = [grid[tuple(side.T)] for side in (line.low, line.high)]
-    sides = [outcomes.label(place(end)) for end in ends]
-    labels, proved = [s[0] for s in sides], sides[0][1] & sides[1][1]
-    edge = float(np.max(np.linalg.norm(ends[1] - ends[0], axis=1)))
-    fine = math.ceil(math.log2(edge / RESOLVED))
-    every = np.ones(len(proved), np.bool_)
-    proved &= _bisect(outcomes, place, ends, labels, every, fine)
-    _bisect(outcomes, place, ends, labels, proved, math.ceil(math.log2(edge / _EXACT)) - fine)
-    middle = (ends[0] + ends[1]) / 2
-    pairs = np.sort(np.stack(labels, axis=-1), axis=1)
-    found: list[tuple[Floats, tuple[int, int], bool]] = []
-
-    def alike(i: int) -> tuple[int, int, bool]:
-        return int(pairs[i, 0]), int(pairs[i, 1]), bool(proved[i])
-
-    for (a, b, exact), run in groupby(range(len(middle)), alike):
-        points = middle[list(run)]
-        if len(points) > 1 and IMPOSSIBLE not in (a, b):
-            found.append((points, (a, b), exact))
-    return found
+def require_places(across: int, up: int) -> None:
+    """Refuse a map of too many places before memory is asked for."""
+    memory = across * up * _BYTES / 2**30
+    require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
 
 
-def _bisect(
-    outcomes: Outcomes,
-    place: Callable[[Floats], Floats],
-    ends: list[Floats],
-    labels: list[Ints],
-    which: Bools,
-    steps: int,
-) -> Bools:
-    """Halve the marked edges, in place; says of each whether every label was proved."""
-    proved = which.copy()
-    if not np.any(which):
-        return proved
-    for _ in range(steps):
-        middle = (ends[0][which] + ends[1][which]) / 2
-        number, sure = outcomes.label(place(middle))
-        first = number == labels[0][which]
-        for k, here in ((0, first), (1, ~first)):
-            at = np.flatnonzero(which)[here]
-            ends[k][at], labels[k][at] = middle[here], number[here]
-        proved[which] &= sure
-    return proved
+def _which(chain: Chain, cell: int | str) -> int:
+    if isinstance(cell, str) and cell in chain.names:
+        return chain.names.index(cell)
+    if not isinstance(cell, str) and 0 <= cell < len(chain):
+        return int(cell)
+    known = ", ".join(f"{i} or {name!r}" for i, name in enumerate(chain.names[:8]))
+    more = f" and {len(chain) - 8} more" if len(chain) > 8 else ""
+    raise ValueError(f"cell = {cell!r}: must be {known}{more}.")
 
 
-def _told(outcomes: Outcomes, labels: tuple[int, int]) -> tuple[BoundaryKind, str, tuple[str, str]]:
-    a, b = (_meaning(outcomes, number) for number in labels)
-    if min(labels) < 0:
-        return BoundaryKind.PATHWAY, f"{a} | {b}", (a, b)
-    first, second = (outcomes.sequences[number] for number in labels)
-    kind, changes = between(first, second, outcomes.chain.names)
-    return kind, changes, (a, b)
+def _scale(outcomes: Outcomes) -> tuple[float, str]:
+    """k r [N] that gaps are compared with, and the name of the cell that it belongs to."""
+    chain = outcomes.chain
+    stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
+    return chain.cells[stays].bands[0].stiffness * chain.cells[stays].lever, chain.names[stays]
 
 
-def _meaning(outcomes: Outcomes, number: int) -> str:
-    if number < 0:
-        return _WORDS[number]
-    sequence = outcomes.sequences[number]
-    if len(outcomes.chain) <= _SHORT:
-        return str(sequence)
-    # Cells in the order in which they move, by number.
-    return "moves:" + ",".join("+".join(map(str, flip)) for flip in sequence.flips)
-
-
-def _labelled(
-    outcomes: Outcomes,
-    fields: dict[str, NDArray[np.generic]],
-    values: tuple[Floats, Floats],
-    asked: int,
-) -> xr.Dataset:
+def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Dataset:
     import xarray as xr
 
-    sequence = fields["sequence"]
+    chain, sequence = outcomes.chain, found.sequence
+    scale, staying = _scale(outcomes)
+    turned = " or ".join(chain.names[i] for i in outcomes.turned)
     impossible, unsolved = (int(np.sum(sequence == code)) for code in (IMPOSSIBLE, UNSOLVED))
-    codes = range(len(outcomes.sequences))
-    meanings = [*(_meaning(outcomes, code) for code in codes), "impossible", "unsolved"]
-    about = {
-        "sequence": {
-            "long_name": "states visited in a full cycle",
-            "flag_values": np.array([*codes, IMPOSSIBLE, UNSOLVED], np.int32),
-            "flag_meanings": " ".join(meanings),
-        },
-        "snaps_loading": {"long_name": "steps that snap while loading", "units": "1"},
-        "snaps_unloading": {"long_name": "steps that snap while unloading", "units": "1"},
-        "degenerate": {"long_name": "design on a boundary: a tie decides"},
+    about: dict[str, tuple[NDArray[np.generic], _Notes]] = {
+        "sequence": (
+            sequence,
+            _noted("states visited in a full cycle")
+            | _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32),
+        ),
+        "snap_loading": (found.strokes[0], _noted("stroke of the first snap while loading", "m")),
+        "snap_unloading": (
+            found.strokes[1],
+            _noted("stroke of the first snap while unloading", "m"),
+        ),
+        "snaps_loading": (found.snaps[0], _noted("steps that snap while loading", "1")),
+        "snaps_unloading": (found.snaps[1], _noted("steps that snap while unloading", "1")),
+        "margin": (
+            found.gap / scale,
+            _noted("smallest gap between two F0 or two F1, over k r", "1")
+            | {"k_r_N": scale, "k_r_of": staying},
+        ),
+        "monostable": (found.monostable, _noted(f"{turned} is stable in one state only")),
+        "degenerate": (found.degenerate, _noted("design on a boundary: a tie decides")),
     }
-    axes = zip("xy", outcomes.parameters, values, strict=True)
+    if len(chain) == 2:
+        # The four pathways come first among the sequences, and OTHER after them.
+        pathway = np.minimum(sequence, list(Pathway).index(Pathway.OTHER)).astype(np.int8)
+        words = [p.name.lower() for p in Pathway]
+        notes = _noted("order in which the cells load and unload") | _flags(words, np.int8)
+        about = {"pathway": (pathway, notes)} | about
+    shape = (len(axes[1][1]), len(axes[0][1]))
     return xr.Dataset(
-        {name: (("y", "x"), fields[name], notes) for name, notes in about.items()},
+        {name: (("y", "x"), field.reshape(shape), notes) for name, (field, notes) in about.items()},
         coords={
-            letter: (letter, array, {"long_name": one.name, "units": one.unit})
-            for letter, one, array in axes
+            letter: (letter, values, {"long_name": one.name, "units": one.unit})
+            for letter, (one, values) in zip("xy", axes, strict=True)
         },
         attrs={
-            "title": outcomes.chain.title or "parameter map",
-            "chain": repr(outcomes.chain),
+            "title": chain.title or "transition map",
+            "moved_cell": turned,
+            "chain": repr(chain),
             "closed_form_designs": sequence.size - asked,
             "engine_designs": asked - impossible,
             "impossible_designs": impossible,
@@ -325,9 +224,21 @@ def _labelled(
             "assumptions": (
                 "quasi-static cycle from all cells at 0 to all at 1 and back; overdamped snaps at "
                 "fixed stroke; closed form only where all cells are proved taut with falling "
-                "force, share one full travel, and the actuator is rigid, the general engine "
-                "elsewhere"
+                "force, are two or share one full travel, and the actuator is rigid, the general "
+                "engine elsewhere"
             ),
             "source": f"stepwell {__version__}, parameter_map",
         },
     )
+
+
+def _noted(name: str, unit: str | None = None) -> _Notes:
+    notes: _Notes = {"long_name": name}
+    return notes if unit is None else notes | {"units": unit}
+
+
+def _flags(words: list[str], kind: type[np.signedinteger]) -> _Notes:
+    return {
+        "flag_values": np.array([*range(len(words)), IMPOSSIBLE, UNSOLVED], kind),
+        "flag_meanings": " ".join([*words, "impossible", "unsolved"]),
+    }

@@ -13,6 +13,9 @@ from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
 
+# How the odd true case is told.
+WAY = "If it is meant so, say unusual=True of a cell of the chain."
+
 _ACTUATOR = "actuator_stiffness"
 # What a cell has, with its unit.
 _PARTS = {

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
-from stepwell.design.plane import Box, trace
+from stepwell.design.plane import Box, bisected, trace
 
 Floats = NDArray[np.float64]
 
@@ -32,13 +32,11 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
         label[1:-1, 1:-1] = allowed(grid.reshape(-1, 2)).reshape(_NODES, _NODES)
         for line in trace(label, lambda row, column: 0):
             ends = tuple(line.low.T), tuple(line.high.T)
-            inside = label[ends[0]][:, None] == 1
-            low = np.where(inside, rim[ends[0]], rim[ends[1]])
-            high = np.where(inside, rim[ends[1]], rim[ends[0]])
-            for _ in range(_HALVINGS):
-                middle = (low + high) / 2
-                good = allowed(middle)[:, None]
-                low, high = np.where(good, middle, low), np.where(good, high, middle)
+            inside = label[ends[0]] == 1
+            low = np.where(inside[:, None], rim[ends[0]], rim[ends[1]])
+            high = np.where(inside[:, None], rim[ends[1]], rim[ends[0]])
+            yes = np.ones(len(low), np.bool_)
+            low, _, _ = bisected(allowed, low, high, yes, ~yes, _HALVINGS)
             # A corner of the box is the end of two edges.
             new = np.append(True, np.any(np.diff(low, axis=0) != 0.0, axis=1))
             found.append(rule.end_forces(low[new], k))

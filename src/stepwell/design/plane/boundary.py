@@ -8,30 +8,34 @@ from numpy.typing import NDArray
 
 from stepwell.base import ByValue
 
-# Width [m] at which a search stops.
-RESOLVED = 1e-9
+# Part of the axes at which a search stops.
+RESOLVED = 1e-8
 
 
 class BoundaryKind(Enum):
-    """What a boundary of the transition map separates."""
+    """What a boundary of a map separates."""
 
     LOADING_ORDER = "the cells load in the other order on the other side"
     UNLOADING_ORDER = "the cells unload in the other order on the other side"
     PATHWAY = "the chain runs through other states on the other side"
-    BISTABLE = "the moved cell has two stable states on one side and one on the other"
+    BISTABLE = "a cell has two stable states on one side and one on the other"
 
 
 @dataclass(frozen=True, eq=False)
 class Boundary(ByValue):
-    """A curve in the plane of an anchor q, across which the chain does something else.
+    """A curve in the plane of two parameters, across which the chain does something else.
 
     Attributes:
         kind: what it separates.
-        points: (m, 2) along the curve [m].
+        points: (m, 2) along the curve, each column in the SI unit of its parameter.
         changes: what changes across it, in words.
-        method: "exact" (the closed form's own curve) or "search" (bisection of what the general
-            engine does, along the edges of a grid).
-        error: farthest a point is from the curve [m].
+        method: "exact" (the closed form's own curve, where two F0 or two F1 are equal or a stop
+            is left) or "search" (bisection of what the general engine does, along the edges of a
+            grid).
+        error: farthest a point is from the curve, as a part of the axes.
+        parameters: names of the two parameters.
+        units: their units.
+        sequences: what the chain does on either side; words where that is no sequence.
     """
 
     kind: BoundaryKind
@@ -39,9 +43,12 @@ class Boundary(ByValue):
     changes: str
     method: str
     error: float
+    parameters: tuple[str, str]
+    units: tuple[str, str]
+    sequences: tuple[str, str]
 
     def __repr__(self):
         return (
             f"Boundary({self.changes}; {len(self.points)} points, {self.method}, within "
-            f"{self.error * 1e3:.1g} mm)"
+            f"{self.error:.1g} of the axes)"
         )

@@ -1,78 +1,74 @@
-"""Curves in the plane of an anchor along which an end force has a given value."""
+"""Curves in the unit square along which a smooth function is zero."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, certified, end_force_field
+from stepwell.design.plane.bisect import bisected
 from stepwell.design.plane.trace import trace
 
 Floats = NDArray[np.float64]
 
+_STEP = 1e-6  # of the square, between which slopes are taken
+_AROUND = _STEP * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+
 
 @dataclass(frozen=True)
 class Level:
-    """The curve F0(d) = force (side -1) or F1(d) = force (side +1) of a taut linear band."""
+    """The curve along which `function`, of (m, 2) places in the unit square, is zero."""
 
-    cell: Simple
-    side: int
-    force: float
+    function: Callable[[Floats], Floats]
 
-    def __call__(self, d: Floats) -> Floats:
-        """F - force [N] at (..., 2) differences d = q - p [m]."""
-        return end_force_field(self.cell, self.side, d)[..., 0] - self.force
+    def above(self, t: Floats) -> NDArray[np.bool_]:
+        """At which of the (m, 2) places the function is positive."""
+        return self.function(t) > 0
 
-    def gradient(self, d: Floats) -> Floats:
-        """∂F/∂d [N/m], (..., 2)."""
-        return end_force_field(self.cell, self.side, d)[..., 1:]
+    def look(self, t: Floats) -> tuple[Floats, Floats]:
+        """The function (m,) and its gradient (m, 2), by central differences."""
+        # All in one call: the function has its price for being called.
+        around = self.function((t + _AROUND[:, None]).reshape(-1, 2)).reshape(5, -1)
+        slope = np.stack([around[1] - around[2], around[3] - around[4]], axis=1) / (2 * _STEP)
+        return around[0], slope
 
-    def project(self, d: Floats) -> Floats:
+    def project(self, t: Floats) -> Floats:
         """The (m, 2) points moved onto the curve by Newton's method along the gradient."""
-        for _ in range(50):
-            gradient = self.gradient(d)
-            step = (self(d) / np.sum(gradient**2, axis=1))[:, None] * gradient
-            d = d - step
-            if np.max(np.abs(step), initial=0.0) <= 1e-12 * self.cell.lever:
+        for _ in range(20):
+            value, slope = self.look(t)
+            step = (value / np.sum(slope**2, axis=1))[:, None] * slope
+            t = t - step
+            if np.max(np.abs(step), initial=0.0) <= 1e-13:
                 break
-        return d
+        return t
 
-    def distance(self, d: Floats) -> Floats:
-        """Distance [m] of the (m, 2) points from the curve, to first order; (m,)."""
-        return np.abs(self(d)) / np.linalg.norm(self.gradient(d), axis=1)
-
-    def proved(self, d: Floats) -> NDArray[np.bool_]:
-        """At which of the (m, 2) differences the cell is proved concave."""
-        return certified(self.cell, d)
+    def distance(self, t: Floats) -> Floats:
+        """Distance of (m, 2) places from the curve, to first order; (m,)."""
+        value, slope = self.look(t)
+        return np.abs(value) / np.linalg.norm(slope, axis=1)
 
 
-def curves(level: Level, grid: Floats) -> list[Floats]:
+def curves(level: Level, grid: Floats, values: Floats) -> list[Floats]:
     """The curve on a grid, as polylines.
 
     Args:
         level: the curve.
-        grid: (ny, nx, 2) differences d [m], so fine that no two strands share one of its edges.
+        grid: (ny, nx, 2) places, so fine that no two strands share one of its edges.
+        values: (ny, nx) of the level's function there.
 
     Returns:
         Polylines, (m, 2) each, from rim to rim of the grid or closed.
     """
-    above = (level(grid) > 0).astype(np.int64)
+    above = values > 0
 
     def centre(row: int, column: int) -> int:
-        return int(level((grid[row, column] + grid[row + 1, column + 1]) / 2) > 0)
+        return int(level.above((grid[row, column] + grid[row + 1, column + 1])[None] / 2)[0])
 
-    return [
-        _rooted(level, grid[tuple(line.low.T)], grid[tuple(line.high.T)])
-        for line in trace(above, centre)
-    ]
-
-
-def _rooted(level: Level, low: Floats, high: Floats) -> Floats:
-    # One root on every edge, by bisection: it cannot leave the edge, so the ends of a curve lie
-    # on the rim of the grid exactly.
-    rising = (level(high) > 0)[:, None]
-    for _ in range(60):
-        middle = (low + high) / 2
-        beyond = (level(middle) > 0)[:, None] == rising
-        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    return (low + high) / 2
+    found: list[Floats] = []
+    for line in trace(above.astype(np.int64), centre):
+        low, high = tuple(line.low.T), tuple(line.high.T)
+        # One root on every edge, by bisection: it cannot leave the edge, so the ends of a curve
+        # lie on the rim of the grid exactly.
+        a, b, _ = bisected(level.above, grid[low], grid[high], above[low], above[high], 46)
+        found.append((a + b) / 2)
+    return found

@@ -1,21 +1,23 @@
-"""Polylines on a curve: made smooth, and cut where the curve leaves a region."""
+"""Polylines on a curve: made smooth, and parted by what is beside them."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.design.plane.bisect import bisected
+
 Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
 
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:
     """The polyline with points added on the curve until no chord is off by more than `sagitta`.
 
     Args:
-        points: (m, 2) on the curve [m].
+        points: (m, 2) on the curve.
         project: moves (n, 2) points onto the curve.
-        sagitta: [m].
+        sagitta: in the units of the points.
     """
     for _ in range(12):
         if len(points) < 2:
@@ -31,51 +33,32 @@ def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float
     return points
 
 
-def kept(
-    points: Floats, inside: Callable[[Floats], Bools], project: Callable[[Floats], Floats]
-) -> list[Floats]:
-    """The stretches of a polyline that lie inside, cut where it passes out.
+def parted(
+    points: Floats, ask: Callable[[Floats], Ints], project: Callable[[Floats], Floats], steps: int
+) -> list[tuple[int, Floats]]:
+    """The stretches of a polyline with one label each, cut where the label changes.
 
     Args:
-        points: (m, 2) on the curve [m].
-        inside: says it of (n, 2) points.
+        points: (m, 2) on the curve.
+        ask: labels of (n, 2) points on it.
         project: moves (n, 2) points onto the curve.
+        steps: how often the way to each cut is halved.
+
+    Returns:
+        The label of each stretch, and its points.
     """
-    flags = inside(points)
-    stretches: list[Floats] = []
-    current: list[Floats] = []
-
-    def close() -> None:
-        if len(current) > 1:
-            stretches.append(np.array(current))
-        current.clear()
-
-    for i, point in enumerate(points):
-        if i > 0 and flags[i] != flags[i - 1]:
-            within, without = (point, points[i - 1]) if flags[i] else (points[i - 1], point)
-            end = _crossing(within, without, inside, project)
-            current.append(end)
-            if not flags[i]:
-                close()
-        if flags[i]:
-            current.append(point)
-    close()
-    return stretches
-
-
-def _crossing(
-    within: Floats,
-    without: Floats,
-    inside: Callable[[Floats], Bools],
-    project: Callable[[Floats], Floats],
-) -> Floats:
-    last = within
-    low, high = 0.0, 1.0
-    for _ in range(40):
-        middle = (low + high) / 2
-        point = project((within + middle * (without - within))[None])
-        if inside(point)[0]:
-            low, last = middle, point[0]
-        else:
-            high = middle
-    return last
+    label = ask(points)
+    turns = np.flatnonzero(label[1:] != label[:-1])
+    # From both sides: a third label may lie between.
+    near, far = np.append(turns, turns + 1), np.append(turns + 1, turns)
+    ends, _, _ = bisected(
+        lambda t: ask(project(t)), points[near], points[far], label[near], label[far], steps
+    )
+    before, after = np.split(project(ends), 2)
+    bounds = [0, *(turns + 1).tolist(), len(points)]
+    found: list[tuple[int, Floats]] = []
+    for k in range(len(bounds) - 1):
+        first, last = after[k - 1 : k] if k else after[:0], before[k : k + 1]
+        piece = np.concatenate([first, points[bounds[k] : bounds[k + 1]], last])
+        found.append((int(label[bounds[k]]), piece))
+    return found

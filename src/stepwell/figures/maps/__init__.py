@@ -1,6 +1,5 @@
 """Maps over parameters, yields, and what counts most."""
 
-from stepwell.figures.maps.parameter_map import parameter_map
 from stepwell.figures.maps.tornado import Effect, Sensitivity, tornado
 from stepwell.figures.maps.transition_map import transition_map
 from stepwell.figures.maps.yield_bars import yield_bars
@@ -8,7 +7,6 @@ from stepwell.figures.maps.yield_bars import yield_bars
 __all__ = [
     "Effect",
     "Sensitivity",
-    "parameter_map",
     "tornado",
     "transition_map",
     "yield_bars",

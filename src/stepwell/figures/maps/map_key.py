@@ -25,6 +25,7 @@ class Row(NamedTuple):
     text: str
     shade: ColorType | None = None
     line: tuple[str, LineStyleType] | None = None
+    hatched: bool = False
 
 
 class Key:
@@ -52,13 +53,16 @@ class Key:
             middle = y - _LINE / 2
             if row.line is not None:
                 colour, style = row.line
-                ax.plot([0.0, _SAMPLE - 1.5], [middle] * 2, color=colour, linestyle=style)
-                badge(ax, (_SAMPLE - 1.5) / 2, middle, row.mark, colour)
+                wide = 1.5 if row.mark else 0.8
+                ends = [0.0, _SAMPLE - 1.5]
+                ax.plot(ends, [middle] * 2, color=colour, linestyle=style, linewidth=wide)
+                if row.mark:
+                    badge(ax, sum(ends) / 2, middle, row.mark, colour)
             else:
                 ax.add_patch(
                     Rectangle(
                         (1.5, middle - 1.7), 4.4, 3.4, facecolor=row.shade or "white",
-                        edgecolor=FAINT, linewidth=0.5,
+                        edgecolor=FAINT, linewidth=0.5, hatch="/////" if row.hatched else None,
                     )
                 )  # fmt: skip
                 ax.text(3.7, middle, row.mark, ha="center", va="center_baseline", weight="bold")

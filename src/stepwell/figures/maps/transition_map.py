@@ -1,41 +1,112 @@
-"""The transition map: which pathway each place of an anchor gives."""
+"""What a chain does for every value of two of its parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
+from matplotlib.typing import ColorType, LineStyleType
+from numpy.typing import NDArray
 
 from stepwell.figures.common import (
     BLACK,
-    COLUMN,
+    BLUE,
     FAINT,
+    GREEN,
     INK,
-    MM,
+    LOADING,
+    ORANGE,
+    PAGE,
     PATHWAY,
+    PURPLE,
+    SKY,
+    UNLOADING,
+    VERMILLION,
+    YELLOW,
     Label,
     beside,
-    canvas,
+    blank,
+    keep_inside,
     literal,
     pale,
+    place,
+    root,
+    sequence_words,
     styled,
-    trim_above,
 )
+from stepwell.figures.maps.map_key import Key, Row, badge
 from stepwell.figures.maps.regions import name_regions
+from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
     from stepwell.design import Boundary
 
-_IN_TWO_LINES = {"COUNTERCLOCKWISE": "counter-\nclockwise", "OTHER": "other\npathway"}
+Array = NDArray[np.float64]
+
+_SIDE = 70.0
+# Characters that a row of the key has room for.
+_ROOM = 50
+# Pieces of a curve longer than this have their own number [pt].
+_NUMBERED = 25.0
+_SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
+# What is shown of an SI unit, and how many of it make one.
+_SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / np.pi)}
+_PARTS = {
+    "p.x": "$p_x$",
+    "p.y": "$p_y$",
+    "q.x": "$q_x$",
+    "q.y": "$q_y$",
+    "stiffness": "Stiffness",
+    "rest_length": "Rest length",
+    "lever": "Lever",
+    "limit": "Angle limit",
+    "friction": "Friction",
+}
+# By the kind of boundary: colour and line, as loading and unloading have them everywhere.
+_LINES: dict[str, tuple[str, LineStyleType]] = {
+    "LOADING_ORDER": (LOADING, "-"),
+    "UNLOADING_ORDER": (UNLOADING, (0, (3.2, 1.6))),
+    "BISTABLE": (INK, (0, (3, 1.5))),
+}
+_EDGE = "bistable up to here"
+_IN_TWO_LINES = {"counterclockwise": "counter-\nclockwise"}
+_EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no answer"}
+
+
+_PATHWAYS = {pathway.value: pathway for pathway in Pathway}
+_DESIGN: dict[str, Any] = {
+    "markersize": 4.6,
+    "markerfacecolor": BLACK,
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.7,
+    "zorder": 8,
+    "clip_on": False,
+}
+
+
+class _Axis(NamedTuple):
+    """Values in drawn units, and what to write beside them."""
+
+    values: Array
+    scale: float
+    name: str
+    is_log: bool
+
+
+class _Region(NamedTuple):
+    """All nodes with one sequence."""
+
+    name: str
+    sequence: str
+    inside: NDArray[np.bool_]
+    shade: ColorType
 
 
 @styled
@@ -43,153 +114,252 @@ def transition_map(
     dataset: Dataset,
     boundaries: Iterable[Boundary] = (),
     designs: Mapping[str, tuple[float, float]] | None = None,
-    *,
-    ax: Axes | None = None,
 ) -> Figure:
-    """Pathways over the places of one anchor, boundaries as exact curves, designs marked.
+    """Sequences over two parameters, boundaries as curves, and beside them what they mean.
 
     Args:
-        dataset: what `design.transition_map` returns, in memory or read back from a file.
-        boundaries: what `design.boundaries` returns for the same chain and cell.
-        designs: anchor q [m] of each design to be marked, by the name to write beside it.
-        ax: axes to draw into; a new figure of one column's width by default.
+        dataset: what `design.transition_map` or `design.parameter_map` returns, in memory or read
+            back from a file.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
+        designs: the two parameters in SI of each design to be marked, by the name to write.
 
     Returns:
-        The figure: q_x against q_y of the moved cell [mm]; hatched where that cell is stable
-        in one state only.
+        The figure, two columns wide: each region has a letter, or its name where it is one of the
+        four pathways of two cells, and each curve a number. Curves across which only the loading
+        order changes are blue, only the unloading order vermillion and dashed, all others black;
+        it is hatched where a cell whose parameter varies is stable in one state only, up to a
+        thin dashed line. Lengths in mm, angles in degrees.
 
     Source: Kamp et al. 2024, Fig. 2C.
     """
-    x, y = dataset["x"].to_numpy() * MM, dataset["y"].to_numpy() * MM
-    height = 60.0 * float(np.clip((y[-1] - y[0]) / max(x[-1] - x[0], 1e-9), 0.5, 2.0))
-    own = ax is None
-    figure, ax = canvas(ax, (COLUMN, height + 28.0), (14.0, 10.0, 3.0, 18.0))
-    codes = dataset["pathway"].to_numpy()
-    values = np.atleast_1d(dataset["pathway"].attrs["flag_values"])
-    names = [name.upper() for name in str(dataset["pathway"].attrs["flag_meanings"]).split()]
+    x, y = _axis(dataset, "x"), _axis(dataset, "y")
+    regions = _regions(dataset)
+    curves = _curves(boundaries)
+    key = Key(_rows(dataset, regions, curves), PAGE - _SIDE - 24.0)
+    tall = _SIDE * _aspect(dataset, x, y)
+    height = 12.0 + max(tall, key.height - 9.0) + 3.0
+    figure = blank(PAGE, height)
+    ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
+    _draw_shades(ax, x, y, regions)
+    _draw_hatches(ax, x, y, dataset["monostable"].to_numpy())
+    ax.set_xlabel(x.name)
+    ax.set_ylabel(y.name)
+    keep_inside(ax)
 
-    ax.set_facecolor("white")
-    shades = ListedColormap([pale(PATHWAY.get(name, "#FFFFFF")) for name in names])
-    # A missing pathway stays white.
-    place = np.full(codes.shape, np.nan)
-    for k, value in enumerate(values):
-        if names[k] in PATHWAY:
-            place[codes == value] = k
-    ax.pcolormesh(
-        x,
-        y,
-        np.ma.masked_invalid(place),
-        cmap=shades,
-        vmin=-0.5,
-        vmax=len(names) - 0.5,
-        shading="nearest",
-        rasterized=True,
-    )
-    monostable = dataset["monostable"].to_numpy().astype(float)
-    hatched = bool(np.any(monostable)) and min(monostable.shape) > 1
-    if hatched:
-        ax.contourf(x, y, monostable, [0.5, 1.5], colors="none", hatches=["////"])
-        for collection in ax.collections[-1:]:
-            collection.set_edgecolor(FAINT)
-            collection.set_linewidth(0.0)
-    for boundary in boundaries:
-        points = np.asarray(boundary.points) * MM
-        edge = _is_stability_edge(boundary)
-        ax.plot(
-            *points.T,
-            color=INK,
-            linewidth=0.8 if edge else 1.5,
-            linestyle=(0, (3, 1.5)) if edge else "-",
-            gid="stability edge" if edge else "boundary",
-        )
-    ax.set_aspect("equal")
-    ax.set_xlim(x[0], x[-1])
-    ax.set_ylim(y[0], y[-1])
-    cell = literal(str(dataset.attrs.get("moved_cell", ""))) or "moved cell"
-    ax.set_xlabel(f"$q_x$ of {cell} [mm]")
-    ax.set_ylabel(f"$q_y$ of {cell} [mm]")
-
-    free = np.ones(codes.shape, bool)
-    for qx, qy in (designs or {}).values():
-        # No pathway's name over a design's mark.
-        free &= np.hypot(x - qx * MM, (y - qy * MM)[:, None]) > 0.03 * np.ptp(x)
-    taken: list[Bbox] = []
-    nameless: list[str] = []
-    for name, value in zip(names, values, strict=True):
-        if name in PATHWAY and np.any(codes == value):
-            words = _words(name)
-            forms = (words, _IN_TWO_LINES.get(name, words))
-            inside = (codes == value) & free
-            written = name_regions(ax, x, y, inside, forms, pale(PATHWAY[name]))
-            nameless += [] if written else [name]
-            taken += written
-    marks: list[Label] = []
-    for name, (qx, qy) in (designs or {}).items():
-        ax.plot(
-            qx * MM,
-            qy * MM,
-            "o",
-            markersize=4.6,
-            markerfacecolor=BLACK,
-            markeredgecolor="white",
-            markeredgewidth=0.7,
-            zorder=8,
-            clip_on=False,
-            gid="design",
-        )
-        marks.append(Label(qx * MM, qy * MM, literal(name)))
+    taken = _draw_curves(ax, curves, (x.scale, y.scale))
+    marks = [
+        Label(a * x.scale, b * y.scale, literal(name)) for name, (a, b) in (designs or {}).items()
+    ]
+    for mark in marks:
+        ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
+        spot = ax.transData.transform((mark.x, mark.y))
+        taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
+    free = _free(ax, x.values, y.values, taken)
+    for region in regions:
+        if region.name:
+            forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
+            inside = region.inside & free
+            taken += name_regions(ax, x.values, y.values, inside, forms, region.shade)
     for text in beside(ax, marks, keep_clear=taken):
         text.set_bbox(
             {"boxstyle": "round,pad=0.12", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
         )
-    _key(ax, hatched, cell, bool(designs), nameless)
-    if own:
-        trim_above(ax)
+    key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
     return figure
 
 
-def _is_stability_edge(boundary: Boundary) -> bool:
-    return boundary.kind.name == "BISTABLE"
+class _Curves(NamedTuple):
+    """Boundaries across which the same changes."""
+
+    number: str
+    words: str
+    line: tuple[str, LineStyleType]
+    points: list[Array]
 
 
-def _words(name: str) -> str:
-    return "other pathway" if name == "OTHER" else name.lower().replace("_", " ")
+def _axis(dataset: Dataset, name: str) -> _Axis:
+    coordinate = dataset[name]
+    values = coordinate.to_numpy().astype(float)
+    unit, scale = _SHOWN.get(str(coordinate.attrs["units"]), (coordinate.attrs["units"], 1.0))
+    cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
+    words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
+    return _Axis(values * scale, scale, f"{words} [{unit}]", _is_geometric(values))
 
 
-def _key(ax: Axes, hatched: bool, cell: str, designs: bool, nameless: list[str]) -> None:
-    handles: list[Line2D | Patch] = []
-    lines = ax.get_lines()
-    if any(line.get_gid() == "boundary" for line in lines):
-        handles.append(Line2D([], [], color=INK, linewidth=1.5, label="pathway changes"))
-    if designs:
-        handles.append(
-            Line2D(
-                [], [], linestyle="none", marker="o", markersize=4.6, color=BLACK, label="design"
-            )
+def _is_geometric(values: Array) -> bool:
+    """Whether values grow by one factor from each to the next, as those of np.geomspace."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+    factors = values[1:] / values[:-1]
+    return bool(np.ptp(factors) < 1e-6 * factors[0] and np.ptp(np.diff(values)) > 0)
+
+
+def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
+    """Height over width: true to scale where both are lengths, else square."""
+    if not all(dataset[name].attrs["units"] == "m" for name in "xy"):
+        return 1.0
+    ratio = np.ptp(y.values) / max(np.ptp(x.values), 1e-12)
+    return float(np.clip(ratio, 0.6, 1.5))
+
+
+def _regions(dataset: Dataset) -> list[_Region]:
+    """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name.
+
+    Letters run out after Z.
+    """
+    codes = dataset["sequence"].to_numpy()
+    notes = dataset["sequence"].attrs
+    values = np.atleast_1d(notes["flag_values"]).tolist()
+    names = str(notes["flag_meanings"]).split()
+    present = [
+        (name, codes == value)
+        for name, value in zip(names, values, strict=True)
+        if name not in _EMPTY and np.any(codes == value)
+    ]
+    present.sort(key=lambda item: -int(np.sum(item[1])))
+    shades = _shades([name for name, _ in present], [inside for _, inside in present])
+    letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    found: list[_Region] = []
+    for (sequence, inside), shade in zip(present, shades, strict=True):
+        pathway = _PATHWAYS.get(sequence)
+        name = next(letters, "") if pathway is None else pathway.label
+        found.append(_Region(name, sequence, inside, shade))
+    return found
+
+
+def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[ColorType]:
+    """A pale colour for each region, no two neighbours with the same one if that can be."""
+    if all(name in _PATHWAYS for name in names):
+        return [pale(PATHWAY[_PATHWAYS[name].name]) for name in names]
+    touching = np.zeros((len(parts),) * 2, bool)
+    for i, a in enumerate(parts):
+        wide = a.copy()
+        wide[1:] |= a[:-1]
+        wide[:-1] |= a[1:]
+        wide[:, 1:] |= a[:, :-1]
+        wide[:, :-1] |= a[:, 1:]
+        touching[i] = [bool(np.any(wide & b)) for b in parts]
+    chosen: list[int] = []
+    for i in range(len(parts)):
+        near = [chosen[j] for j in range(i) if touching[i, j]]
+        counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
+        chosen.append(min(counts)[2])
+    return [pale(_SHADES[k]) for k in chosen]
+
+
+def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
+    """Boundaries by what changes across them; sequences on both sides are left to the regions."""
+    found: dict[tuple[str, str], list[Array]] = {}
+    for boundary in boundaries:
+        words = boundary.changes.partition(": ")[0]
+        if boundary.kind.name == "BISTABLE":
+            words = _EDGE
+        found.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
+    # Limits of bistability come last, and need no number.
+    return [
+        _Curves("" if words == _EDGE else str(k), words, _LINES.get(kind, (INK, "-")), points)
+        for k, ((words, kind), points) in enumerate(found.items(), 1)
+    ]
+
+
+def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
+    """The key: sequences, what changes between them, what is missing."""
+    rows = [
+        Row(region.name if len(region.name) == 1 else "", _words(region.sequence), region.shade)
+        for region in regions
+        if region.name
+    ]
+    small = len(regions) - len(rows)
+    if small:
+        rows.append(Row("", f"{small} smaller regions"))
+    rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
+    if np.any(dataset["monostable"]):
+        rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
+    codes = dataset["sequence"]
+    names = str(codes.attrs["flag_meanings"]).split()
+    for name, value in zip(names, np.atleast_1d(codes.attrs["flag_values"]), strict=True):
+        if name in _EMPTY and np.any(codes.to_numpy() == value):
+            rows.append(Row("", _EMPTY[name]))
+    return rows
+
+
+def _words(sequence: str) -> str:
+    pathway = _PATHWAYS.get(sequence)
+    if pathway is not None:
+        return f"{pathway.label}: {sequence}"
+    return sequence_words(sequence, _ROOM)
+
+
+def _draw_shades(ax: Axes, x: _Axis, y: _Axis, regions: Sequence[_Region]) -> None:
+    """The regions; what has no sequence stays white."""
+    number = np.full((len(y.values), len(x.values)), np.nan)
+    for k, region in enumerate(regions):
+        number[region.inside] = k
+    ax.set_facecolor("white")
+    ax.pcolormesh(
+        x.values,
+        y.values,
+        np.ma.masked_invalid(number),
+        cmap=ListedColormap([region.shade for region in regions] or ["white"]),
+        vmin=-0.5,
+        vmax=max(len(regions), 1) - 0.5,
+        shading="nearest",
+        rasterized=True,
+    )
+    for axis, set_scale, set_limits in (
+        (x, ax.set_xscale, ax.set_xlim),
+        (y, ax.set_yscale, ax.set_ylim),
+    ):
+        if axis.is_log:
+            set_scale("log")
+        set_limits(axis.values[0], axis.values[-1])
+
+
+def _draw_hatches(ax: Axes, x: _Axis, y: _Axis, monostable: NDArray[np.bool_]) -> None:
+    if np.any(monostable) and min(monostable.shape) > 1:
+        shown = monostable.astype(float)
+        hatches = ax.contourf(
+            x.values, y.values, shown, [0.5, 1.5], colors="none", hatches=["////"]
         )
-    if hatched:
-        handles.append(
-            Patch(
-                facecolor="white",
-                edgecolor=FAINT,
-                hatch="//////",
-                linewidth=0.0,
-                label=f"{cell} monostable",
-            )
-        )
-    if any(line.get_gid() == "stability edge" for line in lines):
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=INK,
-                linewidth=0.8,
-                linestyle=(0, (3, 1.5)),
-                label="bistable up to here",
-            )
-        )
-    for name in nameless:
-        shade = pale(PATHWAY[name])
-        handles.append(Patch(facecolor=shade, linewidth=0.0, label=_words(name)))
-    if handles:
-        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2)
+        hatches.set_edgecolor(FAINT)
+        hatches.set_linewidth(0.0)
+
+
+def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:
+    """The curves with their numbers; returns what the numbers cover."""
+    point = root(ax).dpi / 72.0
+    taken: list[Bbox] = []
+    for curve in curves:
+        colour, style = curve.line
+        found: list[tuple[float, float, float]] = []
+        for points in curve.points:
+            drawn = points * scale
+            width, gid = (1.5, "boundary") if curve.number else (0.8, "stability edge")
+            ax.plot(*drawn.T, color=colour, linestyle=style, linewidth=width, gid=gid)
+            found.append(_middle(ax, drawn))
+        longest = max(length for length, *_ in found)
+        for length, x, y in found if curve.number else ():
+            # A short piece gets its number only where there is no longer one.
+            if length >= min(longest, _NUMBERED * point):
+                text = badge(ax, x, y, curve.number, colour)
+                taken.append(text.get_window_extent().padded(3.5 * point))
+    return taken
+
+
+def _middle(ax: Axes, points: Array) -> tuple[float, float, float]:
+    """Length of a curve on the page [pixels], and the point half-way along it."""
+    on_page = ax.transData.transform(points)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
+    half = [float(np.interp(along[-1] / 2, along, on_page[:, k])) for k in (0, 1)]
+    x, y = ax.transData.inverted().transform(half)
+    return float(along[-1]), float(x), float(y)
+
+
+def _free(ax: Axes, x: Array, y: Array, taken: Sequence[Bbox]) -> NDArray[np.bool_]:
+    """(ny, nx) which nodes lie outside these boxes."""
+    nodes = np.stack(np.meshgrid(x, y), axis=-1)
+    at = ax.transData.transform(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    free = np.ones(nodes.shape[:2], bool)
+    for box in taken:
+        free &= ~np.all((at > box.min) & (at < box.max), axis=-1)
+    return free
