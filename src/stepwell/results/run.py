@@ -12,6 +12,7 @@ from stepwell.base import (
     Quantity,
     Schema,
     number,
+    plain,
     record,
     signed,
     told_in,
