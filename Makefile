@@ -10,12 +10,12 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo test test-lowest coverage bench docs lock clean
+.PHONY: help venv demo test types style pages test-lowest coverage bench docs lock clean
 
 help:
 	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
 	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
-	@echo "make test-lowest  run the quick tests on the oldest supported dependencies"
+	@echo "make test-lowest  run the tests on the oldest supported dependencies"
 	@echo "make coverage     run all tests and tell which lines they never reach"
 	@echo "make bench        print speed ratios against named peers"
 	@echo "make docs         build the documentation into site/"
@@ -31,21 +31,28 @@ demo: .venv/.ready
 	.venv/bin/stepwell maze robot-antennas three-walls --out out/maze
 
 test: .venv/.ready
-	@# What the tests run most is compiled on one core while the other one checks.
+	@# What the tests run most is compiled beside the checks, of which two go on at a time.
 	@STEPWELL_KERNELS=compiled .venv/bin/stepwell run preset:paper-forward >/dev/null 2>&1 &
+	@$(MAKE) --no-print-directory --jobs=2 types style pages
+	.venv/bin/pytest
+
+types: .venv/.ready
+	.venv/bin/pyright
+
+style: .venv/.ready
 	.venv/bin/ruff check
 	.venv/bin/ruff format --check
-	.venv/bin/pyright
 	.venv/bin/lint-imports
+
+pages: .venv/.ready
 	.venv/bin/mkdocs build --strict --quiet
-	.venv/bin/pytest --numprocesses=auto
 
 # By itself, for it makes all of Python half as fast again.
 coverage: .venv/.ready
-	.venv/bin/pytest --numprocesses=auto --cov --cov-report=term
+	.venv/bin/pytest --cov --cov-report=term
 
 test-lowest: .venv-lowest/.ready
-	.venv-lowest/bin/pytest --numprocesses=auto -m "not slow and not shown"
+	.venv-lowest/bin/pytest -m "not shown"
 
 bench: .venv/.ready
 	.venv/bin/python benchmarks/run.py

@@ -1,6 +1,7 @@
 """How hard the tests try: quickly by default, thoroughly with STEPWELL_TESTS=full."""
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,27 @@ from hypothesis import settings
 from sizes import SIZE
 
 # No deadlines: the first call of a compiled kernel takes seconds, and no test asserts a time.
-settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=50)
+settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=30)
 settings.register_profile("full", deadline=None, print_blob=True, max_examples=1000)
 settings.load_profile(SIZE)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # Files go to the cores in the order of collection, not the one with most tests first.
+    config.option.loadscopereorder = False
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """All cores for all tests, one process for a few that are named, unless `-n` is said."""
+    said = any(one.startswith(("-n", "--numprocesses")) for one in config.invocation_params.args)
+    named = config.args_source is not pytest.Config.ArgsSource.TESTPATHS
+    return 0 if named and not said else None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with much that is slow come first, so that no core has one of them left at the end."""
+    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
+    items.sort(key=lambda item: -slow[item.path])
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,6 @@ if SIZE not in ("ci", "full"):
     raise pytest.UsageError(f"STEPWELL_TESTS={SIZE!r}: must be 'ci' (the default) or 'full'.")
 
 
-def examples(n: int) -> int:
-    """Size of a slow suite: `n` in the default run, twenty times as many in a full one."""
-    return n if SIZE == "ci" else 20 * n
+def examples(n: int, full: int | None = None) -> int:
+    """Size of a slow suite: `n` by default; in a full run `full`, or twenty times as many."""
+    return n if SIZE == "ci" else full or 20 * n

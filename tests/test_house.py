@@ -4,8 +4,10 @@ import ast
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
+import networkx
 import pytest
 
 import stepwell
@@ -57,20 +59,6 @@ def loaded_by(code: str) -> set[str]:
     return HEAVY & set(result.stdout.splitlines()[-1].split())
 
 
-def imported_modules(file: Path) -> set[str]:
-    """Absolute names of everything a source file of the package imports."""
-    package = ["stepwell", *file.relative_to(SOURCE).parent.parts]
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            base = package[: len(package) - node.level + 1] if node.level else []
-            origin = ".".join([*base, *filter(None, [node.module])])
-            names |= {origin} | {f"{origin}.{alias.name}" for alias in node.names}
-    return names
-
-
 def test_importing_stepwell_costs_numpy_and_no_more():
     assert loaded_by("import stepwell") == set()
 
@@ -92,15 +80,61 @@ def test_every_public_name_can_be_had_from_the_root():
     assert missing == []
 
 
-def test_no_other_room_reaches_behind_the_door_of_statics():
-    trespassers = [
-        f"{file.relative_to(ROOT)} imports {name}"
-        for file in SOURCE.rglob("*.py")
-        if file.relative_to(SOURCE).parts[0] != "statics"
-        for name in sorted(imported_modules(file))
-        if re.match(r"stepwell\.statics\._[a-z]", name)
-    ]
+def folder_of(file: Path) -> str:
+    return ".".join(["stepwell", *file.relative_to(SOURCE).parent.parts])
+
+
+def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
+    """What files take from other folders: the file, from where, the names, and whether at once."""
+    found = []
+    for file in SOURCE.rglob("*.py"):
+        tree = ast.parse(file.read_text("utf-8"))
+        at_once = set(map(id, tree.body))
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.ImportFrom) or not node.module or node.level:
+                continue
+            within = node.module.startswith(folder_of(file) + ".") and file.name == "__init__.py"
+            beside = node.module.rpartition(".")[0] == folder_of(file)
+            own = node.module == folder_of(file)
+            if node.module.partition(".")[0] == "stepwell" and not (within or beside or own):
+                names = tuple(alias.name for alias in node.names)
+                found.append((file, node.module, names, id(node) in at_once))
+    return found
+
+
+def test_a_file_takes_from_other_folders_only_what_they_offer_at_their_doors():
+    """A folder offers what its `__init__` lists; files of other folders are nobody's business."""
+    trespassers = []
+    for file, module, names, _ in imports_between_folders():
+        folder = SOURCE.joinpath(*module.split(".")[1:])
+        offered = getattr(import_module(module), "__all__", ()) if folder.is_dir() else ()
+        offered = {*offered, *(one.name for one in folder.glob("*/") if module == "stepwell")}
+        if module in ("stepwell.cli.text", "stepwell.cli.chains", "stepwell.cli.robots"):
+            continue  # these hold one module a command, and commands are opened one at a time
+        trespassers += [
+            f"{file.relative_to(SOURCE)} takes {name} from {module}"
+            for name in names
+            if name not in offered or (name.startswith("_") and name != "__version__")
+        ]
     assert trespassers == []
+
+
+def test_no_two_folders_stand_on_each_other():
+    graph = networkx.DiGraph()
+    for file, module, _, at_once in imports_between_folders():
+        if at_once and module != "stepwell":
+            graph.add_edge(folder_of(file), module)
+    rings = [ring for ring in networkx.strongly_connected_components(graph) if len(ring) > 1]
+    assert rings == []
+
+
+def test_no_folder_holds_more_files_than_one_can_see_at_once():
+    crowded = {
+        str(folder.relative_to(SOURCE)): len(files)
+        for folder in [SOURCE, *SOURCE.rglob("*/")]
+        if len(files := [*folder.glob("*.py")]) > 13
+    }
+    assert crowded == {}
 
 
 def test_every_module_says_what_a_reader_finds_there():

@@ -24,7 +24,7 @@ from stepwell.files import DesignError
 from stepwell.files.schema import wording
 from stepwell.files.source import preset_text
 from stepwell.robot import Arena, Body, Cylinder, Wall
-from stepwell.simulation.video import VideoError
+from stepwell.simulation.runs.video import VideoError
 
 CHAIN = preset_text("paper-forward")
 ROBOT = preset_text("robot-forward")
@@ -242,6 +242,7 @@ def test_the_page_has_every_limit_and_its_number():
     assert LIMITS.keys() - tested == {"design_bytes", "recording_bytes", "readings"}
 
 
+@pytest.mark.slow
 def test_a_map_of_every_second_square_is_drawn_in_one_pass():
     size = 400
     rows = ["".join("#" if (i + j) % 2 else "." for i in range(size)) for j in range(size)]

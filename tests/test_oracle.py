@@ -11,6 +11,7 @@ import pytest
 
 import oracle
 from oracle import OracleCell, follow
+from sizes import examples
 
 R = 0.010 * math.sqrt(2)
 LIMIT = math.pi / 4
@@ -358,9 +359,10 @@ def test_turning_back_past_the_snap_leads_to_01():
     assert follow([INNER, STRONG], [S, before, 0], start=[S, 0]).sequence.startswith("10>00")
 
 
+@pytest.mark.slow
 def test_result_does_not_depend_on_the_drive_step():
     rng = np.random.default_rng(7)
-    for _ in range(6):
+    for _ in range(examples(3, full=60)):
         cells = [
             OracleCell(
                 R,

@@ -25,7 +25,7 @@ COPIES = [lambda v: pickle.loads(pickle.dumps(v)), copy.copy, copy.deepcopy]
 ROOMS = [
     room.name
     for room in pkgutil.iter_modules(sw.__path__)
-    if room.ispkg and room.name not in ("cli", "__pycache__")
+    if room.ispkg and room.name not in ("base", "cli", "concave", "__pycache__")
 ]
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell.base import __version__
 
 if TYPE_CHECKING:
+    from stepwell.base import InputError, StepwellError
     from stepwell.design import Margin, Tolerances, Yield, design, margin, transition_map
     from stepwell.files import load, preset, presets, save
     from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
     "Arena": "robot",
+    "InputError": "base",
+    "StepwellError": "base",
     "Band": "mechanism",
     "Cell": "mechanism",
     "Chain": "mechanism",
@@ -60,6 +63,7 @@ __all__ = [
     "Cycle",
     "Event",
     "EventKind",
+    "InputError",
     "Linear",
     "Load",
     "Margin",
@@ -68,6 +72,7 @@ __all__ = [
     "Program",
     "Robot",
     "Sequence",
+    "StepwellError",
     "Table",
     "Tolerances",
     "TransitionGraph",

@@ -1,5 +1,6 @@
 """`stepwell animate`: the GIF and its refusals."""
 
+import pytest
 from PIL import Image
 
 
@@ -12,6 +13,7 @@ def test_it_writes_a_gif_of_the_asked_length(stepwell, tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == {"forward.toml", "c.gif"}
 
 
+@pytest.mark.slow
 def test_it_plays_the_designs_own_program_or_a_planned_one(stepwell, tmp_path):
     short = ("--seconds", 1, "--fps", 4)
     result = stepwell("animate", "preset:finger-selector", "--program", "-o", "own.gif", *short)

@@ -48,6 +48,7 @@ def test_a_set_of_states_is_reached_and_no_other(stepwell):
     assert record["state_count"] == 3
 
 
+@pytest.mark.slow
 def test_the_states_of_long_chains_are_counted_and_not_listed(stepwell):
     record = json.loads(stepwell("design", "all:13", "--samples", 10, "--json").stdout)
     assert record["state_count"] == 2**13
@@ -55,6 +56,7 @@ def test_the_states_of_long_chains_are_counted_and_not_listed(stepwell):
     assert "In reach  8192 states\n" in stepwell("design", "all:13", "--samples", 10).stdout
 
 
+@pytest.mark.slow
 def test_the_largest_displacement_of_all_anchors_may_be_the_objective(stepwell):
     by = {
         objective: json.loads(

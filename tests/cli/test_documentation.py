@@ -192,6 +192,7 @@ def motion_records() -> list[dict[str, Any]]:
     ]
 
 
+@pytest.mark.slow
 def test_every_name_of_the_json_is_documented():
     text = page("commands")
     chain = sw.preset("paper-forward")
@@ -213,6 +214,7 @@ def test_every_name_of_the_json_is_documented():
         assert any(f"`{one}`" in text or f'"{one}"' in text for one in told), name
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 @pytest.mark.parametrize("name", ["design-files", "commands"])
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):

@@ -58,6 +58,7 @@ def test_every_command_keeps_a_file_of_mine_and_says_so_before_its_work(
     }
 
 
+@pytest.mark.slow
 def test_the_same_command_replaces_its_own_and_another_one_does_not(stepwell, tmp_path):
     program = ("program", "forward.toml", "--to", "01", "--out", "out")
     assert [stepwell(*program).exit_code for _ in range(2)] == [0, 0]
@@ -71,6 +72,7 @@ def test_the_same_command_replaces_its_own_and_another_one_does_not(stepwell, tm
     assert "remark" not in (tmp_path / "out" / "program.csv").read_text()
 
 
+@pytest.mark.slow
 def test_a_folder_may_hold_the_design_that_is_run(stepwell, tmp_path):
     before = (tmp_path / "forward.toml").read_bytes()
     (tmp_path / "design.toml").write_bytes(before)

@@ -57,6 +57,7 @@ def interrupted(after: float, *arguments: str, cwd: Path) -> tuple[int, str]:
     pytest.fail(f"{arguments} was done within {after} s")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -95,6 +96,7 @@ def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
         assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
 
 
+@pytest.mark.slow
 def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     values = "floor.foot_friction=0.3:0.8:40"
     sweep = [
@@ -104,7 +106,7 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
         "robot-forward",
         values,
         "--cycles",
-        "2",
+        "1",
         "--out",
         "out",
     ]

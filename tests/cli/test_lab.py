@@ -64,6 +64,7 @@ def test_nothing_to_read_is_an_error_that_is_told(stepwell):
     assert "holds no recording that can be read" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     result = stepwell("lab", "band", "bands", "--gauge-mm", "15", "--out", "band")
     assert result.exit_code == 0, result.stderr
@@ -79,6 +80,7 @@ def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     assert names == ["band.json", "band.toml", "laws.png", "laws.svg"]
 
 
+@pytest.mark.slow
 def test_options_of_the_band_command_reach_the_fit(stepwell, data):
     options = ["--window-mm", "10:20", "--cycles", "6:6", "--drop", "2", "--law", "cubic", "--json"]
     record = json.loads(stepwell("lab", "band", "bands", *options).stdout)
@@ -143,6 +145,7 @@ def test_a_design_can_overrule_the_names(stepwell, data):
     assert rmse["1unit_MT"] < 0.02 < 0.2 < rmse["1unit_MB"]
 
 
+@pytest.mark.slow
 def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
     result = stepwell("lab", "calibrate", "data", "--law", "linear", "--out", "fit")
     assert result.exit_code == 0, result.stderr

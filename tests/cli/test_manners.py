@@ -57,6 +57,7 @@ def in_terminal(*arguments, cwd, env) -> str:
     return shown.decode()
 
 
+@pytest.mark.slow
 def test_the_installed_command_runs_a_design_to_a_folder(tmp_path):
     assert installed("new", "leg.toml", cwd=tmp_path).returncode == 0
     result = installed("run", "leg.toml", "--json", "--out", "out", cwd=tmp_path)
@@ -89,6 +90,7 @@ def test_every_help_page_ends_with_the_exit_codes(stepwell_help, command):
     assert text == stepwell_help(*([command] if command else []), "-h")
 
 
+@pytest.mark.slow
 def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
     # Not pydantic: some versions of Typer use it themselves.
     heavy = {"numba", "scipy", "xarray", "matplotlib", "rich"}
@@ -103,6 +105,7 @@ def test_help_and_version_load_none_of_the_heavy_packages(tmp_path):
         assert not heavy & set(result.stderr.split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setting", ["STEPWELL_KERNELS=fast", "STEPWELL_LIMITS=cels=3"])
 def test_a_setting_that_is_none_ends_in_one_line(tmp_path, setting):
     name, _, value = setting.partition("=")
@@ -114,6 +117,7 @@ def test_a_setting_that_is_none_ends_in_one_line(tmp_path, setting):
     assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith(name)
 
 
+@pytest.mark.slow
 def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
     patch = "import stepwell.design as d\ndef f(*a, **k): raise KeyError('bug')\nd.margin = f"
     result = patched(patch, "run", "preset:paper-forward", cwd=tmp_path)
@@ -121,6 +125,7 @@ def test_a_bug_is_not_disguised_as_a_user_error(tmp_path):
     assert "Traceback" in result.stderr
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_an_interruption_leaves_the_folder_as_it_was(tmp_path, name, code):
@@ -139,6 +144,7 @@ def test_an_interruption_leaves_the_folder_as_it_was(tmp_path, name, code):
     assert (tmp_path / "out" / "mine.csv").read_text() == "old"
 
 
+@pytest.mark.slow
 @posix
 def test_an_interrupted_animation_leaves_no_file(tmp_path):
     patch = (
@@ -151,6 +157,7 @@ def test_an_interrupted_animation_leaves_no_file(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 @posix
 def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
     process = subprocess.Popen(
@@ -164,6 +171,7 @@ def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
     process.wait()
 
 
+@pytest.mark.slow
 def test_letters_that_the_output_cannot_hold_are_escaped(tmp_path):
     env = ENVIRONMENT | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
     result = installed("run", "preset:paper-forward", cwd=tmp_path, env=env)
@@ -171,6 +179,7 @@ def test_letters_that_the_output_cannot_hold_are_escaped(tmp_path):
     assert r"20 \u2192 17.23" in result.stdout
 
 
+@pytest.mark.slow
 @posix
 def test_a_terminal_gets_boxes_and_no_color_keeps_it_plain(tmp_path):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
@@ -182,10 +191,11 @@ def test_a_terminal_gets_boxes_and_no_color_keeps_it_plain(tmp_path):
     assert plain.replace("\r\n", "\n") == piped
 
 
+@pytest.mark.slow
 @posix
 def test_a_terminal_sees_progress_and_a_pipe_does_not(tmp_path):
     env = ENVIRONMENT | {"TERM": "xterm-256color", "COLUMNS": "100"}
-    arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "10")
+    arguments = ("animate", "preset:paper-forward", "--seconds", "1", "--fps", "5")
     assert "frames" in in_terminal(*arguments, cwd=tmp_path, env=env)
     result = installed(*arguments, "--force", cwd=tmp_path)
     assert (result.stdout, result.stderr) == ("Wrote cycle.gif\n", "")

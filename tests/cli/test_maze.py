@@ -13,6 +13,7 @@ WRITTEN = {"arena.toml", "maze.json", "robot.toml", "walk.nc"} | {
 }
 
 
+@pytest.mark.slow
 def test_a_contact_is_told_with_the_leg_that_it_reprograms(stepwell, tmp_path):
     result = stepwell(
         "maze", "robot-explorer", "cylinder", "--limit", 36, "--out", "out", "--no-video"
@@ -31,6 +32,7 @@ def test_a_contact_is_told_with_the_leg_that_it_reprograms(stepwell, tmp_path):
     assert xarray.load_dataset(tmp_path / "out" / "walk.nc").sizes["antennas"] == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", ["--disconnect", "--no-antennas"])
 def test_the_controls_touch_and_change_nothing(stepwell, tmp_path, option):
     result = stepwell(

@@ -1,26 +1,21 @@
 """`stepwell paper`: the verdicts shown and the figures written whole or not at all."""
 
 import json
-from pathlib import Path
 
 import pytest
 
+from claims import committed
 from cli.folders import written
 from stepwell import paper
 from stepwell.paper import figures
-from stepwell.paper.claims.claim import Claim, Judgement, Verdict
-
-CLAIMS = Path(__file__).resolve().parents[2] / "docs" / "claims.json"
+from stepwell.paper.claims.claim import Claim
 
 
 @pytest.fixture
 def verdicts(monkeypatch):
-    """The committed verdicts, which `tests/paper` holds against those computed anew."""
-    committed = json.loads(CLAIMS.read_text("utf-8"))["claims"]
-    found = {
-        one["id"]: (one["ours"], Judgement(one["verdict"]), one["reason"]) for one in committed
-    }
-    monkeypatch.setattr(Claim, "judge", lambda claim: Verdict(claim, *found[claim.id]))
+    """The committed verdicts, in the place of those computed anew."""
+    known = {verdict.claim.id: verdict for verdict in committed()}
+    monkeypatch.setattr(Claim, "judge", lambda claim: known[claim.id])
     return paper.run()
 
 

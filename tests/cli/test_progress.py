@@ -80,6 +80,7 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     assert (moved[0], moved[-1]) == (0, 10_000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [

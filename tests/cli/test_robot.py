@@ -14,6 +14,7 @@ from stepwell.simulation import Settings, walk
 from stepwell.simulation.model.simulator import mujoco
 
 
+@pytest.mark.slow
 def test_show_lists_every_number_with_unit_and_source(stepwell):
     result = stepwell("robot", "show", "robot-explorer")
     assert result.exit_code == 0
@@ -41,6 +42,7 @@ def test_no_number_is_lost_or_changed_where_they_are_put_together():
         assert files.vary(robot, again) == robot
 
 
+@pytest.mark.slow
 def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
     result = stepwell("robot", "show", "robot-forward", "--out", "out", "--json")
     record = json.loads(result.stdout)
@@ -51,6 +53,7 @@ def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
     assert names == {"robot.toml", "robot.json"} | drawn
 
 
+@pytest.mark.slow
 def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, tmp_path):
     result = stepwell(
         "robot", "sweep", "robot-forward", "chain.cell.outer.q_mm[0]=5:20:2",
@@ -70,6 +73,7 @@ def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, 
     assert "2 did not walk to the end" in result.stdout
 
 
+@pytest.mark.slow
 def test_draws_come_from_their_seed(stepwell):
     def drawn(number, seed):
         result = stepwell(
@@ -84,6 +88,7 @@ def test_draws_come_from_their_seed(stepwell):
     assert all(0 <= trial["values"][0] <= 0.5 for trial in three)
 
 
+@pytest.mark.slow
 def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monkeypatch):
     arguments = (
         "robot", "sweep", "robot-forward", "foot.below_mm=0.2:0.8:3", "--cycles", 1, "--json",
@@ -91,7 +96,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
     whole = json.loads(stepwell(*arguments, "--out", "whole").stdout)
 
     # One robot at a time, and no second one.
-    module = import_module("stepwell.simulation.sweep")
+    module = import_module("stepwell.simulation.runs.sweep")
     monkeypatch.setattr(module, "cores", lambda: 1)
     monkeypatch.setattr(module, "PER_CORE", 1)
     add, added = module._Kept.add, []

@@ -123,6 +123,7 @@ def test_the_folder_holds_figures_data_report_and_the_design(stepwell, tmp_path)
     assert [float(row["force_N"]) for row in rows] == pytest.approx(path.force, rel=1e-11)
 
 
+@pytest.mark.slow
 def test_the_json_in_the_folder_is_the_json_of_the_screen(stepwell, tmp_path):
     screen = json.loads(stepwell("run", "forward.toml", "--json", "--out", "out").stdout)
     written = json.loads((tmp_path / "out" / "result.json").read_text())
@@ -154,6 +155,7 @@ def test_long_chains_are_cut_on_the_screen_and_whole_in_json(stepwell, tmp_path)
     assert record["loading_order"] == list(sw.load("long.toml").cycle().loading_order)
 
 
+@pytest.mark.slow
 def test_a_chain_too_long_to_draw_misses_that_figure_alone(stepwell, tmp_path):
     (tmp_path / "long.toml").write_text(chain_file(13))
     assert stepwell("run", "long.toml", "--out", "out").exit_code == 0
@@ -206,6 +208,7 @@ def test_a_file_in_place_of_the_folder_is_wrong_usage(stepwell, tmp_path):
     assert (tmp_path / "forward.toml").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_results_from_python_are_written_with_a_design_file_made_for_them(tmp_path):
     chain = sw.preset("paper-via-10")
     names = reports.write_run(chain.cycle(), sw.margin(chain), tmp_path / "out")

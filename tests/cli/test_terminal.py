@@ -67,6 +67,7 @@ posix = pytest.mark.skipif(os.name != "posix", reason="redirections of a POSIX s
 RUN = f"{sys.executable} -c 'import stepwell.cli as c; c.main()' presets "
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("option", ["", "--json"])
 def test_a_closed_standard_output_is_one_line(tmp_path, option):
@@ -79,6 +80,7 @@ def test_a_closed_standard_output_is_one_line(tmp_path, option):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full")
 def test_a_full_disk_behind_standard_output_is_one_line(tmp_path):
     result = subprocess.run(

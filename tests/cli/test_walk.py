@@ -46,6 +46,7 @@ def test_the_json_is_that_of_the_paper(stepwell):
     assert record["files"] == []
 
 
+@pytest.mark.slow
 def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path):
     result = stepwell("walk", "robot-left", "--cycles", 2, "--out", "out", "--no-video")
     assert result.exit_code == 0
@@ -58,6 +59,7 @@ def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path
     assert record["turn_deg"] == pytest.approx([15.0, 15.0], abs=2.5)
 
 
+@pytest.mark.slow
 def test_a_part_of_a_cycle_is_a_walk_too(stepwell, tmp_path):
     result = stepwell("walk", "robot-forward", "--cycles", 0.3, "--out", "out", "--no-video")
     assert result.exit_code == 0
@@ -66,6 +68,7 @@ def test_a_part_of_a_cycle_is_a_walk_too(stepwell, tmp_path):
     assert record["mean_advance_over_u_max"] is None
 
 
+@pytest.mark.slow
 def test_a_video_is_written_where_frames_can_be_drawn(stepwell, tmp_path):
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
@@ -77,6 +80,7 @@ def test_a_video_is_written_where_frames_can_be_drawn(stepwell, tmp_path):
     assert "walk.gif" in result.stdout
 
 
+@pytest.mark.slow
 def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
     stepwell, tmp_path, monkeypatch
 ):
@@ -90,16 +94,20 @@ def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
     assert "pip install 'stepwell[video]'" in line and "libx264" in line and "GPL" in line
 
 
+@pytest.mark.slow
 def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     stepwell, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(import_module("stepwell.simulation.video"), "SYSTEMS", ("no such system",))
+    monkeypatch.setattr(
+        import_module("stepwell.simulation.runs.video"), "SYSTEMS", ("no such system",)
+    )
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
     assert result.stderr.startswith("No video: frames cannot be drawn off screen here.")
     assert written(tmp_path / "out") == WRITTEN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("centre_mm", "names"),
     [
@@ -139,6 +147,7 @@ def test_wrong_usage_is_told_in_a_line(stepwell, arguments, message):
     assert message in result.stderr
 
 
+@pytest.mark.slow
 def test_a_file_of_the_users_counts_before_a_preset_of_that_name(stepwell, tmp_path):
     (tmp_path / "robot-forward").write_text(preset_text("robot-backward"), "utf-8")
     record = json.loads(stepwell("walk", "robot-forward", "--cycles", 2, "--json").stdout)
@@ -146,6 +155,7 @@ def test_a_file_of_the_users_counts_before_a_preset_of_that_name(stepwell, tmp_p
     assert record["mean_advance_over_u_max"] < 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("walk",), ("export",), ("view",)])
 def test_without_mujoco_one_line_says_what_to_install(tmp_path, command):
     script = (

@@ -76,6 +76,7 @@ def test_states_may_be_wanted(stepwell):
     assert record["advice"] == ""
 
 
+@pytest.mark.slow
 def test_sensitivities_of_a_band_with_a_table_come_with_how_well_they_tell(stepwell, tmp_path):
     text = (
         (tmp_path / "forward.toml")

@@ -120,6 +120,7 @@ def test_wherever_neighbours_on_a_map_differ_a_boundary_passes_between(chain):
         assert np.min(np.linalg.norm(points - middle, axis=1)) < step
 
 
+@pytest.mark.slow
 def test_past_the_proof_the_engine_is_asked_and_the_boundary_says_so():
     found = boundaries(SHORT, x=SHORT_X, y=SHORT_Y, search=25)
     searched = [b for b in found if b.method == "search"]
@@ -155,6 +156,7 @@ def test_no_curve_is_drawn_twice():
         assert np.median(distance) > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "moved",
     [
@@ -194,6 +196,7 @@ def test_on_the_limits_of_bistability_an_end_force_is_zero():
             assert abs(force) < 1e-12 * 28.5 * moved.lever
 
 
+@pytest.mark.slow
 def test_chains_without_closed_form_have_searched_boundaries_only():
     chain = sw.Chain((replace(cell(10, 0), friction=0.05), cell(20, 0)))
     found = boundaries(chain, x=X, y=Y, search=9)

@@ -35,6 +35,7 @@ def test_the_program_in_the_file_ends_where_the_file_says(name):
     assert not path.degenerate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MACHINES)
 def test_ninety_five_of_a_hundred_built_with_care_do_it(name):
     chain, plan = sw.preset(name), files.load_program(f"preset:{name}")

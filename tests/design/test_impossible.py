@@ -67,6 +67,7 @@ def random_case(rng: np.random.Generator, cells: int):
     return box, pitch, band, cycle(*orders)
 
 
+@pytest.mark.slow
 def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     made = design(
@@ -82,6 +83,7 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     assert "not all cells are proved concave" in made.assumptions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "cases"), [(2, 20), (3, 10)])
 def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
     rng = np.random.default_rng(cells)
@@ -105,6 +107,7 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
     assert proved > 0 and found > 0 and tried > 0
 
 
+@pytest.mark.slow
 def test_sets_of_states_called_impossible_and_proved_have_no_witness():
     rng = np.random.default_rng(4)
     proved = 0

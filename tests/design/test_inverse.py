@@ -71,6 +71,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
     assert made.yield_.share == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [1, 2, 4, 5, 6, 8])
 def test_random_cycles_of_more_cells_are_found(cells):
     rng = np.random.default_rng(cells)
@@ -133,6 +134,7 @@ def test_a_designed_yield_is_above_those_of_obvious_designs():
     assert made.yield_.share > yields(obvious, USUAL, n=20_000).share + 0.05
 
 
+@pytest.mark.slow
 def test_each_objective_wins_by_its_own_measure():
     nested = cycle(range(6), range(6))
     sure = design(nested, n=20_000)
@@ -142,6 +144,7 @@ def test_each_objective_wins_by_its_own_measure():
     assert worst.robustness.radius > 1.1 * sure.robustness.radius
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("x", [(0.01, 9.82, 19.97), (0.0, 20 / 3, 40 / 3, 20.0)])
 def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
     known = robustness(sw.Chain([paper_cell(mm * 1e-3, 0.0) for mm in x]))
@@ -152,6 +155,7 @@ def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
     assert made.robustness.radius > {3: 0.00407, 4: 0.00271}[len(x)]
 
 
+@pytest.mark.slow
 def test_a_search_from_anywhere_finds_nothing_more_robust():
     rng = np.random.default_rng(7)
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
@@ -162,13 +166,14 @@ def test_a_search_from_anywhere_finds_nothing_more_robust():
         assert made.best is not None
         table = made.tables[0]
         search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
-        for _ in range(examples(3)):
+        for _ in range(examples(2, full=60)):
             start = placement.measured(rule, orders, table.take(rng.integers(len(table.q), size=3)))
             start, _ = search.settle(start, lambda i, now, table=table: table, 50)
             other = search.refine(start, 0.001)
             assert other.smallest < 1.002 * made.best.smallest
 
 
+@pytest.mark.slow
 def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair():
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
     rule = candidates.Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, True, PAPER_BOX)
@@ -197,6 +202,7 @@ def test_small_tolerances_do_not_stop_the_search():
         assert made.robustness.radius > 0.0039
 
 
+@pytest.mark.slow
 def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
     tolerances = Tolerances(0.0004, 0.04, 0.03, 0.0002, 0.01)
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
@@ -287,6 +293,7 @@ def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they
     assert len(refusal.value.region) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", ["yield", "worst"])
 def test_among_holes_no_choice_is_better_by_the_objective(objective):
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
@@ -295,7 +302,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
     rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
-    for loading, unloading in PAIRS[:6]:
+    for loading, unloading in PAIRS[: examples(3, full=6)]:
         orders = Orders(loading, unloading)
         made = attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete
@@ -376,6 +383,7 @@ def one_by_one(states: set[str], state: str) -> bool:
     return any(one_by_one(states, other) for other in following if other in states)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [2, 3])
 def test_each_set_of_states_of_few_cells_is_had_or_refused_with_the_engine_as_witness(cells):
     every = ["".join(bits) for bits in product("01", repeat=cells)]
@@ -414,6 +422,7 @@ def test_whatever_two_orders_reach_is_found_to_need_orders_that_reach_it(pair):
         assert Orders(loading, unloading) in wish.orders
 
 
+@pytest.mark.slow
 def test_all_orders_of_a_set_of_states_are_tried():
     every = list(permutations(range(4)))
     for loading, unloading in product(every[:6], every):
@@ -484,6 +493,7 @@ L_SHAPE = AnchorPolygon(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", ["yield", "worst"])
 @pytest.mark.parametrize(
     "within", [L_SHAPE, AnchorPolygon(((0, -0.012), (0.020, -0.002), (0.004, 0.014)))]
@@ -562,7 +572,7 @@ def test_bands_that_fold_back_are_left_out():
 
 
 def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
-    from stepwell.concave.certificate import certify, simple
+    from stepwell.concave import certify, simple
 
     wide = AnchorBox(-0.010, 0.020, -0.015, 0.015)
     made = design(NESTED, within=wide, tolerances=ROUGH, n=FEW)
@@ -572,6 +582,7 @@ def test_every_cell_is_proved_taut_and_concave_within_the_tolerances():
         assert certify(numbers, 2 * ROUGH.anchor)
 
 
+@pytest.mark.slow
 def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
     loose, tight = Stock(28.5, 0.010, 0.10, "loose"), Stock(28.5, 0.010, 0.01, "tight")
     made = design(NESTED, bands=(loose, tight), n=FEW)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import stepwell as sw
-from stepwell.concave.certificate import certify, simple
+from stepwell.concave import certify, simple
 
 MEANINGS = {p.name.lower(): p for p in sw.Pathway}
 

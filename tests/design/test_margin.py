@@ -47,6 +47,7 @@ def concave_margins(seed: int, count: int) -> list[tuple[sw.Chain, sw.Margin]]:
     return [(chain, sw.margin(chain)) for chain in chains]
 
 
+@pytest.mark.slow
 def test_nearer_than_the_margin_no_displacement_changes_the_sequence():
     for chain, margin in concave_margins(1, examples(2)):
         now = sequence(chain)
@@ -102,6 +103,7 @@ def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
     assert exact > 10
 
 
+@pytest.mark.slow
 def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
     rng = np.random.default_rng(4)
     for _ in range(examples(6)):
@@ -239,6 +241,7 @@ def test_without_a_closed_form_the_margin_is_searched_and_says_so(chain):
         assert sequence(nearer) == now
 
 
+@pytest.mark.slow
 def test_friction_widens_the_gap_that_two_forces_must_cross():
     # Cell i leaves 0 at F0 + f: rubbing in the second cell to load sets the two further apart.
     plain = sw.margin(sw.Chain((cell(10, 0), cell(15, 0))))

@@ -99,6 +99,7 @@ def maps(draw) -> tuple[sw.Chain, tuple[str, str]]:
     return chain, tuple(draw(st.lists(st.sampled_from(names), min_size=2, max_size=2, unique=True)))
 
 
+@pytest.mark.slow
 @given(maps())
 def test_every_node_does_what_the_engine_says(case):
     chain, names = case
@@ -228,6 +229,7 @@ def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
     np.testing.assert_allclose(curve.points[:, 0] / curve.points[:, 1], ratio, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_moves_the_curves_by_its_force_exactly():
     # A cell leaves 0 at F0 + f and leaves 1 at F1 - f.
     names = ("outer.q.x", "inner.friction")
@@ -248,6 +250,7 @@ def test_friction_moves_the_curves_by_its_force_exactly():
             assert abs(gap) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
     stiffness = np.geomspace(3.0, 3000.0, 6)
     data = parameter_map(

@@ -58,6 +58,7 @@ def tasks(seed: int, count: int) -> list[tuple[sw.Chain, str, str, float]]:
     return found
 
 
+@pytest.mark.slow
 def test_the_target_is_done_just_past_the_displacement_and_reached_no_later_than_known():
     for chain, by, target, known in tasks(1, examples(25)):
         result = reprogram(chain, target, by, reach=REACH)
@@ -69,6 +70,7 @@ def test_the_target_is_done_just_past_the_displacement_and_reached_no_later_than
         assert result.before == str(chain.cycle().sequence)
 
 
+@pytest.mark.slow
 def test_no_shorter_displacement_in_the_plane_does_the_target():
     rng = np.random.default_rng(2)
     exact = 0
@@ -82,6 +84,7 @@ def test_no_shorter_displacement_in_the_plane_does_the_target():
     assert exact > 6
 
 
+@pytest.mark.slow
 def test_any_other_sequence_is_as_near_as_the_margin_says():
     rng = np.random.default_rng(3)
     for _ in range(examples(12)):
@@ -105,6 +108,7 @@ def test_the_sequence_across_the_nearest_boundary_is_reached_there():
     assert result.displacement == pytest.approx(change.move, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_an_exact_place_has_equal_forces_to_rounding():
     met = 0
     for chain, by, target, _ in tasks(4, examples(15)):
@@ -136,6 +140,7 @@ def test_moving_p_is_moving_q_the_other_way():
         assert p.resistance.work_0 == pytest.approx(q.resistance.work_0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_on_a_line_a_brute_force_scan_finds_nothing_nearer():
     rng = np.random.default_rng(5)
     finite = 0
@@ -216,6 +221,7 @@ def test_a_target_that_no_sorted_chain_does_is_not_found_where_the_proof_holds()
     assert result.method == "exact"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chain",
     [

@@ -9,8 +9,7 @@ import pytest
 import stepwell as sw
 from chains import concave_chain
 from sizes import examples
-from stepwell.concave.certificate import Simple
-from stepwell.concave.disc import concave_disc
+from stepwell.concave import Simple, concave_disc
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.margins.worst import Proof, farthest
 from stepwell.design.parameters import of_cell

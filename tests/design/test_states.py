@@ -67,6 +67,7 @@ def by_random_strokes(chain: sw.Chain, rng: np.random.Generator, strokes: int) -
     return set(run.sequence.split(">"))
 
 
+@pytest.mark.slow
 def test_small_boxes_and_stocks_in_which_a_cell_overtakes_give_no_design_that_reaches_more():
     # What the end forces alone would have chosen is in the wanted orders.
     with pytest.raises(Impossible, match="also reaches 011") as refusal:
@@ -75,6 +76,7 @@ def test_small_boxes_and_stocks_in_which_a_cell_overtakes_give_no_design_that_re
     assert "random choices in the wanted orders were looked at" in str(refusal.value)
 
 
+@pytest.mark.slow
 def test_where_only_some_placements_overtake_another_is_taken():
     made = design(states=WANTED, within=PARTLY, bands=OTHERS, p=(0, 0), tolerances=FINE, n=20)
     assert "what seemed better does not by the engine (also reaches 011)" in made.method
@@ -112,6 +114,7 @@ def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
     assert "the drawing reaches 000 100 001 110 101 011 111" in lacking.advice
 
 
+@pytest.mark.slow
 def test_the_independent_follower_reaches_nothing_else():
     rng = np.random.default_rng(5)
     assert by_random_strokes(crossed(), rng, 60) <= {*WANTED, "011"}
@@ -140,6 +143,7 @@ def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
     assert levers.by_engine == 5
 
 
+@pytest.mark.slow
 def test_what_cannot_be_searched_whole_says_so():
     def told(made: Design) -> str:
         return str(made) + made.reached.how + made.assumptions

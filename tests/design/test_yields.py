@@ -12,8 +12,8 @@ from scipy.stats import norm
 import stepwell as sw
 from chains import LEVER, LIMIT, any_chain, concave_chain
 from sizes import examples
-from stepwell.concave.samples import ASK, Judge
-from stepwell.design.orders.full_cycle import numbered_cycle, orders
+from stepwell.concave import ASK, Judge
+from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, tally
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
@@ -55,6 +55,7 @@ def with_friction(chain: sw.Chain, rng: np.random.Generator) -> sw.Chain:
 # --- each mechanism is judged right -----------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actuator", [math.inf, 200.0, 0.0])
 @pytest.mark.parametrize("friction", [0.0, 0.05])
 @pytest.mark.parametrize("lever", [0.0, 0.0008])
@@ -69,7 +70,7 @@ def test_every_mechanism_does_by_the_engine_what_the_closed_form_says(actuator, 
         if lever:
             chain = with_levers(chain, rng)
         draws = Draws(chain, tolerances, 3)
-        verdict, does = judged(draws, examples(50))
+        verdict, does = judged(draws, examples(25, full=1000))
         for number in np.flatnonzero(verdict != ASK).tolist():
             proved += 1
             assert str(draws.sample(number).cycle().sequence) == does[number]
@@ -77,6 +78,7 @@ def test_every_mechanism_does_by_the_engine_what_the_closed_form_says(actuator, 
     assert (proved > 0) == (lever == 0 or actuator != 200.0)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), cells=st.integers(2, 5))
 def test_one_mechanism_of_any_concave_chain_is_judged_as_the_engine_does(seed, cells):
     rng = np.random.default_rng(seed)
@@ -101,6 +103,7 @@ def test_one_yield_whether_the_closed_form_counts_or_the_engine(seed):
     assert sum(text == wanted for text in does) == sum(text == wanted for text in says)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerances", [ALL, replace(ALL, lever=0.0, friction=0.0)])
 def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
     rng = np.random.default_rng(2)
@@ -155,7 +158,7 @@ def test_an_independent_formula_finds_the_same_orders():
         proved = verdict != ASK
         assert np.mean(proved) > 0.5
         for i in np.flatnonzero(proved):
-            told = orders(does[i])
+            told = orders_of(does[i])
             assert told is not None
             assert told.tolist() == [loading[i].tolist(), unloading[i].tolist()]
 
@@ -167,7 +170,7 @@ def test_cells_in_another_order_change_nothing_but_their_names():
     order = [2, 0, 3, 1]
     other = replace(chain, cells=tuple(chain.cells[i] for i in order))
     draws, moved = Draws(chain, ALL, 0), Draws(other, ALL, 0)
-    wanted = orders(str(chain.cycle().sequence))
+    wanted = orders_of(str(chain.cycle().sequence))
     assert wanted is not None
     here = Judge.of(chain, draws.spread, wanted)
     renamed = np.array([[order.index(i) for i in side] for side in wanted])
@@ -198,6 +201,7 @@ def test_the_interval_covers_a_probability_known_on_paper():
     assert list(found.outcomes) == ["00>01>11>10>00"]
 
 
+@pytest.mark.slow
 def test_nineteen_intervals_in_twenty_cover_it():
     chain = leg()
     a, b = (c.force_0 for c in chain.cells)
@@ -394,6 +398,7 @@ def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
 # --- which cells, which parts -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     chain = sw.Chain([cell(x) for x in (10, 14, 14.6, 19)])
     found = yields(chain, Tolerances(stiffness=0.03), n=5000)
@@ -576,6 +581,7 @@ def tables(rest: float = 0.010) -> sw.Chain:
     return sw.Chain([sw.Cell(one) for one in band])
 
 
+@pytest.mark.slow
 def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds():
     tolerances = Tolerances(anchor=0.002, stiffness=0.05, rest_length=0.02)
     found = yields(tables(), tolerances, n=20, sensitivity=True).sensitivities
@@ -590,6 +596,7 @@ def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(
     assert found.agreed == 1.0 and "the gap tells what the engine finds in 100.0 %" in str(found)
 
 
+@pytest.mark.slow
 def test_parts_of_several_bands_in_a_cell_are_one_part():
     two = sw.Cell((*cell(10).bands, *cell(12).bands))
     chain = sw.Chain((two, cell(18)), 100.0)

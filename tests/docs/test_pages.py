@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from docs import house
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
 
@@ -20,7 +21,7 @@ PAGES = [
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
-    *("robot", "physics", "files", "figures", "paper"),
+    *("robot", "simulation", "files", "results", "figures", "paper", "reports"),
 )
 
 
@@ -28,8 +29,18 @@ def read(page: str) -> str:
     return (ROOT / page).read_text("utf-8")
 
 
+# The README's, and one of every kind, in the quick run.
+QUICK = ("README.md", "docs/index.md", "docs/theory.md", "docs/how-to/read-a-result.md")
+
+
 @pytest.mark.shown
-@pytest.mark.parametrize("page", [*PAGES, *HOW_TO])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (page not in QUICK))
+        for page in (*PAGES, *HOW_TO)
+    ],
+)
 def test_every_example_prints_what_the_page_shows(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = run(page, read(page))
@@ -100,15 +111,29 @@ def test_the_readmes_claims_are_those_of_the_claims_file():
             assert claim["claim"] in text
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 def test_the_pictures_are_those_of_the_model(tmp_path):
     draw = runpy.run_path(str(ROOT / "examples" / "00_figures_of_the_pages.py"))["draw"]
     draw(tmp_path)
     drawn = sorted(file.name for file in tmp_path.iterdir())
-    assert drawn == sorted(file.name for file in (ROOT / "docs" / "img").iterdir())
+    assert drawn == sorted(file.name for file in (ROOT / "docs" / "img").glob("*.png"))
     for name in drawn:
         apart = difference(tmp_path / name, ROOT / "docs" / "img" / name)
         assert apart < 2.0, f"{name}: run `python examples/00_figures_of_the_pages.py`"
+
+
+def test_the_house_on_its_page_is_the_house():
+    text = read("docs/house.md")
+    assert house.page(text) == text, "run `python tests/docs/house.py`"
+    assert read("docs/img/house.svg") == house.picture(), "run `python tests/docs/house.py`"
+
+
+def test_the_page_of_the_house_names_files_that_exist():
+    named = re.findall(r"`((?:\w+/)+(?:\w+\.(?:py|md))?)`", read("docs/house.md"))
+    assert len(named) > 20
+    roots = (ROOT, ROOT / "src" / "stepwell")
+    assert [name for name in named if not any((root / name).exists() for root in roots)] == []
 
 
 def difference(one: Path, other: Path) -> float:

@@ -82,16 +82,39 @@ def legend_of(figure: Figure) -> list[str]:
 
 def collisions(figure: Figure) -> list[tuple[str, str]]:
     """Pairs of texts that cover each other."""
-    boxes = [(text.get_text(), text.get_window_extent()) for text in words(figure)]
-    return [(a, b) for (a, p), (b, q) in combinations(boxes, 2) if p.overlaps(q)]
+    return _covered(words(figure))
+
+
+def untidy(figure: Figure, smallest: float = 0.0) -> list[str]:
+    """What of a figure cannot be read, with one drawing for all of it.
+
+    That is texts that cover each other, reach past the edge of the page or are set smaller than
+    `smallest` [pt].
+    """
+    shown = words(figure)
+    small = [text.get_text() for text in shown if float(text.get_fontsize()) < smallest]
+    return [
+        *(f"{a} covers {b}" for a, b in _covered(shown)),
+        *(f"{text} leaves the page" for text in _outside(figure, shown)),
+        *(f"{text} is too small" for text in small),
+    ]
 
 
 def cut_off(figure: Figure) -> list[str]:
     """Texts that reach past the edge of the page."""
+    return _outside(figure, words(figure))
+
+
+def _covered(shown: list[Text]) -> list[tuple[str, str]]:
+    boxes = [(text.get_text(), text.get_window_extent()) for text in shown]
+    return [(a, b) for (a, p), (b, q) in combinations(boxes, 2) if p.overlaps(q)]
+
+
+def _outside(figure: Figure, shown: list[Text]) -> list[str]:
     page = figure.bbox
     return [
         text.get_text()
-        for text in words(figure)
+        for text in shown
         if (box := text.get_window_extent()).x0 < page.x0
         or box.y0 < page.y0
         or box.x1 > page.x1

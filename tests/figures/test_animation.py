@@ -64,7 +64,8 @@ def test_the_actuator_moves_at_constant_speed_between_snaps():
     assert len(moving) > 0.8 * len(speed)
 
 
-@pytest.mark.parametrize("name", ["paper-forward", "three-wave", "force-control"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["three-wave", "force-control"])
 def test_a_program_moves_too_with_its_plan_below(tmp_path, name):
     chain = files.preset(name)
     program = chain.program("01" if len(chain) == 2 else "010", start="1" + "0" * (len(chain) - 1))
@@ -81,6 +82,7 @@ def test_a_program_moves_too_with_its_plan_below(tmp_path, name):
     assert planned[1] > cycle[1]
 
 
+@pytest.mark.slow
 def test_the_plan_shows_windows_and_where_the_actuator_is():
     program = files.preset("paper-forward").program("01", start="10")
     scene = _Scene(program, program.path)

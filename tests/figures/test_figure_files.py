@@ -17,6 +17,7 @@ def test_a_png_has_the_size_of_its_column(figure, tmp_path):
         assert image.size[0] == pytest.approx(850, abs=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".svg", ".pdf", ".png"])
 def test_the_same_figure_gives_the_same_file(suffix, tmp_path):
     for name in ("a", "b"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, points, says, words
+from figures.drawn import collisions, legend_of, lines, points, says, untidy
 from figures.shapes import boxes
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
@@ -28,9 +28,7 @@ def cloud(chain: Chain, n: int = 400) -> np.ndarray:
 @pytest.mark.parametrize("chain", [WAVE, SHUFFLE, SIX, files.preset("paper-forward")])
 def test_words_stay_apart_and_on_the_page(chain):
     figure = figures.force_plane(chain, region=[OUTLINE], clouds=cloud(chain))
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
 
 
 def test_cells_stand_at_their_end_forces_in_newton():

@@ -1,5 +1,6 @@
 """The transition graph: every state in its column, every way in its colour, nothing on top."""
 
+from functools import cache
 from itertools import pairwise
 
 import networkx as nx
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import FancyBboxPatch
 
-from figures.drawn import collisions, cut_off, legend_of, lines, marks, points, says, words
+from figures.drawn import collisions, legend_of, lines, marks, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.common.style import LOADING, UNLOADING
 from stepwell.figures.graphs.columns import heights
@@ -46,6 +47,12 @@ CHAINS = {
 }
 
 
+@cache
+def graph_of(name: str):
+    """Several tests draw the same graph."""
+    return CHAINS[name].graph()
+
+
 def places(figure) -> dict[str, tuple[float, float]]:
     """Where every name stands [mm]."""
     return {text.get_text(): text.get_position() for text in figure.axes[0].texts}
@@ -57,22 +64,24 @@ def boxes(figure, gid: str) -> int:
     return sum(isinstance(p, FancyBboxPatch) and p.get_gid() == gid for p in patches)
 
 
-@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("6")) for name in CHAINS],
+)
 def test_every_state_has_its_name_and_no_word_covers_another(name):
-    graph = CHAINS[name].graph()
+    graph = graph_of(name)
     figure = figures.transition_graph(graph)
     said = says(figure)
     for state in graph.vertices:
         assert said.count(state) == 1
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
     assert 25.4 * figure.get_size_inches()[0] == pytest.approx(85.0 if graph.cells <= 3 else 180.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["nested 6", "force 6", "spring 6", "shuffle"])
 def test_boxes_do_not_touch(name):
-    ax = figures.transition_graph(CHAINS[name].graph()).axes[0]
+    ax = figures.transition_graph(graph_of(name)).axes[0]
     drawn = [p.get_window_extent() for p in ax.patches if isinstance(p, FancyBboxPatch)]
     for k, box in enumerate(drawn):
         assert not any(box.overlaps(other) for other in drawn[:k])
@@ -99,9 +108,10 @@ def test_loading_and_unloading_differ_in_colour_and_line():
     assert {line.get_linestyle() for line in down} == {"--"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 4", "nested 6", "force 6"])
 def test_every_snap_is_marked(name):
-    graph = CHAINS[name].graph()
+    graph = graph_of(name)
     snaps = sum(
         t.kind is TransitionKind.SNAP for *_, ts in graph.edges(data="transitions") for t in ts
     )
@@ -122,7 +132,7 @@ def test_every_snap_is_marked(name):
     ],
 )
 def test_half_way_states_are_shown_where_they_offer_another_way(name, half_way):
-    graph = CHAINS[name].graph()
+    graph = graph_of(name)
     assert {word for word in says(figures.transition_graph(graph)) if "-" in word} - {
         "cell half-way"
     } == half_way
@@ -154,7 +164,7 @@ def test_where_all_is_reached_nothing_is_set_apart():
 @pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 6", "force 3"])
 def test_the_main_loop_is_the_cycle_and_bold(name):
     chain = CHAINS[name]
-    figure = figures.transition_graph(chain.graph())
+    figure = figures.transition_graph(graph_of(name))
     bold = {text.get_text() for text in figure.axes[0].texts if text.get_fontweight() == "bold"}
     assert bold == set(chain.cycle().sequence)
 
@@ -171,6 +181,7 @@ def test_a_program_is_highlighted_from_start_to_end():
     assert collisions(figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [float("inf"), 30.0, 0.0])
 def test_every_turn_of_a_long_program_has_its_number(stiffness):
     chain = nested(5, stiffness)
@@ -212,8 +223,7 @@ def test_a_long_chain_can_be_drawn_from_one_state():
     graph = stack(14).graph(start="0" * 14)
     figure = figures.transition_graph(graph)
     assert boxes(figure, "state") == 15
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_the_same_graph_gives_the_same_figure():

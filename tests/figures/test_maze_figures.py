@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import Circle, Polygon
 
-from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.drawn import lines, points, says, untidy
 from figures.robots import cut, explorer, walker
 from figures.shapes import boxes, strips
 from stepwell import figures
@@ -45,9 +45,7 @@ KINDS = (
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])
 def test_every_way_is_drawn_with_words_apart(draw, kind, mazes):
     figure = draw(mazes[kind])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
 
 
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])

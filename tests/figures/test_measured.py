@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, marks, says, words
+from figures.drawn import legend_of, lines, marks, says, untidy
 from lab.machine import pair, tension, unit
 from stepwell import figures, lab
 from stepwell.lab.mechanisms.series import paper_cell
@@ -68,9 +68,7 @@ NAMES = ("forces", "energies", "pairs", "laws", "calibration")
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_word_covers_another_or_leaves_the_page(drawn, name):
-    assert collisions(drawn[name]) == []
-    assert cut_off(drawn[name]) == []
-    assert min(float(text.get_fontsize()) for text in words(drawn[name])) >= 7.0
+    assert untidy(drawn[name], 7.0) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -39,7 +39,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     """Every figure of a chain, with its names."""
     chain = named(sw.preset("paper-forward"), name)
     cycle, x, y = chain.cycle(), np.linspace(0, 0.02, 4), np.linspace(-0.015, 0.015, 4)
-    knobs = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
+    parameters = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
     spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
@@ -55,8 +55,8 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     )
     yield partial(
         figures.parameter_map,
-        parameter_map(chain, *knobs),
-        parameter_boundaries(chain, *knobs),
+        parameter_map(chain, *parameters),
+        parameter_boundaries(chain, *parameters),
         {name: (0.01, 30.0)},
     )
     yield partial(figures.stroke_program, chain.program("01"))
@@ -77,7 +77,7 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     yield partial(figures.robot_drawing, robot)
     yield partial(figures.robot_above, robot)
     yield partial(figures.robot_side, robot)
-    yield partial(figures.prediction, robot.predict())
+    yield partial(figures.prediction, replace(robot, antennas=antennas[:1]).predict())
     yield partial(figures.maze, maze)
     yield partial(figures.maze_timeline, maze)
     for draw in (figures.gait, figures.trajectory, figures.contacts):
@@ -102,6 +102,7 @@ def check(draw: Callable[[], object], name: str) -> int:
     return shown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_is_drawn_letter_by_letter(name):
     cycle = named(sw.preset("paper-forward"), name).cycle()
@@ -119,11 +120,13 @@ def robots():
     return list(of_robots(ALL))
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_chain_draws_names_as_text(chains):
     # A transition graph calls cells by their places.
     assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 1
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_robot_draws_names_as_text(robots):
     assert sum(check(draw, ALL) > 0 for draw in robots) >= 10
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.drawn import collisions, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.design.maps.parameter_map import parameter_boundaries, parameter_map
 from stepwell.figures.common.style import LOADING, UNLOADING
@@ -170,9 +170,7 @@ def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
 def test_words_stay_apart_and_on_the_page(pair, shuffle):
     for found in (pair, shuffle):
         figure = figures.parameter_map(*found)
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
-        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+        assert untidy(figure, 7.0) == []
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(180.0)
 
 

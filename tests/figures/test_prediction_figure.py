@@ -4,10 +4,12 @@ import math
 
 import pytest
 
-from figures.drawn import collisions, cut_off, lines, points, says
+from figures.drawn import lines, points, says, untidy
 from figures.robots import explorer, walker
 from figures.shapes import boxes
 from stepwell import figures
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -18,8 +20,7 @@ def predictions():
 @pytest.mark.parametrize("name", ["forward", "antennas"])
 def test_words_stay_apart_and_axes_name_their_units(name, predictions):
     figure = figures.prediction(predictions[name])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
     assert all(ax.get_xlabel().endswith(("[mN]", "[N]", "[mm]")) for ax in figure.axes)
 
 

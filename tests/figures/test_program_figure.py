@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Annotation
 
-from figures.drawn import collisions, cut_off, legend_of, lines, marks, points, says, words
+from figures.drawn import cut_off, legend_of, lines, marks, points, says, untidy
 from stepwell import figures, files
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -32,9 +32,7 @@ PROGRAMS = {
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_words_stay_apart_and_on_the_page(name):
     figure = figures.stroke_program(PROGRAMS[name])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
     assert 25.4 * figure.get_size_inches()[0] == pytest.approx(180.0 if name == "six" else 85.0)
 
 
@@ -132,8 +130,7 @@ def test_a_long_chain_is_shown_in_shades():
     program = nested(13).program("0" * 12 + "1")
     figure = figures.stroke_program(program)
     assert figure.axes[1].get_ylabel() == "Cell (white at 0, black at 1)"
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_long_names_of_cells_stay_on_the_page():

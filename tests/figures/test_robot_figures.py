@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.drawn import lines, points, says, untidy
 from figures.robots import explorer, four_legs, three_cells, walker
 from stepwell import figures
 from stepwell.figures.robots.robot_parts import antenna_line, in_world, leg_parts
@@ -25,9 +25,7 @@ DRAWINGS = (figures.robot_drawing, figures.robot_above, figures.robot_side)
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_robot_is_drawn_with_words_apart(draw, name):
     figure = draw(ROBOTS[name])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
 
 
 @pytest.mark.parametrize("name", ["two cells", "antennas", "three cells", "four legs"])

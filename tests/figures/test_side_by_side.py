@@ -2,7 +2,7 @@
 
 import pytest
 
-from figures.drawn import collisions, cut_off, marks, says
+from figures.drawn import marks, says, untidy
 from stepwell import figures, files
 
 NAMES = ("paper-forward", "paper-via-01", "slack", "rubber")
@@ -13,6 +13,7 @@ def cycles():
     return {name: files.preset(name).cycle() for name in NAMES}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("draw", "panels"), [(figures.landscapes, 4), (figures.strokes, 8)])
 @pytest.mark.parametrize("count", [1, 4])
 def test_every_cycle_has_its_panels_and_its_name(draw, panels, count, cycles):
@@ -20,8 +21,7 @@ def test_every_cycle_has_its_panels_and_its_name(draw, panels, count, cycles):
     figure = draw(shown)
     assert len(figure.axes) == panels * count / 4
     assert set(shown) <= set(says(figure))
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_snaps_of_all_panels_are_marked(cycles):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, lines, points
+from figures.drawn import lines, points, untidy
 from figures.shapes import boxes, ends
 from stepwell import figures
 from stepwell.figures import Effect, Sensitivity
@@ -77,8 +77,7 @@ def test_several_results_have_a_panel_each_and_words_apart(count):
     ]  # fmt: skip
     figure = figures.tornado(shown)
     assert len(figure.axes) == count
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
     for ax in figure.axes:
         assert ax.get_position().width > 0.15
 

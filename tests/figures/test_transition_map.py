@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, points, says
+from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.design import boundaries, transition_map
 
@@ -79,8 +79,7 @@ def test_words_stay_apart(found):
         {"right on the crossing": (0.010, 0.0), "in a corner": (0.0, -0.015)},
     ):
         figure = figures.transition_map(found[0], found[1], designs)
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
+        assert untidy(figure) == []
 
 
 def test_a_pathway_without_room_for_its_name_is_in_the_key(found):

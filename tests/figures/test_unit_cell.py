@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, points
+from figures.drawn import legend_of, lines, points, untidy
 from stepwell import figures
 from stepwell.mechanism import Band, Cell
 
@@ -70,8 +70,7 @@ def test_cells_are_called_by_their_name_or_by_what_tells_them_apart():
 def test_words_stay_apart(count):
     for draw in (figures.unit_cell_force, figures.unit_cell_energy):
         figure = draw(CELLS[:count])
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
+        assert untidy(figure) == []
 
 
 def test_no_cells_are_refused():

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, legend_of, lines, points, says, words
+from figures.drawn import legend_of, lines, points, says, untidy
 from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from stepwell import figures
@@ -48,13 +48,12 @@ KINDS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_walk_is_drawn_with_words_apart(draw, kind, walks):
     figure = draw(walks[kind])
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
-    assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+    assert untidy(figure, 7.0) == []
 
 
 @pytest.mark.parametrize("draw", DRAWINGS)
@@ -147,8 +146,7 @@ def test_several_walks_share_one_scale_and_keep_their_names(walks):
     assert scales == pytest.approx([scales[0]] * 3)
     for column in (1, 2):
         assert len({ax.get_ylim() for ax in figure.axes[column::3]}) == 1
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_no_walks_are_refused():
@@ -217,6 +215,7 @@ def test_the_legend_names_what_is_drawn(forward):
     assert legend_of(figures.contacts(forward))[-2:] == ["out", "back"]
 
 
+@pytest.mark.slow
 def test_figures_of_a_walk_are_the_same_every_time(forward):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

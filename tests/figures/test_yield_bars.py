@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.drawn import lines, points, says, untidy
 from figures.shapes import boxes
 from stepwell import figures, files
 from stepwell.design import Tolerances, yields
@@ -49,9 +49,7 @@ def test_words_stay_apart_and_on_the_page(found):
     plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), n=1000)
     for result, width in ((found, 180.0), (shuffle, 180.0), (plain, 85.0)):
         figure = figures.yield_bars(result)
-        assert collisions(figure) == []
-        assert cut_off(figure) == []
-        assert min(float(text.get_fontsize()) for text in words(figure)) >= 7.0
+        assert untidy(figure, 7.0) == []
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(width)
 
 

@@ -110,6 +110,7 @@ def test_a_kill_at_any_step_leaves_one_result_or_a_folder_called_incomplete(
     assert seen == ({"old", "incomplete", "new"} if before else {"nothing", "new"})
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_a_process_that_is_killed_while_it_replaces_files_is_found_out(tmp_path):
     out = tmp_path / "out"

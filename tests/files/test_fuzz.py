@@ -101,6 +101,7 @@ def test_any_bytes_in_a_file_end_in_a_clean_message(tmp_path_factory, content):
     assert all(line.startswith(f"{file}: ") for line in str(caught.value).split("\n"))
 
 
+@pytest.mark.slow
 @given(st.text(max_size=200))
 def test_any_text_ends_in_a_clean_message(text):
     with pytest.raises(DesignError):

@@ -54,6 +54,7 @@ def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
     assert len({p.path for p in listed}) == len(listed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [FORWARD, EXPLORER], ids=["forward", "explorer"])
 def test_every_listed_number_can_be_varied_by_its_path_and_nothing_else_changes(robot):
     before = value_of(robot)

@@ -371,6 +371,7 @@ def robots(draw) -> Robot:
         raise
 
 
+@pytest.mark.slow
 @given(robots())
 def test_a_robot_survives_its_file_to_the_last_bit(robot):
     again = loads(dumps(robot))

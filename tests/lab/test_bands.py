@@ -1,5 +1,7 @@
 """Bands: what was put in comes out, inside the stated interval, with what was used and dropped."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,18 @@ def curves(shape, samples=3, scatter=0.03, seed=0, cycles=(5, 6)):
         factor = rng.normal(1.0, scatter)
         recordings += [tension(sample, c, shape(factor), noise=noise(rng)) for c in cycles]
     return lab.band_test(recordings)
+
+
+@cache
+def softened(scatter=0.03):
+    """A test of rubber that several tests look at."""
+    return curves(softening, scatter=scatter)
+
+
+@cache
+def chosen(scatter=0.03, gauge=None):
+    """The choice of a law for it, which takes half a second."""
+    return lab.choose_law(softened(scatter), gauge=gauge)
 
 
 def test_stiffness_is_the_slope_inside_the_window():
@@ -105,7 +119,8 @@ def lab_estimate(values):
     return of_samples(values)
 
 
-@pytest.mark.parametrize("draw", range(3))
+@pytest.mark.slow
+@pytest.mark.parametrize("draw", range(examples(1, full=20)))
 def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
     assert lab.choose_law(curves(lambda f: line(f * 28.5), seed=draw)).chosen.law.name == "linear"
     cubic = lab.choose_law(curves(softening, seed=draw))
@@ -114,6 +129,7 @@ def test_the_law_that_made_the_curves_is_chosen_before_richer_ones(draw):
     assert cubic.folds == "sample"
 
 
+@pytest.mark.slow
 def test_a_single_sample_is_said_to_show_no_scatter():
     test = curves(softening, samples=1, cycles=(5, 6, 7))
     found = lab.stiffness(test)
@@ -125,6 +141,7 @@ def test_a_single_sample_is_said_to_show_no_scatter():
     assert record["stiffness_N_per_m"]["low"] is None
 
 
+@pytest.mark.slow
 def test_with_one_curve_no_law_is_preferred_to_the_line():
     test = curves(softening, samples=1, cycles=(5,))
     choice = lab.choose_law(test)
@@ -133,14 +150,14 @@ def test_with_one_curve_no_law_is_preferred_to_the_line():
     assert "was tried on no other curve" in lab.band_table(test, lab.stiffness(test), choice)
 
 
+@pytest.mark.slow
 def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
-    test = curves(softening)
-    unknown = lab.choose_law(test)
+    test, unknown = softened(), chosen()
     assert unknown.rest_length is None
     assert "cannot be identified" in unknown.rest_length_told()
     text = lab.band_table(test, lab.stiffness(test), unknown)
     assert "rest_length_mm =" not in text and "the recordings do not tell it" in text
-    known = lab.choose_law(test, gauge=0.0213)
+    known = chosen(gauge=0.0213)
     assert known.rest_length == pytest.approx(0.020, abs=2e-4)
     assert "rest_length_mm = " in lab.band_table(test, lab.stiffness(test), known)
     with pytest.raises(ValueError, match="gauge = -1 m: must be > 0"):
@@ -149,8 +166,7 @@ def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
 
 @pytest.mark.parametrize("law", [law.name for law in lab.LAWS])
 def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension(law):
-    test = curves(softening, scatter=0.0)
-    choice = lab.choose_law(test, gauge=0.0213)
+    test, choice = softened(0.0), chosen(0.0, 0.0213)
     text = lab.band_table(test, lab.stiffness(test), choice, law, "my bands")
     assert text.startswith("# From my bands, by stepwell ")
     assert "Samples 1, 2, 3, cycles 5 to 9, loading, 5 to 35 mm of stroke." in text
@@ -162,9 +178,9 @@ def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension
 
 
 def test_a_law_that_is_not_known_is_refused():
-    test = curves(softening)
+    test = softened()
     with pytest.raises(ValueError, match="law = 'quartic': must be one of linear, "):
-        lab.band_table(test, lab.stiffness(test), lab.choose_law(test), "quartic")
+        lab.band_table(test, lab.stiffness(test), chosen(), "quartic")
 
 
 def test_the_loss_of_every_cycle_is_told():
@@ -175,7 +191,7 @@ def test_the_loss_of_every_cycle_is_told():
 
 
 def test_stiffness_depends_on_the_window_and_the_table_says_how():
-    table = lab.stiffness_by_window(curves(softening, scatter=0.0))
+    table = lab.stiffness_by_window(softened(0.0))
     low, high = (
         table.sel(start=0.010, end=0.020, method="nearest"),
         table.sel(start=0.025, end=0.035, method="nearest"),

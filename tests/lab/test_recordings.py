@@ -48,6 +48,7 @@ def test_every_recording_is_read_and_the_known_oddities_are_told(recordings):
     assert any("another sample?" in line for line in odd["robot_rubbers_11.txt"])
 
 
+@pytest.mark.slow
 def test_names_and_forces_tell_what_the_list_of_the_recordings_says(kamp2024, comparison):
     known = {}
     with open(kamp2024 / "manifest.csv", encoding="utf-8") as file:
@@ -84,6 +85,7 @@ def test_the_robots_stiffness_with_three_and_with_four_bands(kamp2024):
     assert four.value == pytest.approx(45.20, abs=0.01)
 
 
+@pytest.mark.slow
 def test_rubber_is_not_linear_and_a_cubic_is_chosen(bands):
     choice = lab.choose_law(bands)
     assert choice.chosen.law.name == "cubic"

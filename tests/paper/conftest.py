@@ -1,18 +1,19 @@
-"""The claims judged once for the files of this room that ask what comes out."""
+"""The committed verdicts, for the tests that ask what is done with them."""
 
 import pytest
 
-from stepwell import paper
+from claims import committed
 from stepwell.paper.claims.claim import Claim, Verdict
 
 
 @pytest.fixture(scope="session")
-def computed() -> tuple[Verdict, ...]:
-    return paper.run()
+def verdicts() -> tuple[Verdict, ...]:
+    """What docs/claims.json says; `test_claims_file` holds it against what is computed."""
+    return committed()
 
 
 @pytest.fixture
-def known_verdicts(computed, monkeypatch):
-    """Judging gives what is computed already: for tests of what is done with it."""
-    verdicts = {verdict.claim.id: verdict for verdict in computed}
-    monkeypatch.setattr(Claim, "judge", lambda claim: verdicts[claim.id])
+def known_verdicts(verdicts, monkeypatch) -> None:
+    """Judging gives what is committed: for tests of what is done with it."""
+    known = {verdict.claim.id: verdict for verdict in verdicts}
+    monkeypatch.setattr(Claim, "judge", lambda claim: known[claim.id])

@@ -37,6 +37,7 @@ def _goes_back(text: str) -> bool:
     return orders[0] == orders[1][::-1]
 
 
+@pytest.mark.slow
 @pytest.mark.shown
 def test_shares_in_the_file_are_those_of_designs_made_now():
     rng = np.random.default_rng(0)

@@ -4,18 +4,18 @@ import pytest
 from PIL import Image
 
 from cli.folders import written
-from figures.drawn import collisions, cut_off, says
+from figures.drawn import says, untidy
 from stepwell import paper
 from stepwell.paper import figures
 
 DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
     figure = DRAWN[name]()
-    assert collisions(figure) == []
-    assert cut_off(figure) == []
+    assert untidy(figure) == []
 
 
 def test_every_figure_of_the_paper_about_one_and_two_cells_is_there():
@@ -40,6 +40,7 @@ def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
     assert {"(20, 0)", "(0, 0)", "(10, \N{MINUS SIGN}15)", "(10, 15)"} <= set(written)
 
 
+@pytest.mark.slow
 def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch, known_verdicts):
     chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
     monkeypatch.setattr(figures, "FIGURES", chosen)

@@ -15,7 +15,6 @@ from stepwell.paper.mechanisms import (
     cells as _cells,
     designs,
     map,
-    measured,
     misprints,
     pathways,
     wells as _wells,
@@ -26,11 +25,6 @@ from stepwell.sequences import Pathway
 def judge(name: str) -> paper.Verdict:
     (claim,) = (claim for claim in paper.claims() if claim.id == name)
     return claim.judge()
-
-
-@pytest.fixture(scope="module")
-def verdicts(computed):
-    return {verdict.claim.id: verdict for verdict in computed}
 
 
 def test_every_claim_has_a_name_of_its_own_and_says_where_and_what():
@@ -47,21 +41,6 @@ def test_listing_the_claims_computes_nothing(monkeypatch):
     assert paper.claims()
 
 
-def test_what_differs_and_what_needs_data_is_known_and_has_its_reason(verdicts):
-    differing = {name for name, v in verdicts.items() if v.verdict is Judgement.DIFFERS}
-    assert differing == {
-        "large-qx-directed",
-        "eq-5-sign",
-        "anchor-unit",
-        "robot-forward-loss",
-    }
-    open_ = {name for name, v in verdicts.items() if v.verdict is Judgement.UNDETERMINED}
-    assert open_ == {"antennas-bench-14", "antennas-bench-20", "antennas-paper-numbers"}
-    lacking = {name for name, v in verdicts.items() if v.verdict is Judgement.NEEDS_DATA}
-    assert lacking == set(measured.IDS)
-    assert all(verdicts[name].reason for name in differing | open_ | lacking)
-
-
 def test_progress_is_told_for_every_claim(known_verdicts):
     told = []
     paper.run(progress=lambda done, total: told.append((done, total)))
@@ -70,9 +49,8 @@ def test_progress_is_told_for_every_claim(known_verdicts):
 
 
 def test_a_verdict_reads_as_one_line(verdicts):
-    assert repr(verdicts["share-clockwise"]) == (
-        "Verdict(share-clockwise agrees: paper 0.215; ours 0.215)"
-    )
+    (verdict,) = (one for one in verdicts if one.claim.id == "share-clockwise")
+    assert repr(verdict) == ("Verdict(share-clockwise agrees: paper 0.215; ours 0.215)")
 
 
 def test_a_difference_without_a_reason_is_refused():
@@ -151,10 +129,9 @@ def test_a_wrong_share_of_the_map_differs(monkeypatch):
 
 
 def test_the_shares_of_the_map_fill_it(verdicts):
-    names = ("clockwise", "counterclockwise", "via-01", "via-10")
-    assert sum(float(verdicts[f"share-{name}"].ours) for name in names) == pytest.approx(
-        1, abs=0.002
-    )
+    names = {f"share-{name}" for name in ("clockwise", "counterclockwise", "via-01", "via-10")}
+    shares = [float(one.ours) for one in verdicts if one.claim.id in names]
+    assert len(shares) == 4 and sum(shares) == pytest.approx(1, abs=0.002)
 
 
 def test_the_claim_on_qx_would_agree_on_a_map_where_it_holds(monkeypatch):

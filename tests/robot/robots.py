@@ -1,9 +1,12 @@
 """Robots that the tests of this room predict: the paper's, and one with antennas."""
 
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import stepwell as sw
 from stepwell.robot import Antenna, Foot, Leg, Robot
+from stepwell.robot.gait.round import rounds
+from stepwell.robot.gait.slide import slide
 
 FORWARD, BACKWARD = "00>10>11>01>00", "00>01>11>10>00"
 VIA_01 = "00>01>11>01>00"
@@ -40,3 +43,26 @@ def explorer(**more: Any) -> Robot:
         foot=Foot(below=0.0003),
         antennas=[antenna("left", 1, "right"), antenna("right", -1, "left")],
     )
+
+
+class Motion(NamedTuple):
+    """Gait of each leg, and how far a cycle takes the robot: forward, left [1], turned [rad]."""
+
+    gaits: dict[str, str]
+    advance: float
+    sideways: float
+    turn: float
+
+
+def gaits(one: Robot) -> dict[str, str]:
+    """The gait of each leg as the prediction has it, without its margins, drags and flips."""
+    return {found.leg.name: found.gait() for found in rounds(one)}
+
+
+@cache
+def motion(one: Robot) -> Motion:
+    """What a prediction says of a cycle, in a tenth of the time that its doubts take."""
+    found = rounds(one)
+    x, y, turn = slide(one, found).displacement()
+    most = max(leg.stroke for leg in one.legs)
+    return Motion({each.leg.name: each.gait() for each in found}, x / most, y / most, turn)

@@ -85,6 +85,7 @@ def test_behind_the_softest_springs_any_cells_do_as_under_a_prescribed_force(see
     assert {found.node(label).state for label in found} == {limit.node(x).state for x in limit}
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(15))
 @given(SEEDS, st.integers(1, 4), STIFF, st.booleans())
 def test_behind_the_stiffest_springs_a_chain_does_as_under_a_prescribed_stroke(

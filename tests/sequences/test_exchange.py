@@ -51,6 +51,7 @@ def same(one: TransitionGraph, other: TransitionGraph) -> bool:
 # --- text -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("out", "back"), WAYS)
 @settings(max_examples=examples(15))
 @given(seed=SEEDS, cells=st.integers(1, 4), drive=DRIVES)
@@ -205,6 +206,7 @@ def test_a_graph_of_its_own_fields_is_the_same_graph_under_a_force(seed, cells):
     assert_same_ways(again, found)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(30))
 @given(SEEDS, st.integers(1, 5), st.floats(0.5, 30))
 def test_behind_a_soft_spring_cells_are_hysterons_that_the_stroke_couples(seed, cells, stiffness):

@@ -11,8 +11,9 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
+from stepwell.concave import relays
 from stepwell.sequences.branches.branches import Branches
-from stepwell.sequences.branches.relays import order_kept, relays
+from stepwell.sequences.branches.relays import order_kept
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.node import Node, TransitionKind
 from stepwell.sequences.graphs.preisach import preisach
@@ -86,6 +87,7 @@ def within(node: Node, share: float) -> float:
     return node.low + share * (node.high - node.low)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(40))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_node_stands_from_one_end_to_the_other_with_nothing_happening(seed, cells, drive):
@@ -127,6 +129,7 @@ def middle(found: TransitionGraph, node: Node) -> list[float]:
     raise AssertionError(f"nothing leads to {node}")
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(40))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells, drive):
@@ -195,6 +198,7 @@ def _followed(found: TransitionGraph, label: str, direction: int, drive: float):
     return found.chain.path([within(node, 0.5), drive], start=middle(found, node)).end
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(25))
 @given(SEEDS, st.integers(1, 6))
 def test_concave_cells_under_a_force_have_the_engines_graph_in_closed_form(seed, cells):
@@ -269,6 +273,7 @@ def test_so_do_random_ones_up_to_ten_and_both_extremes(n):
         assert len(relay_graph(up, down).reachable()) == falling_subsequences(down.tolist())
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(2, 5), DRIVES)
 def test_from_all_0_every_ideal_is_reached_and_nothing_else_if_the_order_is_kept(
@@ -361,6 +366,7 @@ def test_the_counter_example_of_the_theory_page_has_gardens_that_the_ends_of_the
     assert swept(up, down) == without_predecessor(up, down) == {"110", "001"}
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(2, 6), DRIVES)
 def test_a_garden_of_eden_is_out_of_reach_and_under_a_force_the_fields_tell_which(

@@ -12,9 +12,10 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
+from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.sequences import Unreachable, graph
 from stepwell.sequences.branches.branches import Branches, reach
-from stepwell.sequences.branches.relays import Relays, order_kept, relays, shortest
+from stepwell.sequences.branches.relays import order_kept
 from stepwell.sequences.cycles.vertices import sequence_of
 from stepwell.sequences.programs.plan import _by_fields
 from stepwell.statics import StaticsError
@@ -114,6 +115,7 @@ def test_turning_just_outside_a_window_ends_elsewhere_or_needs_another_branch():
         assert "".join("1" if s > 0.010 else "0" for s in path.end) != "010"
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 4))
 def test_a_program_goes_to_each_ideal_and_the_brute_force_follower_agrees_on_reachability(
@@ -146,6 +148,7 @@ def test_from_all_at_0_no_snap_follows_another_without_a_state_between_where_the
     assert all(is_ideal(state, fields.up, fields.down) for state in states)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cells):
@@ -162,6 +165,7 @@ def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cell
     assert found == wanted
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), cells=st.integers(2, 5))
 def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(seed, cells):
@@ -190,7 +194,7 @@ def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
         distance = breadth_first(up, down)
         relay = Relays(up, down, equal=True)
         for (start, to), strokes in distance.items():
-            assert len(shortest(relay, start, to).states) == strokes, (start, to, up, down)
+            assert len(fewest_strokes(relay, start, to).states) == strokes, (start, to, up, down)
 
 
 def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int]:
@@ -259,6 +263,7 @@ def test_curves_that_cross_let_a_chain_reach_more_than_the_order_of_its_forces_s
     assert run.sequence.endswith("011")
 
 
+@pytest.mark.slow
 def test_nothing_but_ideals_is_reached_exactly_where_the_full_cycle_says_so():
     # Against every branch there is; the theory page proves both directions.
     said = {True: 0, False: 0}
@@ -294,6 +299,7 @@ def test_the_certificate_tells_for_nearly_every_chain_of_three_to_eight_random_c
     assert fewest >= 0.85 * drawn
 
 
+@pytest.mark.slow
 def test_no_snap_of_concave_cells_ends_in_a_saddle_unless_it_is_called_a_tie():
     # That none does is not proved (theory page, "Sorting"); this is the search for one.
     snaps = 0
@@ -320,7 +326,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
     assert fields is not None
     order = order_kept(chain, fields)
     assert order.only_ideals and not order.leaders_win
-    program, plan = chain.program("011"), shortest(fields, "000", "011")
+    program, plan = chain.program("011"), fewest_strokes(fields, "000", "011")
     assert (program.strokes, len(plan.states)) == (2, 3)
     assert program.shortest
     # So what is planned from the fields is not called the shortest.
@@ -331,6 +337,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
     assert planned is not None and planned.strokes == 3 and not planned.shortest
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(15))
 @given(seed=st.integers(0, 2**32 - 1), cells=st.integers(2, 8), concave=st.booleans())
 def test_random_strokes_never_come_to_a_state_that_is_proved_out_of_reach(seed, cells, concave):

@@ -11,7 +11,7 @@ import stepwell as sw
 from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
-from stepwell.sequences.branches.relays import relays
+from stepwell.concave import relays
 from stepwell.sequences.cycles.vertices import sequence_of
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.mesostates import Routes, atlas
@@ -154,6 +154,7 @@ def test_three_nested_cells_forget_a_turning_point():
         np.testing.assert_allclose(stands(found, drives) * 1e3, travels, atol=0.01)
 
 
+@pytest.mark.slow
 def test_a_soft_actuator_remembers_what_a_stiff_one_forgets():
     # The stiffness at which that changes, by bisection.
     low, high = 40.0, 80.0
@@ -227,6 +228,7 @@ def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
     assert drawn(seed, cells, "force", concave).reading.return_point_memory.holds
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(60))
 @given(SEEDS, st.integers(3, 5), DRIVES, st.booleans())
 def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, concave):
@@ -242,6 +244,7 @@ def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, con
     assert ends[0] <= witness.excursion <= ends[1]
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(60))
 @given(SEEDS, st.integers(2, 4), DRIVES, st.booleans())
 def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells, drive, concave):
@@ -330,6 +333,7 @@ def test_the_extremes_of_a_count_may_be_off_by_its_slack():
             assert state_of(found, travels) == found.node(label).state, cycles
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(30))
 @given(SEEDS, st.integers(2, 4), DRIVES)
 def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):

@@ -76,6 +76,7 @@ def test_an_antenna_swung_back_all_the_way_meets_its_leg(swing):
     assert met == (set() if swing < 64 else {"left.antenna", "left.inner.block"})
 
 
+@pytest.mark.slow
 def test_a_contact_says_how_far_it_moved_the_anchor():
     one = explorer()
     way = maze(one, Arena((), [Cylinder((0.30, 0.04))]), limit=30.0)

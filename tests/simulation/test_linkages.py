@@ -11,6 +11,7 @@ from stepwell.simulation.model.simulator import mujoco
 HINGES = Settings(linkage=Linkage.HINGES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("left", "right"),
     [(0.020, 0.020), (0.005, 0.005), (0.005, 0.020), (0.020, 0.005), (0.015, 0.015)],
@@ -23,6 +24,7 @@ def test_both_linkages_walk_alike(left, right):
     assert np.degrees(hinges.turn[1:]) == pytest.approx(np.degrees(rods.turn[1:]), abs=2.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("swing", [0.0, 0.48], ids=["free", "pressed"])
 def test_both_linkages_walk_alike_with_antennas(swing):
     one = explorer().pressed({"left": swing})

@@ -62,6 +62,7 @@ def test_the_press_changes_the_gait_of_the_opposite_leg_and_of_no_other(met):
     assert set(free) == {FORWARD}
 
 
+@pytest.mark.slow
 def test_the_same_touch_changes_no_gait_where_the_antennas_lead_to_no_anchor(met):
     blind = maze(explorer(connected=False), Arena([WALL, FAR]), limit=24.0)
     assert blind.contacts[0].antenna == "left"
@@ -89,6 +90,7 @@ def test_a_start_and_a_heading_are_where_the_robot_begins():
     assert np.degrees(np.arctan2(walk.y[-1] + 0.2, walk.x[-1] - 0.3)) == pytest.approx(120, abs=2)
 
 
+@pytest.mark.slow
 def test_a_robot_without_antennas_is_held_by_a_wall_and_does_not_pass_through():
     held = maze(robot(), Arena([Wall((0.20, -0.5), (0.20, 0.5))]), limit=24.0)
     # The body reaches 50 mm ahead of its origin, and the wall 10 mm towards it.
@@ -96,6 +98,7 @@ def test_a_robot_without_antennas_is_held_by_a_wall_and_does_not_pass_through():
     assert held.touched["wall 1"] is not None
 
 
+@pytest.mark.slow
 def test_from_some_starts_the_second_of_two_cylinders_in_a_row_is_met_too():
     # From straight behind the first it is never met: the robot has turned away for good.
     row = (Cylinder((0.36, 0.0)), Cylinder((0.86, 0.0)))

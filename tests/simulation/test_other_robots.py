@@ -39,6 +39,7 @@ def test_legs_of_three_cells_walk_forward():
     assert seen.advance[1:].min() > 0.25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", LINKAGES, ids=list(Linkage))
 def test_four_legs_walk(settings):
     chain = sw.Chain([cell("inner", 0.010), cell("outer", 0.020)])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from robot.robots import gaits, motion
 from simulation.robots import robot
 from sizes import SIZE, examples
 from stepwell.robot import Drive, Floor, Foot
@@ -25,7 +26,7 @@ def drawn(seed: int, count: int):
 @pytest.mark.slow
 def test_gaits_are_predicted_right_and_wrong_only_near_a_boundary():
     count, right, near, off, surely_wrong = 0, 0, 0, [], []
-    for one in (one for seed in SEEDS for one in drawn(seed, examples(10))):
+    for one in (one for seed in SEEDS for one in drawn(seed, examples(5, full=200))):
         said, done = one.predict(), walk(one, CYCLE + 1)
         same = all(done.gait(leg.name, CYCLE) == leg.gait for leg in said.legs)
         count += 1
@@ -44,11 +45,11 @@ def test_gaits_are_predicted_right_and_wrong_only_near_a_boundary():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", SEEDS[:1] if SIZE == "ci" else SEEDS)
 def test_unlike_legs_turn_about_as_far_as_predicted_where_it_is_sure(seed):
     random = np.random.default_rng(seed)
     off = []
-    for _ in range(examples(8)):
+    for _ in range(examples(6, full=160)):
         left, right = random.uniform(0.002, 0.025, 2)
         one = robot(left, right, foot=Foot(below=random.uniform(0.0002, 0.0012)))
         said = one.predict()
@@ -62,10 +63,10 @@ def test_unlike_legs_turn_about_as_far_as_predicted_where_it_is_sure(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("q", [0.018, 0.020, 0.022])
+@pytest.mark.parametrize("q", [0.018, 0.022] if SIZE == "ci" else [0.018, 0.020, 0.022])
 def test_the_slower_the_drive_the_nearer_a_forward_robot_comes_to_statics(q):
     slow = robot(q, foot=Foot(below=0.0006), drive=Drive(period=32.0))
-    assert walk(slow, 2).advance[1] == pytest.approx(slow.predict().advance, abs=0.06)
+    assert walk(slow, 2).advance[1] == pytest.approx(motion(slow).advance, abs=0.06)
 
 
 @pytest.mark.slow
@@ -73,7 +74,7 @@ def test_a_slow_leg_changes_its_gait_at_the_anchor_where_statics_says():
     # The gait is decided by whether the foot stands when the leg would step: 16 mm or so.
     def gait_of(q, said):
         one = robot(q, foot=Foot(below=0.0008), drive=Drive(period=16.0))
-        return one.predict().gaits["left"] if said else walk(one, 2).gait("left", 1)
+        return gaits(one)["left"] if said else walk(one, 2).gait("left", 1)
 
     edges = []
     for said in (True, False):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from simulation.robots import explorer, mirrored, robot, walked
-from stepwell.simulation import Linkage, Settings, engine, mjcf, spec, walk
+from stepwell.simulation import Linkage, Settings, mjcf, spec, walk
 from stepwell.simulation.model.simulator import mujoco
+from stepwell.simulation.runs import engine
 
 READINGS = (
     *("time", "x", "y", "z", "yaw", "pitch", "roll", "stroke", "travel", "actuator_force"),
@@ -67,6 +68,7 @@ def test_a_walk_goes_on_neither_from_other_parts_nor_from_a_broken_one():
         walk(robot(), 1, start=broken)
 
 
+@pytest.mark.slow
 def test_a_mirror_image_of_a_robot_walks_the_mirror_image_of_its_way():
     for one in (robot(0.005, 0.020), robot(0.020, 0.012)):
         way, image = walk(one, 3), walk(mirrored(one), 3)

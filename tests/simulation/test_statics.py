@@ -112,6 +112,7 @@ def test_a_pressed_antenna_puts_the_anchor_where_the_pressed_robot_has_it():
         assert data.energy[0] == pytest.approx(wanted, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", list(Linkage))
 @pytest.mark.parametrize("friction", [0.0, 0.05], ids=["no friction", "friction"])
 def test_a_slow_stroke_in_the_air_needs_the_force_that_statics_says(linkage, friction):

@@ -8,11 +8,12 @@ import pytest
 import stepwell as sw
 from simulation.robots import cell, explorer, robot, walked
 from stepwell.simulation import sweep
-from stepwell.simulation.sweep import Trial
+from stepwell.simulation.runs.sweep import Trial
 
 ANCHORS = (0.005, 0.015, 0.020)
 
 
+@pytest.mark.slow
 def test_each_robot_of_a_sweep_does_what_it_does_alone():
     swept = sweep([robot(q) for q in ANCHORS], values={"q_m": ANCHORS}, cycles=4, threads=2)
     for q, trial in zip(ANCHORS, swept.trials, strict=True):
@@ -23,11 +24,13 @@ def test_each_robot_of_a_sweep_does_what_it_does_alone():
         assert trial.work == pytest.approx(alone.work, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_number_of_threads_changes_no_number():
     robots = [robot(q) for q in ANCHORS] + [explorer()]
     assert sweep(robots, cycles=2, threads=1).trials == sweep(robots, cycles=2, threads=3).trials
 
 
+@pytest.mark.slow
 def test_a_sweep_that_was_interrupted_takes_up_only_what_is_missing(tmp_path, monkeypatch):
     robots = [robot(q) for q in np.linspace(0.005, 0.020, 10)]
     whole = sweep(robots, cycles=1, threads=1)

@@ -62,6 +62,7 @@ def test_after_seven_and_three_quarter_cycles_the_legs_stand_as_in_the_papers_fi
     assert turning.state("left", 7.75 * 2.0) == "10"
 
 
+@pytest.mark.slow
 def test_a_pressed_antenna_turns_the_opposite_leg_round_and_the_robot_away():
     one = explorer()
     free = walk(one, 3)

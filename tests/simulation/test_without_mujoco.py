@@ -27,6 +27,7 @@ def test_the_simulation_says_in_one_line_how_to_install_it(code):
     assert result.stderr.count("Traceback") == 1
 
 
+@pytest.mark.slow
 def test_chains_and_robots_as_values_need_no_simulator():
     result = run(
         "import stepwell as sw, stepwell.robot\n"

@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from chains import concave_chain
+from sizes import examples
 from stepwell.mechanism.pack import pack
 from stepwell.statics import Cause, EventKind, run
 from stepwell.statics.sorted_cycle import sorted_cycle
@@ -214,9 +215,11 @@ def test_a_cell_that_lets_go_at_no_force_at_all_is_no_tie():
     assert str(cycle.sequence) == "00>10>11>01>00"
 
 
-def test_a_hundred_thousand_cells_cycle_in_sorted_order(monkeypatch):
-    monkeypatch.setenv("STEPWELL_LIMITS", "cells=100000")  # on purpose
-    x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, 100_000))
+@pytest.mark.slow
+def test_tens_of_thousands_of_cells_cycle_in_sorted_order(monkeypatch):
+    cells = examples(20_000, full=100_000)
+    monkeypatch.setenv("STEPWELL_LIMITS", f"cells={cells}")  # on purpose
+    x = np.random.default_rng(0).permutation(np.linspace(0.010, 0.030, cells))
     chain = sw.Chain([sw.Cell(sw.Band((0, 0), (float(v), 0))) for v in x])
     path = chain.cycle().path
     assert np.all(path.end == 0)

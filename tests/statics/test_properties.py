@@ -95,6 +95,7 @@ def test_energy_falls_at_every_snap(seed, cells, stiffness):
 SAMPLES = 150
 
 
+@pytest.mark.slow
 @given(seeds, sizes, st.sampled_from([math.inf, 500.0, 50.0]))
 def test_work_over_a_closed_cycle_equals_the_dissipation(seed, cells, stiffness):
     chain = chain_of(seed, cells, stiffness=stiffness)
@@ -115,6 +116,7 @@ def test_work_is_booked_on_open_paths_too(seed, cells):
     assert work == pytest.approx(path.work, abs=2e-4 * scale_of(chain) * chain.full_stroke)
 
 
+@pytest.mark.slow
 @given(seeds, st.integers(1, 3))
 def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
     rng = np.random.default_rng(seed)

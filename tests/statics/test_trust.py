@@ -123,6 +123,7 @@ def test_a_landing_that_no_tenth_of_a_micrometre_changes_is_no_tie():
     assert not false, f"{len(false)} of {chains} chains tie falsely: {false}"
 
 
+@pytest.mark.slow
 def test_where_a_picometre_changes_what_is_lost_a_tie_is_told_with_friction_too():
     # Found by search: between these anchors the outcome of a snap changes by jumps.
     found = 0
@@ -183,6 +184,7 @@ def test_a_force_that_steps_within_the_rounding_of_its_travel_is_refused():
         assert path.dissipated > 0
 
 
+@pytest.mark.slow
 def test_a_table_that_steps_is_refused_rather_than_told_wrong():
     step = sw.Table((0.0, 0.023, 0.023 + 1e-13, 0.030), (0.0, 0.023, 0.2, 0.21))
     cell = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), law=step))
@@ -214,6 +216,7 @@ def far_cell(rng: np.random.Generator) -> sw.Cell:
     return sw.Cell(sw.Band((-0.010, 0.0), q, law=law), unusual=True)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20))
 @given(st.integers(0, 10**6))
 def test_an_anchor_far_outside_gives_a_balanced_answer_or_none(seed):
@@ -295,6 +298,7 @@ def _balanced(laws, pieces) -> tuple[float, float]:
 # --- an answer in time ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_alike_cells_whose_forces_turn_are_followed():
     # 25 s and "two events keep undoing each other" before.
     chain = sw.Chain([held(x, -10.0, 28.5, 20.0) for x in (8.0, 8.0, 18.0)])
@@ -365,6 +369,7 @@ def general_chain(cells: int) -> sw.Chain:
     return any_chain(rng, cells)
 
 
+@pytest.mark.slow
 def test_a_long_run_tells_how_far_it_is_and_gets_there():
     told: list[tuple[float, float]] = []
     watched = general_chain(40).cycle(progress=lambda done, total: told.append((done, total)))

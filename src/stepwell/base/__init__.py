@@ -1,12 +1,13 @@
 """What every room stands on: equality and checks of values, limits, text, files written whole."""
 
+from stepwell.base import check, limits, usual
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
+from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
 from stepwell.base.limits import most, problem, require
-from stepwell.base.setting import SettingError
 from stepwell.base.text import nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
-from stepwell.base.value import ByValue, Carried, ReadOnly, same
+from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
 from stepwell.base.write import csv_text, draft_beside, sync_folder, told_of, write_atomic
 
@@ -15,15 +16,19 @@ __all__ = [
     "QUICKLY",
     "REACH",
     "ByValue",
-    "Carried",
+    "ExtraError",
+    "InputError",
     "ReadOnly",
     "SettingError",
+    "StepwellError",
     "Vec2",
     "__version__",
     "bisected",
+    "check",
     "csv_text",
     "draft_beside",
     "finite",
+    "limits",
     "most",
     "nearest_word",
     "printable",
@@ -33,6 +38,7 @@ __all__ = [
     "short",
     "sync_folder",
     "told_of",
+    "usual",
     "versions",
     "write_atomic",
 ]

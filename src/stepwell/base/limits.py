@@ -6,7 +6,7 @@ import os
 from functools import lru_cache
 from typing import NamedTuple
 
-from stepwell.base.setting import SettingError
+from stepwell.base.errors import SettingError
 from stepwell.base.text import nearest_word
 
 VARIABLE = "STEPWELL_LIMITS"

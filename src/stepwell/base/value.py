@@ -50,19 +50,6 @@ class ReadOnly(Mapping[str, Any]):
         return repr(self._held)
 
 
-class Carried(Exception):
-    """An error that comes out of a pickle, as from another process, with all that it holds."""
-
-    def __reduce__(self):
-        return _carried, (type(self), self.args, self.__dict__)
-
-
-def _carried(kind: type[Carried], args: tuple[Any, ...], held: dict[str, Any]) -> Carried:
-    error = kind.__new__(kind, *args)
-    error.__dict__.update(held)
-    return error
-
-
 def same(a: Any, b: Any) -> bool:
     """Whether two values of any kind are equal, arrays and what holds them included."""
     if a is b:

@@ -1,42 +1,85 @@
 """The closed form of concave cells, where it is proved: certificates, end forces, sorting."""
 
-from stepwell.concave.certificate import (
+from stepwell.concave.cell import (
     Simple,
-    certify,
-    closed,
-    end_forces,
-    push,
+    energy_at,
+    force_at,
+    most_bend,
+    of_row,
     simple,
+    simple_rows,
     travel_at,
 )
-from stepwell.concave.certified import certified_within
-from stepwell.concave.disc import concave_disc
-from stepwell.concave.end_forces import end_force, end_forces_at, steepest
-from stepwell.concave.end_grid import look
+from stepwell.concave.certificate import (
+    certified,
+    certified_within,
+    certify,
+    closed,
+    concave_disc,
+    concave_line,
+)
+from stepwell.concave.ends import (
+    end_force,
+    end_force_field,
+    end_forces,
+    end_forces_at,
+    proved_ends,
+    slopes_by_sizes,
+    steepest,
+)
+from stepwell.concave.pair import decide, sweep
+from stepwell.concave.relays import Plan, Relays, fewest_strokes, relays
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
-from stepwell.concave.sorted_chain import SortedChain
-from stepwell.concave.sweep import decide, sweep
+from stepwell.concave.sorting import (
+    TIED,
+    SortedChain,
+    motion_orders,
+    one_travel,
+    proved_cells,
+    same_travel,
+    smallest_gap,
+    snaps_of,
+)
 
 __all__ = [
     "ASK",
     "DOES",
     "OTHER",
     "TIE",
+    "TIED",
     "Judge",
+    "Plan",
+    "Relays",
     "Simple",
     "SortedChain",
+    "certified",
     "certified_within",
     "certify",
     "closed",
     "concave_disc",
+    "concave_line",
     "decide",
     "end_force",
+    "end_force_field",
     "end_forces",
     "end_forces_at",
+    "energy_at",
+    "fewest_strokes",
+    "force_at",
     "in_disc",
-    "look",
-    "push",
+    "most_bend",
+    "of_row",
+    "one_travel",
+    "motion_orders",
+    "proved_cells",
+    "proved_ends",
+    "relays",
+    "same_travel",
     "simple",
+    "simple_rows",
+    "slopes_by_sizes",
+    "smallest_gap",
+    "snaps_of",
     "steepest",
     "sweep",
     "travel_at",

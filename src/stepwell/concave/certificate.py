@@ -1,28 +1,17 @@
-"""Closed forms for the simple cell: one linear band, taut all the way, force falling throughout.
+"""Where the closed forms hold: one linear band, taut all the way, force falling throughout.
 
-Everything here holds only where `certify` says so; elsewhere the general engine is asked.
+Everything in this room holds only where `certify` says so; elsewhere the general engine is asked.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+from numpy.typing import NDArray
 
-from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Cell, Linear, band_length, length_slopes
+from stepwell.concave.cell import Simple, simple, with_d
+from stepwell.kernels import entry
+from stepwell.mechanism import Cell, band_length, reach_along
 
-__all__ = [
-    "Pair",
-    "Simple",
-    "band_length",
-    "certify",
-    "closed",
-    "end_forces",
-    "length_slopes",
-    "pair",
-    "push",
-    "simple",
-    "travel_at",
-]
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 # A stretch this much shorter than the range is given up on: the cell is so close to a force
 # that does not fall that the general engine may as well decide.
@@ -30,38 +19,9 @@ _SHORTEST = 1.0 / 4096.0
 _MOST_LOOKS = 256
 # Rounding in the inequality is below 1e-14 of its sides.
 _ROUNDING = 1.0 + 1e-12
-
-
-class Simple(NamedTuple):
-    """A cell with one linear band and nothing else, as plain numbers."""
-
-    dx: float  # q - p [m]
-    dy: float  # [m]
-    stiffness: float  # k [N/m]
-    rest: float  # ℓ0 [m]
-    lever: float  # r [m]
-    sin_limit: float  # sin θc
-
-
-class Pair(NamedTuple):
-    """What two concave cells do when a rigid actuator loads and unloads them once."""
-
-    first_loading: int  # 0 inner, 1 outer
-    first_unloading: int
-    snap_loading: float  # stroke [m], NaN where none
-    snap_unloading: float
-    holds: bool  # False: a cell is pushed through its whole travel in a snap; ask the engine
-
-
-def simple(cell: Cell) -> Simple | None:
-    """The cell as plain numbers, or None: several bands, a bent law, a load or friction."""
-    if len(cell.bands) != 1 or cell.load is not None or cell.friction > 0:
-        return None
-    band = cell.bands[0]
-    if not isinstance(band.law, Linear):
-        return None
-    sin_limit = float(np.sin(cell.limit))
-    return Simple(*band.d, band.stiffness, band.rest_length, cell.lever, sin_limit)
+# How often a disc and a line are halved before their proof is given up.
+_DEPTH = 7
+_LINE_DEPTH = 10
 
 
 @entry()
@@ -95,13 +55,13 @@ def certify(cell: Simple, reach: float) -> bool:
     left = -end
     c_left = np.sqrt(1.0 - left * left)
     l_left = band_length(left, c_left, cell.dx, cell.dy, r)
-    g_left = abs(cell.dy - cell.dx * left / c_left)
+    g_left = abs(reach_along(left, c_left, cell.dx, cell.dy))
     width = 2.0 * end
     for _ in range(_MOST_LOOKS):
         right = min(left + width, end)
         c_right = np.sqrt(1.0 - right * right)
         l_right = band_length(right, c_right, cell.dx, cell.dy, r)
-        g_right = abs(cell.dy - cell.dx * right / c_right)
+        g_right = abs(reach_along(right, c_right, cell.dx, cell.dy))
         c = 1.0 if left <= 0.0 <= right else max(c_left, c_right)
         h = min(c * max(g_left, g_right), d) + reach
         shortest = min(l_left, l_right) - reach
@@ -127,117 +87,64 @@ def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:
     return numbers if numbers is not None and certify(numbers, reach) else None
 
 
+@entry(1.5e-5, "d")
+def certified_within(d: Floats, cell: Simple, reach: float, out: Bools) -> None:
+    """Which differences d, (m, 2) [m], are proved concave and taut for all anchors within reach.
+
+    `out` is (m,) bool; the anchors of `cell` are not looked at.
+    """
+    for i in range(len(d)):
+        out[i] = certify(with_d(cell, d[i, 0], d[i, 1]), reach)
+
+
+def certified(cell: Simple, d: Floats, reach: float = 0.0) -> Bools:
+    """At which of the (m, 2) differences d [m] that is proved, (m,)."""
+    out = np.empty(len(d), np.bool_)
+    certified_within(np.ascontiguousarray(d), cell, reach, out)
+    return out
+
+
 @entry()
-def end_forces(cell: Simple) -> tuple[float, float]:
-    """F0 and F1 [N] of a taut band."""
-    t = cell.sin_limit
-    c = np.sqrt(1.0 - t * t)
-    l0 = band_length(-t, c, cell.dx, cell.dy, cell.lever)
-    l1 = band_length(t, c, cell.dx, cell.dy, cell.lever)
-    slope_0, _, _ = length_slopes(-t, c, l0, cell.dx, cell.dy, cell.lever)
-    slope_1, _, _ = length_slopes(t, c, l1, cell.dx, cell.dy, cell.lever)
-    return (
-        cell.stiffness * (l0 - cell.rest) * slope_0,
-        cell.stiffness * (l1 - cell.rest) * slope_1,
-    )
+def concave_disc(cell: Simple, radius: float) -> bool:
+    """Whether every anchor within `radius` [m] of the cell's own is proved concave and taut.
 
-
-@kernel
-def push(cell: Simple, travel: float) -> tuple[float, float]:
-    """F [N] and κ = dF/ds [N/m] of a taut band at a travel [m]."""
-    t = travel / cell.lever - cell.sin_limit
-    c = np.sqrt(1.0 - t * t)
-    length = band_length(t, c, cell.dx, cell.dy, cell.lever)
-    first, second, _ = length_slopes(t, c, length, cell.dx, cell.dy, cell.lever)
-    stretch = length - cell.rest
-    return (
-        cell.stiffness * stretch * first,
-        cell.stiffness * (first * first + stretch * second),
-    )
-
-
-@kernel
-def travel_at(cell: Simple, force: float) -> float:
-    """The one travel [m] at which a certified cell pushes back with `force` [N].
-
-    Forces beyond F0 and F1 give the stops. Newton inside a bracket that shrinks at every step.
+    The proof for a disc is tried first, then for smaller ones that cover it.
     """
-    low, high = 0.0, 2.0 * cell.lever * cell.sin_limit
-    # F falls: above `force` at low, below it at high.
-    f_low, f_high = end_forces(cell)
-    if force >= f_low:
-        return low
-    if force <= f_high:
-        return high
-    enough = 1e-9 * high
-    travel = (f_low - force) / (f_low - f_high) * high
-    for _ in range(100):
-        value, slope = push(cell, travel)
-        if value == force:
-            break
-        if value > force:
-            low = travel
-        else:
-            high = travel
-        following = travel + (force - value) / slope
-        if low < following < high:
-            # Newton squares the error: after a step this small only rounding is left, and
-            # waiting for a step of zero would be waiting for luck.
-            done = abs(following - travel) <= enough
-        else:
-            following = 0.5 * (low + high)
-            done = not low < following < high
-        travel = following
-        if done:
-            break
-    return travel
+    if certify(cell, radius):
+        return True
+    x = np.empty(4 * _DEPTH + 4)
+    y = np.empty(4 * _DEPTH + 4)
+    half = np.empty(4 * _DEPTH + 4)
+    x[0], y[0], half[0] = 0.0, 0.0, radius
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        u, v, h = x[waiting], y[waiting], half[waiting]
+        # The square's nearest point: squares outside the disc need no proof.
+        near_u, near_v = max(abs(u) - h, 0.0), max(abs(v) - h, 0.0)
+        if near_u * near_u + near_v * near_v > radius * radius:
+            continue
+        if certify(with_d(cell, cell.dx + u, cell.dy + v), np.sqrt(2.0) * h):
+            continue
+        if h <= radius * 0.5**_DEPTH:
+            return False
+        for su in (-0.5, 0.5):
+            for sv in (-0.5, 0.5):
+                x[waiting], y[waiting], half[waiting] = u + su * h, v + sv * h, 0.5 * h
+                waiting += 1
+    return True
 
 
-@kernel
-def pair(inner: Simple, outer: Simple) -> Pair:
-    """The full cycle of two certified cells under a rigid actuator.
-
-    From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
-    F = λ, two in transit with falling forces are unstable):
-    - loading: the smaller F0 (cell i) leaves 0 first, and its force only falls, so the other
-      (j) stays; i arrives with λ = F1_i. Then λ rises with nothing moving to F0_j, and j moves
-      with λ = F_j(s) falling from there. i holds its stop while F1_i <= F_j(s): for ever if
-      F1_j >= F1_i, else up to F_j(s*) = F1_i, at the stroke S_i + s*. There i comes off its
-      stop, two cells are in transit, and the chain snaps: j runs to its stop, i gives back
-      S_j - s*, then finishes alone, since F1_j < F1_i <= λ keeps j where it is.
-    - unloading: the same picture upside down. The larger F1 (i) leaves 1 first and arrives at
-      0; j follows from S_j with λ = F_j(s) rising from F1_j; i holds while F0_i >= F_j(s): up
-      to F_j(s*) = F0_i if F0_j > F0_i, at the stroke s*.
-    A cell that would have to give back more than its whole travel reaches its other stop in
-    the snap, which adds a vertex; only unequal levers or limits allow it (`holds` is False).
-    Equal forces, which no rule decides, go to the inner cell first.
-    """
-    inner_0, inner_1 = end_forces(inner)
-    outer_0, outer_1 = end_forces(outer)
-    full_inner = 2.0 * inner.lever * inner.sin_limit
-    full_outer = 2.0 * outer.lever * outer.sin_limit
-    snap_loading, snap_unloading = np.nan, np.nan
-    holds = True
-    if inner_0 <= outer_0:
-        first_loading = 0
-        if outer_1 < inner_1:
-            travel = travel_at(outer, inner_1)
-            snap_loading = full_inner + travel
-            holds = full_outer - travel < full_inner
-    else:
-        first_loading = 1
-        if inner_1 < outer_1:
-            travel = travel_at(inner, outer_1)
-            snap_loading = full_outer + travel
-            holds = full_inner - travel < full_outer
-    if inner_1 >= outer_1:
-        first_unloading = 0
-        if outer_0 > inner_0:
-            snap_unloading = travel_at(outer, inner_0)
-            holds = holds and snap_unloading < full_inner
-    else:
-        first_unloading = 1
-        if inner_0 > outer_0:
-            snap_unloading = travel_at(inner, outer_0)
-            holds = holds and snap_unloading < full_outer
-    return Pair(first_loading, first_unloading, snap_loading, snap_unloading, holds)
+def concave_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
+    """The same for the anchors from start to end [m] on a line in the direction `along` (2,)."""
+    waiting = [(start, end, 0)]
+    while waiting:
+        a, b, depth = waiting.pop()
+        middle, half = (a + b) / 2, (b - a) / 2
+        here = cell._replace(dx=cell.dx + middle * along[0], dy=cell.dy + middle * along[1])
+        if certify(here, half):
+            continue
+        if depth == _LINE_DEPTH:
+            return False
+        waiting += [(a, middle, depth + 1), (middle, b, depth + 1)]
+    return True

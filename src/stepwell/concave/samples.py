@@ -7,12 +7,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave.certificate import Simple, certify, end_forces, push, simple
+from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
+from stepwell.concave.certificate import certify
+from stepwell.concave.ends import end_forces
+from stepwell.concave.sorting import TIED, same_travel
 from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Verdicts = NDArray[np.int8]
 
 # Verdicts.
 ASK, DOES, OTHER, TIE = 0, 1, 2, 3
@@ -21,8 +25,6 @@ ASK, DOES, OTHER, TIE = 0, 1, 2, 3
 RIGID, COMPLIANT, FORCE = 0, 1, 2
 
 _BLOCK = 20_000  # cells that one core judges at a time
-_TIE = 1e-9  # of the largest force: closer than this, the engine calls it a tie
-_SAME = 1e-12  # relative difference of travels that are meant to be equal
 
 
 @entry()
@@ -33,7 +35,7 @@ def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
 
 
 @kernel
-def _made(draw, cells, spread, i: int) -> tuple[Simple, float]:
+def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
     """Cell i as one draw makes it, and its friction [N]; the columns are those of `_draws`."""
     n = len(cells)
     dx, dy = cells[i, 0], cells[i, 1]
@@ -53,7 +55,7 @@ def _made(draw, cells, spread, i: int) -> tuple[Simple, float]:
 
 
 @kernel
-def _sort(key, wanted, order):
+def _sort(key: Floats, wanted: Ints, order: Ints) -> None:
     """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
     for place in range(len(wanted)):
         cell = wanted[place]
@@ -65,7 +67,7 @@ def _sort(key, wanted, order):
 
 
 @kernel
-def _keeps(made, friction, full, key, order) -> bool:
+def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, order: Ints) -> bool:
     """Whether no cell that gives travel back in a snap reaches its other stop, proved.
 
     While cell j loads, the cells that are full already give back no more than j still lacks
@@ -73,24 +75,37 @@ def _keeps(made, friction, full, key, order) -> bool:
     S_j - S_min the force that moves j is still above all those that hold them. Unloading is
     the same in a mirror.
     """
-    shortest, release = full[order[0, 0]], key[1, order[0, 0]]
+    first: int = order[0, 0]
+    shortest, release = full[first], key[1, first]
     for place in range(1, len(full)):
-        j = order[0, place]
+        j: int = order[0, place]
         spare = full[j] - shortest
-        if spare > 0.0 and not push(made[j], spare)[0] + friction[j] > -release:
+        if spare > 0.0 and not force_at(made[j], spare)[0] + friction[j] > -release:
             return False
         shortest, release = min(shortest, full[j]), min(release, key[1, j])
-    shortest, release = full[order[1, 0]], key[0, order[1, 0]]
+    first = order[1, 0]
+    shortest, release = full[first], key[0, first]
     for place in range(1, len(full)):
-        j = order[1, place]
-        if shortest < full[j] and not push(made[j], shortest)[0] - friction[j] < release:
+        j: int = order[1, place]
+        if shortest < full[j] and not force_at(made[j], shortest)[0] - friction[j] < release:
             return False
         shortest, release = min(shortest, full[j]), min(release, key[0, j])
     return True
 
 
 @entry(6e-6, "draws")
-def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowest):
+def judged(
+    draws: Floats,
+    cells: Floats,
+    spread: Floats,
+    wanted: Ints,
+    drive: int,
+    verdict: Verdicts,
+    does: Ints,
+    gap: Floats,
+    wrong: Ints,
+    narrowest: Ints,
+) -> None:
     """Judge every draw by the order of the forces at which its cells let go.
 
     Cells of falling force load in rising F0 + f and unload in falling F1 - f, f their friction:
@@ -113,7 +128,7 @@ def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowe
         narrowest: the same, how often their gap is the smallest.
     """
     n = len(cells)
-    made = [Simple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(n)]
+    made = [of_row(cells[0]) for _ in range(n)]
     friction, full = np.empty(n), np.empty(n)
     key, order = np.empty((2, n)), np.empty((2, n), np.int64)
     for sample in range(len(draws)):
@@ -124,7 +139,7 @@ def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowe
             proved = proved and certify(made[i], 0.0)
             force_0, force_1 = end_forces(made[i])
             key[0, i], key[1, i] = force_0 + friction[i], friction[i] - force_1
-            full[i] = 2.0 * made[i].lever * made[i].sin_limit
+            full[i] = full_travel(made[i])
             scale = max(scale, abs(force_0), abs(force_1), friction[i])
             longest, least = max(longest, full[i]), min(least, full[i])
         smallest, where = np.inf, 0
@@ -137,13 +152,13 @@ def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowe
                 right = right and order[side, place] == wanted[side, place]
             for place in range(n - 1):
                 before, after = order[side, place], order[side, place + 1]
-                tie = tie or key[side, after] - key[side, before] <= _TIE * scale
+                tie = tie or key[side, after] - key[side, before] <= TIED * scale
                 apart = key[side, wanted[side, place + 1]] - key[side, wanted[side, place]]
                 if apart < smallest:
                     smallest, where = apart, side * (n - 1) + place
         gap[sample] = smallest
         does[sample] = number
-        if proved and longest - least > _SAME * longest and drive != FORCE:
+        if proved and drive != FORCE and not same_travel(longest, least):
             proved = drive == RIGID and _keeps(made, friction, full, key, order)
         if not proved:
             verdict[sample] = ASK
@@ -160,9 +175,9 @@ def many(draws, cells, spread, wanted, drive, verdict, does, gap, wrong, narrowe
 
 
 class Judged(NamedTuple):
-    """What `many` found out about m draws of N cells; see there."""
+    """What `judged` found out about m draws of N cells; see there."""
 
-    verdict: NDArray[np.int8]
+    verdict: Verdicts
     does: Ints
     gap: Floats
     wrong: Ints  # (2, N - 1), summed over the draws
@@ -173,7 +188,7 @@ class Judged(NamedTuple):
 class Judge:
     """Judges many draws of one chain by one wanted cycle."""
 
-    cells: Floats  # (N, 7) as `many` takes them
+    cells: Floats  # (N, 7) as `judged` takes them
     spread: Floats  # (5,)
     wanted: Ints  # (2, N)
     drive: int
@@ -201,12 +216,12 @@ class Judge:
         def judge(begin: int, end: int) -> None:
             counted = np.zeros((2, 2, n - 1), np.int64)
             here = slice(begin, end)
-            many(
+            judged(
                 draws[here], self.cells, self.spread, self.wanted, self.drive,
                 verdict[here], does[here], gap[here], counted[0], counted[1],
             )  # fmt: skip
             counts.append(counted)
 
-        in_blocks(judge, m, many.block(max(1, _BLOCK // n), draws))
+        in_blocks(judge, m, judged.block(max(1, _BLOCK // n), draws))
         wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
         return Judged(verdict, does, gap, wrong, narrowest)

@@ -14,7 +14,16 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from stepwell.base import __version__, draft_beside, printable, sync_folder, told_of, write_atomic
+from stepwell.base import (
+    InputError,
+    StepwellError,
+    __version__,
+    draft_beside,
+    printable,
+    sync_folder,
+    told_of,
+    write_atomic,
+)
 from stepwell.files.outputs import OUTPUTS
 
 FOLDER_SCHEMA = "stepwell.folder/1"
@@ -24,11 +33,11 @@ _MOST_BYTES = 1 << 20
 _MOST_NAMED = 6
 
 
-class OverwriteError(FileExistsError):
+class OverwriteError(StepwellError, FileExistsError):
     """What somebody else wrote stands where results should go; nothing was written."""
 
 
-class IncompleteError(ValueError):
+class IncompleteError(InputError):
     """A folder that does not hold one whole set of results."""
 
 

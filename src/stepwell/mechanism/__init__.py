@@ -1,20 +1,25 @@
 """What a mechanism is made of: bands, unit cells, loads, chains. Values only, no solving."""
 
+from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
-from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table
-from stepwell.mechanism.law import (
-    Floats,
-    Ints,
-    Laws,
+from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, cubic, hooke
+from stepwell.mechanism.geometry import (
+    band_direction,
+    band_force,
     band_length,
-    law,
+    force_by,
+    force_slopes,
     length_slopes,
-    pick_rows,
-    stored,
-    summed,
+    reach_along,
+    sine_at,
+    slopes_by_anchor,
+    slopes_by_lever,
+    travel_of,
+    turn_at,
 )
+from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows, stored, summed
 from stepwell.mechanism.pack import pack
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
@@ -36,12 +41,26 @@ __all__ = [
     "Slip",
     "SlipError",
     "Table",
+    "band_direction",
+    "band_force",
     "band_length",
+    "cubic",
+    "force_by",
+    "force_slopes",
+    "hooke",
+    "curves",
     "law",
     "length_slopes",
     "pack",
     "pick_rows",
+    "reach_along",
+    "sine_at",
+    "sizes",
     "slips",
+    "slopes_by_anchor",
+    "slopes_by_lever",
     "stored",
     "summed",
+    "travel_of",
+    "turn_at",
 ]

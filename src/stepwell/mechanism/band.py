@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.base import ByValue, Vec2, check
 from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
-from stepwell.mechanism.geometry import band_length, length_slopes
+from stepwell.mechanism.geometry import band_force, band_length, length_slopes
 
 Array = NDArray[np.float64]
 
@@ -113,4 +113,4 @@ class Band(ByValue):
         sin, cos = np.sin(theta), np.cos(theta)
         length = band_length(sin, cos, *self.d, lever)
         slope, _, _ = length_slopes(sin, cos, length, *self.d, lever)
-        return self.tension(length) * slope
+        return band_force(self.tension(length), slope)

@@ -12,6 +12,7 @@ from stepwell.base import ByValue, Vec2, check, require
 from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
+from stepwell.mechanism.geometry import sine_at, travel_of
 from stepwell.mechanism.sizes import SlipError
 
 Array = NDArray[np.float64]
@@ -88,9 +89,13 @@ class Cell(ByValue):
         return (self.band,) if isinstance(self.band, Band) else tuple(self.band)
 
     @property
+    def _sine(self) -> float:
+        return math.sin(self.limit)
+
+    @property
     def full_travel(self) -> float:
         """S = 2 r sin θc [m]."""
-        return 2.0 * self.lever * math.sin(self.limit)
+        return travel_of(self._sine, self.lever, self._sine)
 
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.
@@ -120,7 +125,7 @@ class Cell(ByValue):
         Raises:
             ValueError: an angle past a stop.
         """
-        return self.lever * (np.sin(self._within(theta)) + math.sin(self.limit))
+        return travel_of(np.sin(self._within(theta)), self.lever, self._sine)
 
     def angle(self, travel: ArrayLike) -> Array:
         """Lever angle θ [rad] at travels s [m] of any shape.
@@ -135,8 +140,8 @@ class Cell(ByValue):
                 f"travel = {_worst(travel) * 1e3:.6g} mm: must be between 0 and "
                 f"{self.full_travel * 1e3:.6g} mm, the stops."
             )
-        ratio = travel / self.lever - math.sin(self.limit)
-        return np.clip(np.arcsin(np.clip(ratio, -1.0, 1.0)), -self.limit, self.limit)
+        sine = np.clip(sine_at(travel, self.lever, self._sine), -1.0, 1.0)
+        return np.clip(np.arcsin(sine), -self.limit, self.limit)
 
     def energy(self, theta: ArrayLike) -> Array:
         """Potential energy [J] of bands and load at angles θ [rad] of any shape.

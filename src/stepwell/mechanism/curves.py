@@ -5,11 +5,13 @@ Every curve is a piecewise cubic: the engine needs to know no other kind.
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue, check
+from stepwell.kernels import kernel
 
 Array = NDArray[np.float64]
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
@@ -17,6 +19,28 @@ Array = NDArray[np.float64]
 COLUMNS = 6
 _HOOKE = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
 _HOOKE.setflags(write=False)
+
+
+@kernel
+def cubic(x: Any, c0: Any, c1: Any, c2: Any, c3: Any) -> tuple[Any, Any, Any]:
+    """c0 + c1 x + c2 x² + c3 x³ with its first two slopes, of numbers or arrays."""
+    return (
+        c0 + x * (c1 + x * (c2 + x * c3)),
+        c1 + x * (2.0 * c2 + x * 3.0 * c3),
+        2.0 * c2 + 6.0 * c3 * x,
+    )
+
+
+@kernel
+def cubic_area(x: Any, c0: Any, c1: Any, c2: Any, c3: Any, area: Any) -> Any:
+    """Its integral from 0 to x, and `area` on top."""
+    return area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
+
+
+@kernel
+def hooke(stiffness: Any, extension: Any) -> tuple[Any, Any, Any]:
+    """Tension k e of a linear band that is taut, its slope k, and the energy k e²/2 it stores."""
+    return stiffness * extension, stiffness, 0.5 * stiffness * extension * extension
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,21 +194,19 @@ def _with_integrals(rows: Array) -> Array:
     return rows
 
 
-def _locate(rows: Array, x: Array) -> tuple[Array, Array]:
+def _locate(rows: Array, x: Array) -> tuple[Array, list[Array]]:
     index = np.clip(np.searchsorted(rows[:, 0], x, side="right") - 1, 0, len(rows) - 1)
-    piece = rows[index]
-    return piece, x - piece[..., 0]
+    start, *piece = np.moveaxis(rows[index], -1, 0)
+    return x - start, piece
 
 
 def value(rows: Array, x: Array) -> Array:
     """The curve with pieces `rows` at every x of any shape."""
-    c, t = _locate(rows, x)
-    return c[..., 1] + t * (c[..., 2] + t * (c[..., 3] + t * c[..., 4]))
+    x, piece = _locate(rows, x)
+    return cubic(x, *piece[:4])[0]
 
 
 def integral(rows: Array, x: Array) -> Array:
     """The curve's integral from its origin to every x of any shape."""
-    c, t = _locate(rows, x)
-    return c[..., 5] + t * (
-        c[..., 1] + t * (c[..., 2] / 2 + t * (c[..., 3] / 3 + t * c[..., 4] / 4))
-    )
+    x, piece = _locate(rows, x)
+    return cubic_area(x, *piece)

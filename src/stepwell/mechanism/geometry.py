@@ -1,23 +1,52 @@
-"""Band length against lever angle or travel, with its slopes.
+"""A band between two blocks on levers: its length, its slopes, and the force it makes of them.
 
-Written for floats and arrays alike, so that NumPy evaluates it here and Numba compiles the
-same lines for the engine: one formula, one place.
+Written for floats and arrays alike, so that NumPy evaluates it and Numba compiles the same
+lines for the engine: one formula, one place.
 """
 
 from typing import Any
 
 import numpy as np
 
+from stepwell.kernels import kernel
 
-def band_length(sin: Any, cos: Any, dx: float, dy: float, lever: float) -> Any:
+
+@kernel
+def travel_of(sin: Any, lever: Any, sin_limit: Any) -> Any:
+    """Travel s = r (sin θ + sin θc); at θ = θc it is the full travel S."""
+    return lever * (sin + sin_limit)
+
+
+@kernel
+def sine_at(travel: Any, lever: Any, sin_limit: Any) -> Any:
+    """The inverse: sin θ at a travel."""
+    return travel / lever - sin_limit
+
+
+@kernel
+def band_length(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> Any:
     """ℓ(θ) = |(r cos θ + d_x, r sin θ + d_y)| (Kamp et al. 2024, Eq. 2)."""
     x = lever * cos + dx
     y = lever * sin + dy
     return np.sqrt(x * x + y * y)
 
 
+@kernel
+def turn_at(length: Any, reach: Any, lever: Any) -> Any:
+    """The inverse: cos(θ - θmax) of a band with |d| = `reach`, by the law of cosines."""
+    # Where the band does not turn with the lever, no turn makes it longer: infinite or nearly.
+    return (length * length - lever * lever - reach * reach) / (2.0 * lever * reach + 1e-300)
+
+
+@kernel
+def reach_along(sin: Any, cos: Any, dx: Any, dy: Any) -> Any:
+    """g = ℓ dℓ/ds = d_y - d_x tan θ: half the slope of ℓ² by travel."""
+    return dy - dx * sin / cos
+
+
+@kernel
 def length_slopes(
-    sin: Any, cos: Any, length: Any, dx: float, dy: float, lever: float
+    sin: Any, cos: Any, length: Any, dx: Any, dy: Any, lever: Any
 ) -> tuple[Any, Any, Any]:
     """First three derivatives of ℓ by travel s = r (sin θ + sin θc).
 
@@ -25,10 +54,68 @@ def length_slopes(
     ℓ ℓ' = g with g = d_y - d_x tan θ, then ℓ'' = (g' - ℓ'²)/ℓ and ℓ''' = (g'' - 3 ℓ' ℓ'')/ℓ.
     """
     rc3 = lever * cos * cos * cos
-    g = dy - dx * sin / cos
+    g = reach_along(sin, cos, dx, dy)
     g1 = -dx / rc3
     g2 = -3.0 * dx * sin / (lever * cos * cos * rc3)
     first = g / length
     second = (g1 - first * first) / length
     third = (g2 - 3.0 * first * second) / length
     return first, second, third
+
+
+@kernel
+def band_direction(
+    sin: Any, cos: Any, length: Any, dx: Any, dy: Any, lever: Any
+) -> tuple[Any, Any]:
+    """∂ℓ/∂d: the unit vector (x, y) along the band, from p to q."""
+    return (lever * cos + dx) / length, (lever * sin + dy) / length
+
+
+@kernel
+def slopes_by_anchor(
+    sin: Any, cos: Any, length: Any, first: Any, x: Any, y: Any
+) -> tuple[Any, Any]:
+    """∂ℓ'/∂d, of a band along (x, y).
+
+    ℓ' = g/ℓ with ∂g/∂d = (-tan θ, 1), so ∂ℓ'/∂d = (∂g/∂d - ℓ' (x, y))/ℓ.
+    """
+    return (-sin / cos - first * x) / length, (1.0 - first * y) / length
+
+
+@kernel
+def slopes_by_lever(
+    sin: Any, cos: Any, length: Any, first: Any, dx: Any, dy: Any, lever: Any
+) -> tuple[Any, Any]:
+    """∂ℓ/∂r and ∂ℓ'/∂r at the same θ, where g does not depend on r."""
+    by = (lever + dx * cos + dy * sin) / length
+    return by, -first * by / length
+
+
+@kernel
+def band_force(tension: Any, first: Any) -> Any:
+    """F = dE/ds = T dℓ/ds: tension T = dE/dℓ against travel."""
+    return tension * first
+
+
+@kernel
+def force_by(t0: Any, t1: Any, first: Any, by: Any, first_by: Any) -> Any:
+    """∂F/∂p = T' ∂ℓ/∂p ℓ' + T ∂ℓ'/∂p, by anything p that changes a band's length.
+
+    Args:
+        t0, t1: tension and its slope by ℓ.
+        first: ℓ', the slope of ℓ by travel.
+        by, first_by: slopes of ℓ and of ℓ' by p.
+    """
+    return t1 * by * first + t0 * first_by
+
+
+@kernel
+def force_slopes(
+    t0: Any, t1: Any, t2: Any, first: Any, second: Any, third: Any
+) -> tuple[Any, Any, Any]:
+    """F, κ = dF/ds and dκ/ds, from tension and length with their slopes by ℓ and by travel."""
+    return (
+        band_force(t0, first),
+        force_by(t0, t1, first, first, second),
+        t2 * first * first * first + 3.0 * t1 * first * second + t0 * third,
+    )

@@ -6,13 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.kernels import kernel
-from stepwell.mechanism import geometry
+from stepwell.mechanism.curves import cubic, cubic_area
+from stepwell.mechanism.geometry import band_length, force_slopes, length_slopes, sine_at
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-band_length = kernel(geometry.band_length)
-length_slopes = kernel(geometry.length_slopes)
 
 
 class Laws(NamedTuple):
@@ -46,7 +44,7 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
     Fixing the rows on a whole stretch makes the law smooth there, past its ends too, so
     nothing downstream has to ask on which side of a kink a rounding error fell.
     """
-    sin = travel / laws.lever[cell] - laws.sin_limit[cell]
+    sin = sine_at(travel, laws.lever[cell], laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     slot = 0
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
@@ -68,7 +66,7 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
     r = laws.lever[cell]
-    sin = travel / r - laws.sin_limit[cell]
+    sin = sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     force, slope, bend = 0.0, 0.0, 0.0
     slot = 0
@@ -82,19 +80,19 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
         l1, l2, l3 = length_slopes(sin, cos, length, dx, dy, r)
         x = length - rest - laws.rows[row, 0]
         c0, c1, c2, c3 = laws.rows[row, 1:5]
-        t0 = k * (c0 + x * (c1 + x * (c2 + x * c3)))
-        t1 = k * (c1 + x * (2.0 * c2 + x * 3.0 * c3))
-        t2 = k * (2.0 * c2 + 6.0 * c3 * x)
-        force += t0 * l1
-        slope += t1 * l1 * l1 + t0 * l2
-        bend += t2 * l1 * l1 * l1 + 3.0 * t1 * l1 * l2 + t0 * l3
+        t0, t1, t2 = cubic(x, c0, c1, c2, c3)
+        f0, f1, f2 = force_slopes(k * t0, k * t1, k * t2, l1, l2, l3)
+        force += f0
+        slope += f1
+        bend += f2
     row = picked[slot]
     if row >= 0:
         x = travel - laws.rows[row, 0]
         c0, c1, c2, c3 = laws.rows[row, 1:5]
-        force += c0 + x * (c1 + x * (c2 + x * c3))
-        slope += c1 + x * (2.0 * c2 + x * 3.0 * c3)
-        bend += 2.0 * c2 + 6.0 * c3 * x
+        f0, f1, f2 = cubic(x, c0, c1, c2, c3)
+        force += f0
+        slope += f1
+        bend += f2
     return force, slope, bend
 
 
@@ -102,7 +100,7 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
 def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
     r = laws.lever[cell]
-    sin = travel / r - laws.sin_limit[cell]
+    sin = sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     energy = 0.0
     slot = 0
@@ -114,10 +112,10 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
         dx, dy, k, rest = laws.band[b]
         x = band_length(sin, cos, dx, dy, r) - rest - laws.rows[row, 0]
         c0, c1, c2, c3, area = laws.rows[row, 1:6]
-        energy += k * (area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0))))
+        energy += k * cubic_area(x, c0, c1, c2, c3, area)
     row = picked[slot]
     if row >= 0:
         x = travel - laws.rows[row, 0]
         c0, c1, c2, c3, area = laws.rows[row, 1:6]
-        energy += area + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
+        energy += cubic_area(x, c0, c1, c2, c3, area)
     return energy

@@ -5,7 +5,8 @@ from itertools import accumulate, chain as flatten
 
 import numpy as np
 
-from stepwell.mechanism import Cell
+from stepwell.mechanism.cell import Cell
+from stepwell.mechanism.geometry import travel_of
 from stepwell.mechanism.law import Laws
 
 
@@ -22,7 +23,7 @@ def pack(cells: Sequence[Cell]) -> Laws:
     return Laws(
         lever=lever,
         sin_limit=sin_limit,
-        full=2.0 * lever * sin_limit,
+        full=travel_of(sin_limit, lever, sin_limit),
         friction=np.array([cell.friction for cell in cells]),
         band_first=np.array(list(accumulate((len(b) for b in bands), initial=0))),
         band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]),

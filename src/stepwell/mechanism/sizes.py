@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import Carried
+from stepwell.base import InputError
 from stepwell.mechanism.curves import Cubic, Table
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Slip(NamedTuple):
         return f"{self.name} = {_shown(self.value)} {self.unit}: {self.why}.{probably}"
 
 
-class SlipError(Carried, ValueError):
+class SlipError(InputError):
     """A size that is far off the mechanism's own.
 
     Args:

@@ -1,6 +1,6 @@
 """Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
 
-from stepwell.robot.gait import Flip, LegPrediction, Limit, Motion, Prediction, Push
+from stepwell.robot.gait import Flip, LegPrediction, Limit, Motion, Prediction, Push, predict
 from stepwell.robot.parts import (
     Antenna,
     Arena,
@@ -41,4 +41,5 @@ __all__ = [
     "Wall",
     "other_layout",
     "other_start",
+    "predict",
 ]

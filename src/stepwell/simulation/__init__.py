@@ -1,11 +1,26 @@
 """Robots simulated: their MuJoCo model, their walks, their way through an arena."""
 
-from stepwell.simulation.convergence import Convergence, Resolution, convergence
-from stepwell.simulation.maze import TOUCHED, Change, Contact, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import Integrator, Linkage, Settings, mjcf, spec
-from stepwell.simulation.sweep import Sweep, Trial, sweep
-from stepwell.simulation.video import VideoError, video
-from stepwell.simulation.walk import LOADED, Walk, walk
+from stepwell.simulation.runs import (
+    LOADED,
+    TOUCHED,
+    Change,
+    Contact,
+    Convergence,
+    Maze,
+    Outcome,
+    Resolution,
+    Sweep,
+    Trial,
+    VideoError,
+    Walk,
+    convergence,
+    maze,
+    mazes,
+    sweep,
+    video,
+    walk,
+)
 
 __all__ = [
     "LOADED",

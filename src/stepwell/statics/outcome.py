@@ -3,11 +3,12 @@
 import math
 from typing import NoReturn
 
+from stepwell.base import StepwellError
 from stepwell.mechanism import Chain, Floats
 from stepwell.statics.following import ENERGY, EQUILIBRIUM, STABILITY, follow as f
 
 
-class StaticsError(RuntimeError):
+class StaticsError(StepwellError, RuntimeError):
     """The follower could not go on; the text says where, why and what to do."""
 
 

@@ -6,46 +6,26 @@ at hand; anything else goes to the follower.
 
 import numpy as np
 
-from stepwell.concave import Simple, certify, end_forces, push, travel_at
+from stepwell.concave import (
+    TIED,
+    Simple,
+    end_forces,
+    energy_at,
+    force_at,
+    most_bend,
+    motion_orders,
+    of_row,
+    proved_ends,
+    same_travel,
+    simple_rows,
+    travel_at,
+)
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Floats, Ints, Laws, Linear, band_length
+from stepwell.mechanism import Floats, Ints, Laws
 from stepwell.statics.following import follow as f
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.
 WORTH_SORTING = 16
-
-
-@kernel
-def _cell(table: Floats, i: int) -> Simple:
-    return Simple(table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
-
-
-@kernel
-def _energy(cell: Simple, travel: float) -> float:
-    sin = travel / cell.lever - cell.sin_limit
-    stretch = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever) - cell.rest
-    return 0.5 * cell.stiffness * stretch * stretch
-
-
-@kernel
-def _most_bend(cell: Simple) -> float:
-    """A bound of |d²F/ds²| [N/m²] over the whole travel, every factor at its worst."""
-    t = cell.sin_limit
-    c = np.sqrt(1.0 - t * t)
-    r = cell.lever
-    ends = (
-        band_length(-t, c, cell.dx, cell.dy, r),
-        band_length(t, c, cell.dx, cell.dy, r),
-    )
-    shortest = min(ends[0], ends[1])
-    longest = r + np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
-    g = abs(cell.dy) + cell.dx * t / c
-    g1 = cell.dx / (r * c * c * c)
-    g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
-    first = g / shortest
-    second = (g1 + first * first) / shortest
-    third = (g2 + 3.0 * first * second) / shortest
-    return cell.stiffness * (3.0 * first * second + (longest - cell.rest) * third)
 
 
 @kernel
@@ -56,12 +36,12 @@ def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bo
     at b, or their difference, whose second derivative is bounded, cannot sag to zero between
     its end values.
     """
-    bend = _most_bend(leader) + _most_bend(other)
+    bend = most_bend(leader) + most_bend(other)
     a, width = 0.0, 0.25 * reach
-    strong, weak = push(leader, full)[0], push(other, full)[0]
+    strong, weak = force_at(leader, full)[0], force_at(other, full)[0]
     for _ in range(20_000):
         b = min(a + width, reach)
-        strong_b, weak_b = push(leader, full - b)[0], push(other, full - b)[0]
+        strong_b, weak_b = force_at(leader, full - b)[0], force_at(other, full - b)[0]
         sag = 0.125 * bend * (b - a) * (b - a)
         if strong > weak_b or min(strong - weak, strong_b - weak_b) > sag:
             if b >= reach:
@@ -111,14 +91,14 @@ def load_sorted(
     `table` holds one Simple a row, all with travel `full`; `order` sorts them by F0.
     """
     n = len(order)
-    tie = 1e-9 * scale
+    tie = TIED * scale
     force, drive = start_force, 0.0
     top, top_force = -1, -np.inf
     checked_top, checked = -1, 0
     last = -np.inf
     for done in range(n):
         j = order[done]
-        cell = _cell(table, j)
+        cell = of_row(table[j])
         f0, f1 = end_forces(cell)
         if f0 - last <= tie or abs(f1 - top_force) <= tie:
             return False
@@ -132,7 +112,7 @@ def load_sorted(
             force, drive = f1, full * (done + 1)
             continue
         # j weakens to the force at which the strongest full cell lets go: a snap.
-        leader = _cell(table, top)
+        leader = of_row(table[top])
         at = travel_at(cell, top_force)
         lack = full - at
         # Other full cells may give travel back too while j runs. The leader had a head start
@@ -143,50 +123,36 @@ def load_sorted(
             checked_top, checked = top, 0
         while checked < done:
             k = order[checked]
-            if k != top and not _keeps_ahead(leader, _cell(table, k), full, 0.25 * full):
+            if k != top and not _keeps_ahead(leader, of_row(table[k]), full, 0.25 * full):
                 return False
             checked += 1
         back = full - lack
         _mover(log, j, 0.0, at)
         _row(log, f.MOVE, drive, drive + at, f0, top_force)
-        after = push(leader, back)[0]
+        after = force_at(leader, back)[0]
         _mover(log, top, full, back)
         _mover(log, j, at, full)
         _row(log, f.SNAP, drive + at, drive + at, top_force, after)
         snap = log.segments[log.used[0] - 1]
         snap[f.CAUSE] = f.RELEASE
-        snap[f.RELEASED] = (
-            _energy(cell, at) - _energy(cell, full) + _energy(leader, full) - _energy(leader, back)
-        )
+        lost, gained = energy_at(cell, full), energy_at(leader, full)
+        snap[f.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
         _mover(log, top, back, full)
         _row(log, f.MOVE, drive + at, full * (done + 1), after, top_force)
         force, drive = top_force, full * (done + 1)
     return True
 
 
-def simple_table(laws: Laws) -> Floats | None:
-    """(N, 6) one Simple a row where every cell is one of equal travel, else None."""
-    n = len(laws.lever)
-    one_band = len(laws.band) == n and bool(np.all(np.diff(laws.band_first) == 1))
-    hooke = Linear().pieces()
-    one_row = one_band and laws.band_rows[-1] == n and bool(np.all(laws.rows[:n] == hooke))
-    if not one_row or len(laws.rows) > n or np.any(laws.friction > 0):
-        return None
-    if np.ptp(laws.full) > 1e-12 * laws.full[0]:
-        return None
-    return np.column_stack([laws.band, laws.lever, laws.sin_limit])
-
-
 def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     """The log of a full cycle and its first force, or None where the proof does not hold."""
-    table = simple_table(laws)
-    if table is None:
+    table, full = simple_rows(laws), laws.full
+    if table is None or not same_travel(np.max(full), np.min(full)):
         return None
-    full = laws.full
+    forces, proved = proved_ends(table)
+    if not np.all(proved):
+        return None
+    loading, unloading = motion_orders(forces)
     mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
-    forces = np.empty((len(table), 2))
-    if not _certified(table, forces):
-        return None
     n = len(table)
     scale = float(np.max(np.abs(forces)))
     log = f.Log(
@@ -196,12 +162,12 @@ def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
         np.zeros(2, np.int64),
     )
     begin = min(0.0, float(np.min(forces[:, 0])))
-    if not load_sorted(table, np.argsort(forces[:, 0]), full[0], begin, scale, log):
+    if not load_sorted(table, loading, full[0], begin, scale, log):
         return None
     segments, movers = int(log.used[0]), int(log.used[1])
     # Unloading is loading seen in a mirror: s → S - s and F → -F turn d_y round.
     arrival = -float(log.segments[segments - 1, f.FORCE_1])
-    if not load_sorted(mirrored, np.argsort(-forces[:, 1]), full[0], arrival, scale, log):
+    if not load_sorted(mirrored, unloading, full[0], arrival, scale, log):
         return None
     back = log.segments[segments : log.used[0]]
     back[:, f.DIRECTION] = -1
@@ -210,13 +176,3 @@ def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     way = log.movers[movers : log.used[1]]
     way[:, [f.TRAVEL_0, f.TRAVEL_1]] = full[0] - way[:, [f.TRAVEL_0, f.TRAVEL_1]]
     return log, begin
-
-
-@entry(1e-5, "table")
-def _certified(table: Floats, forces: Floats) -> bool:
-    for i in range(len(table)):
-        cell = _cell(table, i)
-        if not certify(cell, 0.0):
-            return False
-        forces[i] = end_forces(cell)
-    return True

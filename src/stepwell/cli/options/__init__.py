@@ -1,5 +1,6 @@
 """Options that commands share, and how they are read."""
 
+from stepwell.cli.options import ranges, tolerances
 from stepwell.cli.options.common import Design, Force, ForceFile, Json, Out
 from stepwell.cli.options.drive import Drive, NewDrive, stiffness_of
 from stepwell.cli.options.folders import free, free_file
@@ -34,9 +35,11 @@ __all__ = [
     "own",
     "parameter_range",
     "planned",
+    "ranges",
     "span",
     "stiffness_of",
     "stock",
+    "tolerances",
     "usable",
     "wish",
 ]

@@ -9,7 +9,7 @@ from typing import Any, cast
 import typer
 from typer.core import TyperGroup
 
-from stepwell.base import SettingError
+from stepwell.base import ExtraError, SettingError
 from stepwell.cli.screen.show import plain, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
@@ -69,10 +69,8 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
         return WRONG_INPUT, slips_text(error)
     if isinstance(error, Unreachable):
         return NO, str(error)
-    if isinstance(error, StaticsError):
-        return FAILED, str(error)
-    # A package that an extra brings; any other missing module is a bug of ours.
-    if isinstance(error, ModuleNotFoundError) and "pip install" in str(error):
+    # Any other missing module is a bug of ours.
+    if isinstance(error, StaticsError | ExtraError):
         return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stepwell.design.parameters import with_q
 from stepwell.design.plane import RESOLVED, Boundary, BoundaryKind, Box, kept, searched, smoothed
-from stepwell.mechanism import Cell, Linear
+from stepwell.mechanism import Cell, Linear, band_length
 
 Floats = NDArray[np.float64]
 
@@ -53,9 +53,9 @@ def _taut(cell: Cell, grid: Floats) -> bool:
     # ℓ² is linear in (cos θ, sin θ): over the travel it is smallest at a stop, or at the turn
     # opposite to d, which for d_x > 0 lies outside.
     d = grid - np.array(cell.bands[0].p)
-    x = d[..., 0] + cell.lever * math.cos(cell.limit)
-    y = np.abs(d[..., 1]) - cell.lever * math.sin(cell.limit)
-    return bool(np.all(d[..., 0] > 0) and np.all(np.hypot(x, y) >= cell.bands[0].rest_length))
+    sine, cosine = -math.sin(cell.limit), math.cos(cell.limit)
+    shortest = band_length(sine, cosine, d[..., 0], np.abs(d[..., 1]), cell.lever)
+    return bool(np.all(d[..., 0] > 0) and np.all(shortest >= cell.bands[0].rest_length))
 
 
 def _searched(cell: Cell, name: str, box: Box, nodes: int) -> list[Boundary]:

@@ -9,10 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, closed, look, simple
+from stepwell.concave import (
+    Simple,
+    closed,
+    motion_orders,
+    proved_ends,
+    same_travel,
+    simple,
+    smallest_gap,
+    snaps_of,
+)
 from stepwell.design.maps.pathways import IMPOSSIBLE, TIED, UNSOLVED
 from stepwell.design.parameters import Parameter
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, travel_of
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import StaticsError, StretchKind
 
@@ -153,40 +162,27 @@ class Outcomes:
         for i in range(n):
             if i in self._fixed:
                 numbers = np.array([self._fixed[i]])
-                here, holds = np.empty((1, 2)), np.empty(1, np.bool_)
             else:
                 numbers, rubs = self._changed(i, values)
-                here, holds = np.zeros((m, 2)), np.empty(m, np.bool_)
                 proved &= ~rubs
-            look(numbers, here, holds)
-            ends[:, i], full[:, i] = here, 2.0 * numbers[:, 4] * numbers[:, 5]
+            ends[:, i], holds = proved_ends(numbers)
+            full[:, i] = travel_of(numbers[:, 5], numbers[:, 4], numbers[:, 5])
             proved &= holds
         # A cell gives back less than its travel in a snap, and needs as much as any to be emptied.
-        most = np.max(full, axis=1)
-        proved &= most - np.min(full, axis=1) <= 1e-12 * most
+        proved &= same_travel(np.max(full, axis=1), np.min(full, axis=1))
         which = np.flatnonzero(proved)
         if len(which) == 0:
             return
-        force_0, force_1 = ends[which, :, 0], ends[which, :, 1]
-        # Equal forces: the inner cell first, as the engine does.
-        loading = np.argsort(force_0, axis=1, kind="stable")
-        unloading = np.argsort(-force_1, axis=1, kind="stable")
+        ends = ends[which]
+        loading, unloading = motion_orders(ends)
         rows, kind = np.unique(np.hstack([loading, unloading]), axis=0, return_inverse=True)
         numbers = np.array(
             [self._number(Sequence.full_cycle(row[:n], row[n:])) for row in rows.tolist()]
         )
         at = start + which
         found.number[at] = numbers[kind.reshape(-1)]
-        if n > 1:
-            # The cell that loads snaps where a full one lets go first, which has a larger F1.
-            rising = np.take_along_axis(force_1, loading, axis=1)
-            found.snaps[at, 0] = _overtaken(rising)
-            falling = np.take_along_axis(force_0, unloading, axis=1)
-            found.snaps[at, 1] = _overtaken(-falling)
-            gaps = [np.min(np.diff(np.sort(f, axis=1), axis=1), axis=1) for f in (force_0, force_1)]
-            found.gap[at] = np.minimum(*gaps)
-        else:
-            found.gap[at] = math.inf
+        found.snaps[at] = snaps_of(ends, loading, unloading)
+        found.gap[at] = smallest_gap(ends)
 
     def _changed(self, cell: int, values: Floats) -> tuple[Floats, Bools]:
         """(m, 6) numbers of a cell whose parameters are changed, and where it has friction."""
@@ -230,8 +226,3 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
             counts[snapped] += 1
             snapped = 0
     return counts[1], counts[-1]
-
-
-def _overtaken(force: Floats) -> Ints:
-    """(m,) how many in each row are smaller than one before them."""
-    return np.sum(force[:, 1:] < np.maximum.accumulate(force, axis=1)[:, :-1], axis=1)

@@ -9,12 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, certify, concave_disc
+from stepwell.concave import Simple, concave_disc, concave_line
 
 Floats = NDArray[np.float64]
-
-# A stretch of a line is halved this often before its proof is given up.
-_DEPTH = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,18 +80,4 @@ class Displacements:
         if self.dimensions == 2:
             return concave_disc(cell, distance)
         start = 0.0 if self.one_way else -distance
-        return _proved_line(cell, sign * self.frame[:, 0], start, distance)
-
-
-def _proved_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
-    waiting = [(start, end, 0)]
-    while waiting:
-        a, b, depth = waiting.pop()
-        middle, half = (a + b) / 2, (b - a) / 2
-        here = cell._replace(dx=cell.dx + middle * along[0], dy=cell.dy + middle * along[1])
-        if certify(here, half):
-            continue
-        if depth == _DEPTH:
-            return False
-        waiting += [(a, middle, depth + 1), (middle, b, depth + 1)]
-    return True
+        return concave_line(cell, sign * self.frame[:, 0], start, distance)

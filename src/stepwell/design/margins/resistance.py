@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue
-from stepwell.mechanism import Band, Cell
+from stepwell.mechanism import Band, Cell, band_direction, band_length
 
 Floats = NDArray[np.float64]
 Vec2 = tuple[float, float]
@@ -85,14 +85,9 @@ class Resistance(ByValue):
         return f"Resistance({self})"
 
 
-def _reaches(band: Band, lever: float, theta: Floats, change: Floats) -> Floats:
-    """(..., 2) from p to q at angles θ, d changed by `change` (..., 2) [m]."""
-    levers = lever * np.stack([np.cos(theta), np.sin(theta)], axis=-1)
-    return levers + np.array(band.d) + change
-
-
 def _lengths(band: Band, lever: float, theta: Floats, change: Floats) -> Floats:
-    return np.linalg.norm(_reaches(band, lever, theta, change), axis=-1)
+    dx, dy = np.array(band.d) + change
+    return band_length(np.sin(theta), np.cos(theta), dx, dy, lever)
 
 
 def _against(band: Band, lever: float, theta: Floats, fraction: Floats, change: Floats) -> Floats:
@@ -100,6 +95,8 @@ def _against(band: Band, lever: float, theta: Floats, fraction: Floats, change: 
     away = np.linalg.norm(change)
     if away == 0:
         return np.zeros((len(fraction), len(theta)))
-    reaches = _reaches(band, lever, theta, fraction[:, None, None] * change)
-    length = np.linalg.norm(reaches, axis=-1)
-    return band.tension(length) * (reaches @ (change / away)) / length
+    sin, cos = np.sin(theta), np.cos(theta)
+    dx, dy = np.array(band.d)[:, None, None] + change[:, None, None] * fraction[:, None]
+    length = band_length(sin, cos, dx, dy, lever)
+    x, y = band_direction(sin, cos, length, dx, dy, lever)
+    return band.tension(length) * (x * change[0] + y * change[1]) / away

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue, bisected
-from stepwell.concave import Simple, SortedChain, concave_disc, end_forces_at
+from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
 
@@ -154,8 +154,7 @@ def extreme(cell: Simple, side: int, radius: float, sign: int) -> tuple[float, f
     followed = farthest(cell, side, d, radius, sign)
     angle = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False)
     rim = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    out = np.empty((len(rim), 3))
-    end_forces_at(cell, side, d + rim, out)
+    out = end_force_field(cell, side, d + rim)
     best = int(np.argmax(sign * out[:, 0]))
     every = np.vstack([followed, [out[best, 0], *rim[best]]])
     force, x, y = every[np.argmax(sign * every[:, 0])].tolist()

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, certified_within, end_forces_at
+from stepwell.concave import Simple, certified, end_force_field
 from stepwell.design.plane import Box
 
 Floats = NDArray[np.float64]
@@ -36,14 +36,13 @@ def farthest(cell: Simple, side: int, d: Floats, radius: float | Floats, sign: i
     Returns:
         (m, 3) the force [N], and the displacement that makes it [m].
     """
-    out = np.empty((len(d), 3))
-    end_forces_at(cell, side, d, out)
+    out = end_force_field(cell, side, d)
     reach = sign * np.broadcast_to(np.asarray(radius, float), len(d))[:, None]
     move = np.zeros_like(d)
     for _ in range(_TURNS):
         slope = out[:, 1:]
         move = reach * slope / np.linalg.norm(slope, axis=1, keepdims=True)
-        end_forces_at(cell, side, d + move, out)
+        out = end_force_field(cell, side, d + move)
     return np.column_stack([out[:, 0], move])
 
 
@@ -77,12 +76,7 @@ class Proof:
         y = np.arange(d.bottom - self.most, d.top + self.most + pitch, pitch)
         grid = np.stack(np.meshgrid(x, y), axis=-1)
 
-        def proved(places: Floats) -> NDArray[np.bool_]:
-            out = np.empty(len(places), bool)
-            certified_within(np.ascontiguousarray(places), cell, 0.0, out)
-            return out
-
-        yes = proved(grid.reshape(-1, 2)).reshape(grid.shape[:2])
+        yes = certified(cell, grid.reshape(-1, 2)).reshape(grid.shape[:2])
         inside: list[Floats] = []
         outside: list[Floats] = []
         for a, b, p, q in (
@@ -94,7 +88,7 @@ class Proof:
         low, high = np.concatenate(inside), np.concatenate(outside)
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            good = proved(middle)[:, None]
+            good = certified(cell, middle)[:, None]
             low, high = np.where(good, middle, low), np.where(good, high, middle)
         from scipy.spatial import KDTree
 

@@ -38,7 +38,7 @@ def full_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
     return ">".join(states)
 
 
-def orders(wanted: str) -> Ints | None:
+def orders_of(wanted: str) -> Ints | None:
     """(2, N) the cells in order of loading and of unloading; None unless each moves once a way."""
     found = Sequence.parse(wanted).orders
     return None if found is None else np.array(found)

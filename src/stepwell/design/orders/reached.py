@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from stepwell.base import ByValue
-from stepwell.concave import closed
+from stepwell.concave import one_travel, proved_cells
 from stepwell.design.orders.orders import Orders, by_cells_at_1
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle, graph
@@ -100,12 +100,6 @@ def unsearchable(chain: Chain, friction: float = 0.0) -> str:
     return ""
 
 
-def one_travel(chain: Chain) -> bool:
-    """Whether all cells share one full travel."""
-    full = [cell.full_travel for cell in chain.cells]
-    return max(full) - min(full) <= 1e-12 * max(full)
-
-
 def unlike(found: Iterable[str], wanted: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
     found, wanted = set(found), set(wanted)
@@ -120,4 +114,4 @@ def _few(states: set[str]) -> str:
 
 
 def _concave(chain: Chain) -> bool:
-    return one_travel(chain) and all(closed(cell) is not None for cell in chain.cells)
+    return one_travel(chain) and proved_cells(chain) is not None

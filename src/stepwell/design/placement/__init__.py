@@ -1,6 +1,6 @@
 """Places for all anchors at once, and how surely they serve."""
 
-from stepwell.design.placement.candidates import TIE, Candidates, Kind, Rule, differences, joined
+from stepwell.design.placement.candidates import Candidates, Kind, Rule, differences, joined
 from stepwell.design.placement.covered import all_proved
 from stepwell.design.placement.holes import best_choice, fits
 from stepwell.design.placement.outline import outlines
@@ -21,7 +21,6 @@ __all__ = [
     "PAPER_BAND",
     "PAPER_BOX",
     "PAPER_LEVER",
-    "TIE",
     "AnchorBox",
     "AnchorPolygon",
     "Candidates",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, certified_within, end_forces_at
+from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
 from stepwell.design.margins import SIDES, Proof, extremes, farthest
 from stepwell.design.placement.region import Region
 from stepwell.design.placement.stock import Stock
@@ -18,9 +18,6 @@ from stepwell.mechanism import Band, Cell
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-# Forces nearer than this fraction of the largest tie in the engine.
-TIE = 1e-9
 
 
 class Candidates(NamedTuple):
@@ -148,21 +145,18 @@ class Rule:
     def proved(self, q: Floats, k: int) -> NDArray[np.bool_]:
         """At which of (m, 2) anchors the k-th kind is taut and concave."""
         cell = self.kinds[k].cell
-        out = np.empty(len(q), bool)
         if self.as_drawn:
-            certified_within(self._d(q), cell, 0.0, out)
-            return out
+            return certified(cell, self._d(q))
         # A longer rest length makes the proof harder, as any displacement does.
         longest = cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
-        certified_within(self._d(q), cell._replace(rest=longest), 2.0 * self.tolerances.anchor, out)
-        return out
+        return certified(cell._replace(rest=longest), self._d(q), 2.0 * self.tolerances.anchor)
 
     def end_forces(self, q: Floats, k: int) -> Floats:
         """F0 and F1 [N] of the k-th kind at (m, 2) anchors, (m, 2)."""
         return _ends(self.kinds[k].cell, self._d(q))[0]
 
     def _d(self, q: Floats) -> Floats:
-        return np.ascontiguousarray(q - np.array(self.p))
+        return q - np.array(self.p)
 
     @cached_property
     def _proofs(self) -> list[Proof]:
@@ -183,7 +177,7 @@ class Rule:
         the order stays and both cells are proved.
         """
         apart = differences(table)
-        tie = TIE * float(np.max(np.abs(table.force), initial=0.0))
+        tie = TIED * float(np.max(np.abs(table.force), initial=0.0))
         if self.worst:
             sure = np.minimum(self._radii(table, apart, tie), table.room)
             sure = np.minimum(sure, table.room[:, None])
@@ -216,9 +210,7 @@ class Rule:
 
 def _ends(cell: Simple, d: Floats) -> tuple[Floats, Floats]:
     """End forces (m, 2) [N] and their slopes by the anchor (m, 2, 2) [N/m]."""
-    out = np.empty((2, len(d), 3))
-    for row, side in enumerate(SIDES):
-        end_forces_at(cell, side, d, out[row])
+    out = np.array([end_force_field(cell, side, d) for side in SIDES])
     return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
 
 
@@ -230,12 +222,7 @@ def _deviations(
     A point anywhere in a disc of radius a has the variance a²/4 along each axis, and two such
     points make up d; a value anywhere within ±w has w²/3, and one anywhere from 0 to w, w²/12.
     """
-    t = np.array(SIDES) * cell.sin_limit
-    c = math.sqrt(1.0 - cell.sin_limit**2)
-    dx, dy = d[:, :1], d[:, 1:]
-    length = np.hypot(cell.lever * c + dx, cell.lever * t + dy)
-    by_rest = cell.stiffness * (dy - dx * t / c) / length
-    by_lever = by_rest * cell.rest * (cell.lever + dx * c + dy * t) / length**2
+    by_rest, by_lever = slopes_by_sizes(cell, np.array(SIDES), d[:, :1], d[:, 1:])
     variance = (
         np.sum(slope * slope, axis=2) * tolerances.anchor**2 / 2
         + (force * tolerances.stiffness) ** 2

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from stepwell.concave import certified_within
+from stepwell.concave import certified
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
 
@@ -24,11 +24,10 @@ def all_proved(rule: Rule, region: Region) -> bool:
         while len(middles):
             if half < side / 2 / _FINEST:
                 return False
-            held = np.empty(len(middles), bool)
-            certified_within(middles - np.array(rule.p), kind.cell, half * math.sqrt(2.0), held)
+            held = certified(kind.cell, middles - np.array(rule.p), half * math.sqrt(2.0))
             corners = half / 2 * np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
             middles = (middles[~held][:, None] + corners).reshape(-1, 2)
             half /= 2
             away = np.max(np.abs(region.clamped(middles) - middles), axis=1)
-            middles = np.ascontiguousarray(middles[away <= half * (1 + 1e-9)])
+            middles = middles[away <= half * (1 + 1e-9)]
     return True

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import Simple, certified_within, end_forces_at
+from stepwell.concave import Simple, certified, end_force_field
 from stepwell.design.plane.trace import trace
 
 Floats = NDArray[np.float64]
@@ -21,16 +21,11 @@ class Level:
 
     def __call__(self, d: Floats) -> Floats:
         """F - force [N] at (..., 2) differences d = q - p [m]."""
-        return self._look(d)[..., 0] - self.force
+        return end_force_field(self.cell, self.side, d)[..., 0] - self.force
 
     def gradient(self, d: Floats) -> Floats:
         """∂F/∂d [N/m], (..., 2)."""
-        return self._look(d)[..., 1:]
-
-    def _look(self, d: Floats) -> Floats:
-        out = np.empty((*d.shape[:-1], 3))
-        end_forces_at(self.cell, self.side, d.reshape(-1, 2), out.reshape(-1, 3))
-        return out
+        return end_force_field(self.cell, self.side, d)[..., 1:]
 
     def project(self, d: Floats) -> Floats:
         """The (m, 2) points moved onto the curve by Newton's method along the gradient."""
@@ -48,9 +43,7 @@ class Level:
 
     def proved(self, d: Floats) -> NDArray[np.bool_]:
         """At which of the (m, 2) differences the cell is proved concave."""
-        out = np.zeros(len(d), np.bool_)
-        certified_within(np.ascontiguousarray(d), self.cell, 0.0, out)
-        return out
+        return certified(self.cell, d)
 
 
 def curves(level: Level, grid: Floats) -> list[Floats]:

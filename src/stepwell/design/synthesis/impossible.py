@@ -6,15 +6,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import Carried
+from stepwell.base import StepwellError
+from stepwell.concave import TIED
 from stepwell.design.orders import Goal, short
-from stepwell.design.placement import TIE
 from stepwell.design.synthesis.attempt import Attempt
 
 Floats = NDArray[np.float64]
 
 
-class Impossible(Carried, ValueError):
+class Impossible(StepwellError, ValueError):
     """What is wanted cannot be had within what is allowed; `str` of it says why.
 
     Attributes:
@@ -75,7 +75,7 @@ def nothing_works(
             goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved, allowed=allowed
         )
     region, force = nearest.region(), np.concatenate([table.force for table in nearest.tables])
-    needed = TIE * float(np.max(np.abs(force)))
+    needed = TIED * float(np.max(np.abs(force)))
     if missed:
         why = (
             f"with F0 and F1 in the wanted orders the engine finds that it {_does(goal, missed)}, "

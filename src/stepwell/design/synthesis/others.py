@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
+from stepwell.concave import TIED
 from stepwell.design.orders import Goal
-from stepwell.design.placement import TIE, Candidates, joined, measured
+from stepwell.design.placement import Candidates, joined, measured
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.statics import StaticsError
 
@@ -86,7 +87,7 @@ def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:
 def _surety(attempt: Attempt, table: Candidates, picks: NDArray[np.int64]) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
     total = np.zeros(len(picks))
-    least = TIE * float(np.max(np.abs(table.force)))
+    least = TIED * float(np.max(np.abs(table.force)))
     for end, order in enumerate(attempt.orders.rising):
         at = picks[:, list(order)]
         gap = np.diff(table.force[at, end], axis=1)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.concave import ASK, DOES, OTHER, TIE, Judge
-from stepwell.design.orders import numbered_cycle, one_travel, orders, searched, unlike
+from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
+from stepwell.design.orders import numbered_cycle, orders_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
@@ -60,11 +60,11 @@ class Tally:
         judged, by_engine: of how many it told the orders, and how many the engine followed.
         successes: how many do what is wanted.
         followed_well: of each that the engine followed, in order, whether it does.
-        wrong, narrowest: (2, N - 1) as in `_many.many`, of those judged.
+        wrong, narrowest: (2, N - 1) as `Judge` counts them, of those judged.
     """
 
     def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
-        self.draws, self.orders, self.states = draws, orders(wanted), states
+        self.draws, self.orders, self.states = draws, orders_of(wanted), states
         self._success = wanted if states is None else ""
         cells = len(draws.chain)
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").

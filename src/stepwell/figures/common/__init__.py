@@ -1,5 +1,6 @@
 """What figures share: style, names, labels, marks."""
 
+from stepwell.figures.common import marks
 from stepwell.figures.common.dimension import (
     along_x,
     along_y,
@@ -89,6 +90,7 @@ __all__ = [
     "legs",
     "limits",
     "literal",
+    "marks",
     "mm",
     "name_panel",
     "pale",

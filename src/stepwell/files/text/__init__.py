@@ -1,5 +1,6 @@
 """The text of design files: TOML, key paths, units, errors."""
 
+from stepwell.files.text import units
 from stepwell.files.text.errors import (
     MOST_LINES,
     DesignError,
@@ -28,5 +29,6 @@ __all__ = [
     "parsed",
     "quoted",
     "spelled",
+    "units",
     "value_text",
 ]

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Any
 
-from stepwell.base import Carried, nearest_word, printable
+from stepwell.base import InputError, nearest_word, printable
 
 MOST_LINES = 40
 
 
-class DesignError(Carried, ValueError):
+class DesignError(InputError):
     """A design file that cannot be used; `str` of it is what to show the user.
 
     Args:

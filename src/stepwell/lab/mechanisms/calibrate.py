@@ -15,7 +15,7 @@ from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.windows import judged, quiet_zones
 from stepwell.lab.recordings import LabError
-from stepwell.mechanism import Band, Cell, Cubic
+from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slopes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -358,7 +358,7 @@ def _rows(samples: Sequence[Sample]) -> _Rows:
         start = limit if sample.unloading else -limit
         length = band.length(np.concatenate([[start], theta]), lever)
         shorter = (np.maximum.accumulate(length) - length)[1:]
-        slope = (dy - dx * np.tan(theta)) / length[1:]
+        slope, _, _ = length_slopes(np.sin(theta), np.cos(theta), length[1:], dx, dy, lever)
         one = np.ones(len(theta))
         way = -one if sample.unloading else one
         parts.append((length[1:], slope, shorter, sample.bands * one, way, sample.force))
@@ -368,13 +368,14 @@ def _rows(samples: Sequence[Sample]) -> _Rows:
 def _model(values: dict[str, float], rows: _Rows) -> Array:
     """F of every row [N]; the tension is `Band.tension` written out, for speed."""
     e = np.maximum(rows.length - values["rest_length"], 0.0)
-    shape = e * (1.0 + e * (values.get("quadratic", 0.0) + e * values.get("cubic", 0.0)))
+    shape = cubic(e, 0.0, 1.0, values.get("quadratic", 0.0), values.get("cubic", 0.0))[0]
     k = np.zeros(len(e))
     for name, value in values.items():
         if name.startswith("stiffness_"):
             k[rows.bands == float(name.removeprefix("stiffness_"))] = value
     kept = 1.0 - values["loss"] * (1.0 - np.exp(-rows.shorter / values["loss_length"]))
-    return rows.bands * k * shape * kept * rows.slope + rows.way * values["friction"]
+    tension = rows.bands * k * shape * kept
+    return band_force(tension, rows.slope) + rows.way * values["friction"]
 
 
 def _force(values: dict[str, float], sample: Sample) -> Array:

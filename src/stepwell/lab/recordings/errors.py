@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from stepwell.base import Carried
+from stepwell.base import InputError
 
 
-class LabError(Carried, ValueError):
+class LabError(InputError):
     """Measured data that cannot be used; `str` of it is what to show the user.
 
     Args:

@@ -1,9 +1,9 @@
-"""The branches a chain can stand on, and the relays that concave cells are."""
+"""The branches a chain can stand on, and how far it moves as relays do."""
 
 from stepwell.sequences.branches.branches import Branches, Travels, drive_slip
 from stepwell.sequences.branches.checks import Drive, checked_state, driven, refuse_friction
 from stepwell.sequences.branches.legs import Part, legs_of, state_of
-from stepwell.sequences.branches.relays import Order, Relays, order_kept, relays, shortest
+from stepwell.sequences.branches.relays import Order, order_kept
 from stepwell.sequences.branches.windows import windows
 
 __all__ = [
@@ -11,7 +11,6 @@ __all__ = [
     "Drive",
     "Order",
     "Part",
-    "Relays",
     "Travels",
     "checked_state",
     "drive_slip",
@@ -19,8 +18,6 @@ __all__ = [
     "legs_of",
     "order_kept",
     "refuse_friction",
-    "relays",
-    "shortest",
     "state_of",
     "windows",
 ]

@@ -10,8 +10,9 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.concave import Relays
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches import Branches, Relays
+from stepwell.sequences.branches import Branches
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, about
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import networkx as nx
 
 from stepwell.base import most, problem, same
+from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
@@ -18,7 +19,6 @@ from stepwell.sequences.branches import (
     checked_state,
     driven,
     refuse_friction,
-    relays,
     state_of,
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind

@@ -8,17 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import count
 
+from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
     Order,
-    Relays,
     Travels,
     checked_state,
     legs_of,
     order_kept,
-    relays,
-    shortest,
 )
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
 from stepwell.sequences.programs.search import grope
@@ -95,9 +93,9 @@ def _by_fields(
     by_force = chain.actuator_stiffness == 0
     if not by_force:
         rigid = fields.equal and math.isinf(chain.actuator_stiffness)
-        if not rigid or shortest(fields, "0" * len(chain), start).blocked is not None:
+        if not rigid or fewest_strokes(fields, "0" * len(chain), start).blocked is not None:
             return None
-    plan = shortest(fields, start, to)
+    plan = fewest_strokes(fields, start, to)
     # Under a prescribed force relays are what the cells are.
     order = Order(True, True) if by_force else order_kept(chain, fields)
     if plan.blocked is not None:
@@ -266,7 +264,7 @@ def _why(branches: Branches, to: str) -> str:
     fields: Relays | None = relays(chain)
     if fields is None:
         return ""
-    plan = shortest(fields, "0" * len(chain), to)
+    plan = fewest_strokes(fields, "0" * len(chain), to)
     if plan.blocked is None:
         return ""
     i, j = (chain.names[k] for k in plan.blocked)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import ByValue, Carried, csv_text, write_atomic
+from stepwell.base import ByValue, StepwellError, csv_text, write_atomic
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
@@ -164,7 +164,7 @@ class Program(ByValue):
         return f"Program({self})"
 
 
-class Unreachable(Carried, ValueError):
+class Unreachable(StepwellError, ValueError):
     """The actuator cannot bring the chain to the state that was asked for.
 
     Attributes:

@@ -8,6 +8,8 @@ from importlib import import_module
 from threading import Lock
 from typing import Any, TypeAlias
 
+from stepwell.base import ExtraError
+
 # What type checkers can see of MuJoCo's compiled modules is not enough to check against.
 Model: TypeAlias = Any  # mujoco.MjModel
 Spec: TypeAlias = Any  # mujoco.MjSpec
@@ -16,7 +18,7 @@ try:
     mujoco: Any = import_module("mujoco")
     rollout: Any = import_module("mujoco.rollout")
 except ModuleNotFoundError as error:
-    raise ModuleNotFoundError(
+    raise ExtraError(
         "The robot's simulation needs MuJoCo, which is not installed here. "
         "Install it with: pip install 'stepwell[robot]'",
         name=error.name,

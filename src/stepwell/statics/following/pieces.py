@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows
+from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, travel_of, turn_at
 
 _NODES = 13
 _DEPTH = 40
@@ -68,7 +68,7 @@ def cut_points(laws: Laws, cell: int) -> Floats:
         # the Chebyshev points at the only places where its law can turn sharply.
         sine = dy / reach if reach > 0.0 else 2.0
         for side in (-1.0, 1.0):
-            travel = r * (side * sine + sin_limit)
+            travel = travel_of(side * sine, r, sin_limit)
             if 0.0 < travel < full:
                 points[used] = travel
                 used += 1
@@ -76,14 +76,14 @@ def cut_points(laws: Laws, cell: int) -> Floats:
             if row == laws.band_rows[b] and laws.two_sided[b]:
                 continue
             length = rest + laws.rows[row, 0]
-            cosine = (length * length - r * r - reach * reach) / (2.0 * r * reach + 1e-300)
+            cosine = turn_at(length, reach, r)
             if not -1.0 <= cosine <= 1.0:
                 continue
             for side in (-1.0, 1.0):
                 angle = math.atan2(dy, dx) + side * math.acos(cosine)
                 angle = math.atan2(math.sin(angle), math.cos(angle))
                 if abs(angle) < np.pi / 2:
-                    travel = r * (math.sin(angle) + sin_limit)
+                    travel = travel_of(math.sin(angle), r, sin_limit)
                     if 0.0 < travel < full:
                         points[used] = travel
                         used += 1

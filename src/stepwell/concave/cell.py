@@ -1,0 +1,157 @@
+"""The simple cell: one linear band and nothing else, as plain numbers that compiled code takes.
+
+Its formulas hold while the band is taut, which `certify` proves of a cell.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.kernels import kernel
+from stepwell.mechanism import (
+    Cell,
+    Laws,
+    Linear,
+    band_length,
+    force_slopes,
+    hooke,
+    length_slopes,
+    reach_along,
+    sine_at,
+    travel_of,
+)
+
+Floats = NDArray[np.float64]
+
+
+class Simple(NamedTuple):
+    """A cell with one linear band and nothing else, as plain numbers."""
+
+    dx: float  # q - p [m]
+    dy: float  # [m]
+    stiffness: float  # k [N/m]
+    rest: float  # ℓ0 [m]
+    lever: float  # r [m]
+    sin_limit: float  # sin θc
+
+
+def simple(cell: Cell) -> Simple | None:
+    """The cell as plain numbers, or None: several bands, a bent law, a load or friction."""
+    if len(cell.bands) != 1 or cell.load is not None or cell.friction > 0:
+        return None
+    band = cell.bands[0]
+    if not isinstance(band.law, Linear):
+        return None
+    sin_limit = float(np.sin(cell.limit))
+    return Simple(*band.d, band.stiffness, band.rest_length, cell.lever, sin_limit)
+
+
+def simple_rows(laws: Laws) -> Floats | None:
+    """(N, 6) the cells of a packed chain, one a row, or None where one of them is not simple."""
+    n = len(laws.lever)
+    one_band = len(laws.band) == n and bool(np.all(np.diff(laws.band_first) == 1))
+    if not one_band or len(laws.rows) != n or np.any(laws.friction > 0):
+        return None
+    if laws.band_rows[-1] != n or not np.all(laws.rows == Linear().pieces()):
+        return None
+    return np.column_stack([laws.band, laws.lever, laws.sin_limit])
+
+
+@kernel
+def of_row(row: Any) -> Simple:
+    """The cell whose six numbers are a row of an array."""
+    return Simple(row[0], row[1], row[2], row[3], row[4], row[5])
+
+
+@kernel
+def with_d(cell: Simple, dx: float, dy: float) -> Simple:
+    """The same cell with other anchors, d = q - p [m]."""
+    return Simple(dx, dy, cell.stiffness, cell.rest, cell.lever, cell.sin_limit)
+
+
+@kernel
+def full_travel(cell: Simple) -> float:
+    """S = 2 r sin θc [m]."""
+    return travel_of(cell.sin_limit, cell.lever, cell.sin_limit)
+
+
+@kernel
+def force_of(cell: Simple, sin: float) -> tuple[float, float]:
+    """F [N] and κ = dF/ds [N/m] of a taut band at sin θ."""
+    cos = np.sqrt(1.0 - sin * sin)
+    length = band_length(sin, cos, cell.dx, cell.dy, cell.lever)
+    first, second, third = length_slopes(sin, cos, length, cell.dx, cell.dy, cell.lever)
+    tension, stiffness, _ = hooke(cell.stiffness, length - cell.rest)
+    force, slope, _ = force_slopes(tension, stiffness, 0.0, first, second, third)
+    return force, slope
+
+
+@kernel
+def force_at(cell: Simple, travel: float) -> tuple[float, float]:
+    """F [N] and κ = dF/ds [N/m] of a taut band at a travel [m]."""
+    return force_of(cell, sine_at(travel, cell.lever, cell.sin_limit))
+
+
+@kernel
+def energy_at(cell: Simple, travel: float) -> float:
+    """E [J] of a taut band at a travel [m]."""
+    sin = sine_at(travel, cell.lever, cell.sin_limit)
+    length = band_length(sin, np.sqrt(1.0 - sin * sin), cell.dx, cell.dy, cell.lever)
+    return hooke(cell.stiffness, length - cell.rest)[2]
+
+
+@kernel
+def travel_at(cell: Simple, force: float) -> float:
+    """The one travel [m] at which a certified cell pushes back with `force` [N].
+
+    Forces beyond F0 and F1 give the stops. Newton inside a bracket that shrinks at every step.
+    """
+    low, high = 0.0, full_travel(cell)
+    # F falls: above `force` at low, below it at high.
+    f_low, f_high = force_of(cell, -cell.sin_limit)[0], force_of(cell, cell.sin_limit)[0]
+    if force >= f_low:
+        return low
+    if force <= f_high:
+        return high
+    enough = 1e-9 * high
+    travel = (f_low - force) / (f_low - f_high) * high
+    for _ in range(100):
+        value, slope = force_at(cell, travel)
+        if value == force:
+            break
+        if value > force:
+            low = travel
+        else:
+            high = travel
+        following = travel + (force - value) / slope
+        if low < following < high:
+            # Newton squares the error: after a step this small only rounding is left, and
+            # waiting for a step of zero would be waiting for luck.
+            done = abs(following - travel) <= enough
+        else:
+            following = 0.5 * (low + high)
+            done = not low < following < high
+        travel = following
+        if done:
+            break
+    return travel
+
+
+@kernel
+def most_bend(cell: Simple) -> float:
+    """A bound of |d²F/ds²| [N/m²] over the whole travel, every factor at its worst."""
+    t = cell.sin_limit
+    c = np.sqrt(1.0 - t * t)
+    r = cell.lever
+    shortest = min(band_length(-t, c, cell.dx, cell.dy, r), band_length(t, c, cell.dx, cell.dy, r))
+    d = np.sqrt(cell.dx * cell.dx + cell.dy * cell.dy)
+    longest = band_length(cell.dy / d, cell.dx / d, cell.dx, cell.dy, r)
+    g = reach_along(t, c, -cell.dx, abs(cell.dy))
+    g1 = cell.dx / (r * c * c * c)
+    g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
+    first = g / shortest
+    second = (g1 + first * first) / shortest
+    third = (g2 + 3.0 * first * second) / shortest
+    tension, stiffness, _ = hooke(cell.stiffness, longest - cell.rest)
+    return force_slopes(tension, stiffness, 0.0, first, second, third)[2]

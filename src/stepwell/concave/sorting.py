@@ -1,0 +1,141 @@
+"""The order of motion of concave cells: two sorted lists of end forces.
+
+Cells of falling force load in ascending F0 and unload in descending F1, where all travels are
+equal (theory page, "Sorting").
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.concave.cell import Simple, simple
+from stepwell.concave.ends import proved_ends
+from stepwell.kernels import kernel
+from stepwell.mechanism import Chain
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_SAME = 1e-12  # relative difference of travels that are meant to be equal
+TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engine
+
+
+@kernel
+def same_travel(longest: Any, shortest: Any) -> Any:
+    """Whether full travels between these differ by rounding only, of numbers or arrays."""
+    return longest - shortest <= _SAME * longest
+
+
+def one_travel(chain: Chain) -> bool:
+    """Whether all cells share one full travel."""
+    full = [cell.full_travel for cell in chain.cells]
+    return bool(same_travel(max(full), min(full)))
+
+
+def proved_cells(chain: Chain) -> tuple[tuple[Simple, ...], Floats] | None:
+    """All cells as plain numbers and their (N, 2) end forces, or None where one is not proved."""
+    cells = tuple(numbers for cell in chain.cells if (numbers := simple(cell)) is not None)
+    if len(cells) < len(chain):
+        return None
+    ends, proved = proved_ends(np.array(cells))
+    return (cells, ends) if np.all(proved) else None
+
+
+def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
+    """The cells in order of loading and of unloading, (..., N) each, by end forces (..., N, 2).
+
+    Of equal forces the inner cell goes first, as in the engine.
+    """
+    loading = np.argsort(ends[..., 0], axis=-1, kind="stable")
+    return loading, np.argsort(-ends[..., 1], axis=-1, kind="stable")
+
+
+def snaps_of(ends: Floats, loading: Ints, unloading: Ints) -> Ints:
+    """(..., 2) how many steps snap while loading and while unloading, by (..., N, 2) end forces.
+
+    The cell that loads snaps where a full one lets go first, which has a larger F1; unloading is
+    the same in a mirror.
+    """
+    release = np.take_along_axis(ends[..., 1], loading, axis=-1)
+    return_ = np.take_along_axis(-ends[..., 0], unloading, axis=-1)
+    return np.stack([_overtaken(release), _overtaken(return_)], axis=-1)
+
+
+def _overtaken(force: Floats) -> Ints:
+    """How many in each row are smaller than one before them."""
+    before = np.maximum.accumulate(force, axis=-1)[..., :-1]
+    return np.sum(force[..., 1:] < before, axis=-1)
+
+
+def smallest_gap(ends: Floats) -> Floats:
+    """Smallest difference of two F0 or of two F1 [N], by (..., N, 2); infinite for one cell."""
+    gaps = np.diff(np.sort(ends, axis=-2), axis=-2)
+    return np.min(gaps, axis=(-2, -1), initial=math.inf)
+
+
+class Neighbour(NamedTuple):
+    """An end force that another cell has and this one may reach."""
+
+    side: int  # -1 for F0, +1 for F1
+    own: float  # [N]
+    other: float  # [N]
+    up: int  # +1 where the own force has to rise to pass it, -1 where it has to fall
+
+
+@dataclass(frozen=True, eq=False)
+class SortedChain:
+    """A chain that loads its cells in ascending F0 and unloads them in descending F1, proved."""
+
+    cells: tuple[Simple, ...]
+    forces: tuple[Floats, Floats]  # F0 and F1 [N], (N,) each
+    loading: tuple[int, ...]  # cells in order of arrival
+    unloading: tuple[int, ...]
+    places: tuple[NDArray[np.int64], NDArray[np.int64]]  # of every cell in those two orders
+
+    @classmethod
+    def of(cls, chain: Chain) -> "SortedChain | None":
+        """The chain in this form, or None where that is not proved.
+
+        Needs a rigid actuator, certified cells, and one full travel S for all: a cell that
+        gives travel back in a snap gives back less than S, and so never reaches its other stop.
+        """
+        if math.isfinite(chain.actuator_stiffness) or not one_travel(chain):
+            return None
+        found = proved_cells(chain)
+        if found is None:
+            return None
+        cells, ends = found
+        loading, unloading = motion_orders(ends)
+        return cls(
+            cells,
+            (ends[:, 0], ends[:, 1]),
+            tuple(loading.tolist()),
+            tuple(unloading.tolist()),
+            (np.argsort(loading), np.argsort(unloading)),
+        )
+
+    def neighbours(self, cell: int) -> list[Neighbour]:
+        """The end forces next to those of a cell, up to four.
+
+        The sequence changes exactly when an end force of the cell passes one of these: whatever
+        it passes first is next to it in the sorted list.
+        """
+        found: list[Neighbour] = []
+        # Ranks rise with F0 and fall with F1.
+        for side, order, force, place, up in (
+            (-1, self.loading, self.forces[0], int(self.places[0][cell]), 1),
+            (+1, self.unloading, self.forces[1], int(self.places[1][cell]), -1),
+        ):
+            own = float(force[cell])
+            if place > 0:
+                found.append(Neighbour(side, own, float(force[order[place - 1]]), -up))
+            if place + 1 < len(order):
+                found.append(Neighbour(side, own, float(force[order[place + 1]]), up))
+        return found
+
+    def smallest_gap(self) -> float:
+        """Smallest difference of two F0 or of two F1 [N]; infinite for a single cell."""
+        return float(smallest_gap(np.stack(self.forces, axis=-1)))

@@ -1,0 +1,267 @@
+"""A way through an arena: the walk, what it touched, and what the touches changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from enum import Enum
+from threading import Event
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue
+from stepwell.kernels import cores
+from stepwell.robot import Arena, Robot
+from stepwell.simulation.model import Settings, obstacle_names
+from stepwell.simulation.runs.engine import Run, affordable, chunks
+from stepwell.simulation.runs.walk import Walk, recorded
+
+TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
+PRESSED = 0.05  # an antenna turned by more than this share of its swing is pressed
+APART = 1.0  # presses that follow within this time [s] are one
+FREE_FOR = 10  # cycles at the end of a run that tell whether it walks on ...
+STEADY = np.radians(5.0)  # ... with a heading that varies by no more than this [rad] ...
+ADVANCING = 0.4  # ... and this much of u_max or more a cycle [1]
+STUCK_FOR = 120.0  # a robot that stays this long [s] ...
+STUCK_WITHIN = 0.060  # ... within this distance [m] is trapped
+
+
+class Outcome(Enum):
+    """How a way through an arena ended."""
+
+    REACHED = "reached the goal"
+    TIMED_OUT = "ran out of time"
+    TRAPPED = "went on moving without getting anywhere"
+    STOPPED = "stopped early"
+
+    def __str__(self):
+        return self.value
+
+
+class Contact(NamedTuple):
+    """An antenna pressed back.
+
+    Attributes:
+        antenna: which.
+        begin, end: from when to when [s].
+        swing: how far at most [rad].
+        moved: by how much it then had moved its anchor [m]; 0 with its lever off.
+    """
+
+    antenna: str
+    begin: float
+    end: float
+    swing: float
+    moved: float
+
+
+class Change(NamedTuple):
+    """A leg that changed its gait: when [s], which, from what to what."""
+
+    time: float
+    leg: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Maze(ByValue):
+    """A robot's way through an arena.
+
+    Attributes:
+        walk: all samples.
+        arena: the arena.
+        outcome: how it ended.
+        limit: time that it was given [s].
+    """
+
+    walk: Walk
+    arena: Arena
+    outcome: Outcome
+    limit: float
+
+    @property
+    def touched(self) -> dict[str, float | None]:
+        """When each obstacle was first touched [s], None if never; walls first."""
+        forces = self.walk.obstacle_force > TOUCHED
+        return {
+            name: float(self.walk.time[forces[:, i].argmax()]) if forces[:, i].any() else None
+            for i, name in enumerate(obstacle_names(self.arena))
+        }
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Every time an antenna was pressed back, in the order of their beginnings."""
+        found: list[Contact] = []
+        for i, antenna in enumerate(self.walk.robot.antennas):
+            swing = self.walk.antenna[:, i]
+            for first, last in _stretches(self.walk.time, swing > PRESSED * antenna.swing):
+                begin, end = self.walk.time[[first, last]]
+                most = float(swing[first : last + 1].max())
+                moved = most * antenna.gear if antenna.connected else 0.0
+                found.append(Contact(antenna.name, float(begin), float(end), most, moved))
+        return tuple(sorted(found, key=lambda contact: contact.begin))
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """Every change of a leg's gait from one cycle to the next, dated by the later one."""
+        found: list[Change] = []
+        period = self.walk.robot.drive.period
+        for leg, gaits in self.walk.gaits.items():
+            for i in range(1, len(gaits)):
+                if gaits[i] != gaits[i - 1]:
+                    found.append(Change(i * period, leg, gaits[i - 1], gaits[i]))
+        return tuple(sorted(found, key=lambda change: change.time))
+
+    @property
+    def walks_on(self) -> bool:
+        """Whether it ended free: antennas at rest, heading steady and still advancing.
+
+        That is, over the last ten cycles no antenna was turned by more than a twentieth of its
+        swing, the heading stayed within 5° and the way covered was two fifths of u_max a cycle
+        or more.
+        """
+        walk = self.walk
+        if walk.stopped or walk.cycles < FREE_FOR:
+            return False
+        late = walk.time >= walk.time[-1] - FREE_FOR * walk.robot.drive.period
+        most = np.array([antenna.swing for antenna in walk.robot.antennas])
+        pressed = (walk.antenna[late] > PRESSED * most).any()
+        heading = walk.yaw[late]
+        ends = np.hypot(np.diff(walk.x[late][[0, -1]]), np.diff(walk.y[late][[0, -1]]))[0]
+        step = ends / FREE_FOR / max(leg.stroke for leg in walk.robot.legs)
+        return bool(not pressed and np.ptp(heading) <= STEADY and step >= ADVANCING)
+
+    @property
+    def duration(self) -> float:
+        """How long it took [s]."""
+        return float(self.walk.time[-1]) if len(self.walk.time) else 0.0
+
+    def __repr__(self):
+        touched = sum(time is not None for time in self.touched.values())
+        return (
+            f"Maze({self.arena.title or 'arena'}: {self.outcome} after {self.duration:.0f} s, "
+            f"{touched} of {len(self.touched)} obstacles touched)"
+        )
+
+
+def maze(
+    robot: Robot,
+    arena: Arena,
+    *,
+    limit: float = 600.0,
+    settings: Settings | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Maze:
+    """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
+
+    The actuator goes out and back all the while and nothing steers but the antennas.
+
+    Args:
+        robot: any robot.
+        arena: obstacles, start and goal; without a goal it walks until the time is out.
+        limit: time that it is given [s], > 0.
+        settings: of the simulation.
+        progress: called with (done, total) [s].
+
+    Returns:
+        Its way.
+
+    Raises:
+        ValueError: no time, or a robot that the simulator has no terms for.
+        ModuleNotFoundError: MuJoCo is not installed.
+    """
+    if not limit > 0:
+        raise ValueError(f"limit = {limit} s: must be > 0.")
+    settings = settings or Settings()
+    run = Run(robot, arena, settings)
+    outcome = Outcome.TIMED_OUT
+    places: list[tuple[float, float, float]] = []
+    affordable(run, limit - run.now)
+    for until in chunks(run.now, limit):
+        run.advance(until)
+        if progress is not None:
+            progress(max(run.now, 0.0), limit)
+        if run.stopped:
+            outcome = Outcome.STOPPED
+            break
+        # The full state begins with the time and the body's place.
+        x, y = float(run.state[1]), float(run.state[2])
+        places.append((run.now, x, y))
+        if arena.goal is not None and arena.goal.reached(x, y):
+            outcome = Outcome.REACHED
+            break
+        if _stuck(places):
+            outcome = Outcome.TRAPPED
+            break
+    return Maze(recorded(robot, arena, settings, run.samples()), arena, outcome, limit)
+
+
+def mazes(
+    entries: Sequence[tuple[Robot, Arena]],
+    *,
+    limit: float = 600.0,
+    settings: Settings | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Maze, ...]:
+    """Let many robots walk in many arenas, on all cores.
+
+    Args:
+        entries: (n,) robot and arena.
+        limit: time that each is given [s], > 0.
+        settings: of the simulation.
+        threads: how many run at once; all cores by default.
+        progress: called with (done, total) entries.
+
+    Returns:
+        (n,) their ways, each what `maze` gives.
+
+    Raises:
+        ValueError: as `maze`.
+        ModuleNotFoundError: MuJoCo is not installed.
+    """
+    # The stepping runs outside Python's lock, so threads are enough.
+    stop = Event()
+
+    def heed(_now: float, _limit: float) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(threads or cores()) as pool:
+        ways = [
+            pool.submit(maze, robot, arena, limit=limit, settings=settings, progress=heed)
+            for robot, arena in entries
+        ]
+        waiting = set(ways)
+        try:
+            while waiting:
+                finished, waiting = wait(waiting, 0.1, FIRST_COMPLETED)
+                if progress is not None and finished:
+                    progress(len(ways) - len(waiting), len(ways))
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+        return tuple(way.result() for way in ways)
+
+
+def _stuck(places: list[tuple[float, float, float]]) -> bool:
+    now, x, y = places[-1]
+    if now - places[0][0] < STUCK_FOR:
+        return False
+    recent = np.array([place for place in places if now - place[0] <= STUCK_FOR])
+    return bool((np.hypot(recent[:, 1] - x, recent[:, 2] - y) < STUCK_WITHIN).all())
+
+
+def _stretches(time: np.ndarray, held: np.ndarray) -> list[tuple[int, int]]:
+    """First and last sample of every stretch in which `held` is true, short gaps bridged."""
+    samples = np.flatnonzero(held)
+    if len(samples) == 0:
+        return []
+    breaks = np.flatnonzero(np.diff(time[samples]) > APART)
+    firsts = samples[np.concatenate([[0], breaks + 1])]
+    lasts = samples[np.concatenate([breaks, [len(samples) - 1]])]
+    return [(int(a), int(b)) for a, b in zip(firsts, lasts, strict=True)]

@@ -1,0 +1,291 @@
+"""Many robots walked at once, on all cores."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base import ByValue, __version__, csv_text, require, write_atomic
+from stepwell.kernels import cores
+from stepwell.robot import Robot
+from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
+from stepwell.simulation.runs.engine import Run, Samples, affordable, stopped_at
+from stepwell.simulation.runs.walk import Walk, recorded
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+# Robots that are stepped together, per core: enough to keep the cores busy to the end.
+PER_CORE = 8
+CHUNK = 500  # steps at a time
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial(ByValue):
+    """What one robot of a sweep did.
+
+    Attributes:
+        advance, sideways: mean displacement per cycle over u_max [1], after the first cycle.
+        turn: mean rotation to the left per cycle [rad], after the first cycle.
+        gaits: for each leg the states of the last cycle, "" if there was none.
+        work: of the actuator per cycle [J].
+        stopped: why it ended early, "" if it did not.
+    """
+
+    advance: float
+    sideways: float
+    turn: float
+    gaits: tuple[str, ...]
+    work: float
+    stopped: str
+
+    @classmethod
+    def of(cls, walk: Walk) -> Trial:
+        """Sum up a walk."""
+        if not walk.cycles:
+            nothing = float("nan")
+            gaits = ("",) * len(walk.robot.legs)
+            return cls(nothing, nothing, nothing, gaits, nothing, walk.stopped)
+        late = slice(min(1, walk.cycles - 1), None)
+        return cls(
+            float(walk.advance[late].mean()),
+            float(walk.sideways[late].mean()),
+            float(walk.turn[late].mean()),
+            tuple(gaits[-1] for gaits in walk.gaits.values()),
+            walk.work / walk.cycles,
+            walk.stopped,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep(ByValue):
+    """What many robots did.
+
+    Attributes:
+        values: parameter name to its value in each trial (n,).
+        trials: (n,) what each robot did.
+    """
+
+    values: Mapping[str, Sequence[float]] = field(repr=False)
+    trials: tuple[Trial, ...] = field(repr=False)
+
+    def to_xarray(self) -> xr.Dataset:
+        """One row a trial, with units."""
+        import xarray as xr
+
+        units = {"advance": "1", "sideways": "1", "turn": "rad", "work": "J"}
+        columns: dict[str, xr.Variable] = {
+            name: xr.Variable("trial", np.asarray(values)) for name, values in self.values.items()
+        }
+        for name, unit in units.items():
+            numbers = np.array([getattr(trial, name) for trial in self.trials])
+            columns[name] = xr.Variable("trial", numbers, {"units": unit})
+        gaits = np.array([trial.gaits for trial in self.trials], dtype=str)
+        columns["gait"] = xr.Variable(("trial", "leg"), gaits.reshape(len(self.trials), -1))
+        columns["stopped"] = xr.Variable(
+            "trial", np.array([trial.stopped for trial in self.trials], dtype=str)
+        )
+        return xr.Dataset(columns)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write one line a trial, units in the headings.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        legs = len(self.trials[0].gaits) if self.trials else 0
+        head = [*self.values, "advance_1", "sideways_1", "turn_deg", "work_J"]
+        head += [f"gait_{i + 1}" for i in range(legs)] + ["stopped"]
+        rows: list[list[str]] = []
+        for i, trial in enumerate(self.trials):
+            row = [repr(float(values[i])) for values in self.values.values()]
+            numbers = (trial.advance, trial.sideways, np.degrees(trial.turn), trial.work)
+            row += [f"{number:.6g}" for number in numbers]
+            rows.append([*row, *trial.gaits, trial.stopped])
+        write_atomic(path, csv_text(head, rows))
+
+    def __repr__(self):
+        names = ", ".join(self.values)
+        failed = sum(bool(trial.stopped) for trial in self.trials)
+        ended = f", {failed} stopped early" if failed else ""
+        return f"Sweep({len(self.trials)} robots over {names or 'nothing'}{ended})"
+
+
+def sweep(
+    robots: Sequence[Robot],
+    *,
+    values: Mapping[str, Sequence[float]] | None = None,
+    cycles: int = 4,
+    settings: Settings | None = None,
+    threads: int | None = None,
+    keep: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sweep:
+    """Walk many robots on a bare floor, on all cores.
+
+    Args:
+        robots: (n,) robots.
+        values: what differs between them, by name, (n,) numbers each; only carried along.
+        cycles: of each walk, >= 1.
+        settings: of the simulation.
+        threads: how many run at once; all cores by default.
+        keep: folder in which finished robots are kept, so that a sweep that was interrupted
+            goes on where it stopped when it is called again with the same robots.
+        progress: called with (done, total) robots.
+
+    Returns:
+        What each robot did, in the order given; the same whatever the number of threads.
+
+    Raises:
+        ValueError: no cycles, values of other lengths, or a folder that holds another sweep.
+        ModuleNotFoundError: MuJoCo is not installed.
+        OSError: the folder cannot be written.
+    """
+    settings = settings or Settings()
+    values = dict(values or {})
+    if cycles < 1:
+        raise ValueError(f"cycles = {cycles}: must be >= 1.")
+    for name, numbers in values.items():
+        if len(numbers) != len(robots):
+            raise ValueError(
+                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
+                f"robot."
+            )
+    require("robots", len(robots), "these are")
+    threads = threads or cores()
+    kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
+    found: dict[int, Trial] = kept.trials() if kept is not None else {}
+    missing = [i for i in range(len(robots)) if i not in found]
+    for first in range(0, len(missing), PER_CORE * threads):
+        batch = missing[first : first + PER_CORE * threads]
+        walks = _walked([robots[i] for i in batch], cycles, settings, threads)
+        new = dict(zip(batch, map(Trial.of, walks), strict=True))
+        found |= new
+        if kept is not None:
+            kept.add(new)
+        if progress is not None:
+            progress(len(found), len(robots))
+    return Sweep(values, tuple(found[i] for i in range(len(robots))))
+
+
+def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: int) -> list[Walk]:
+    """Every robot's walk, stepped together where their models have the same size."""
+    runs = [Run(robot, None, settings) for robot in robots]
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for i, run in enumerate(runs):
+        period = robots[i].drive.period
+        affordable(run, settings.settle + cycles * period)
+        key = (run.model.nq, run.model.nv, run.model.nsensordata, round(period * 1e9))
+        alike.setdefault(key, []).append(i)
+    walks: dict[int, Walk] = {}
+    for group in alike.values():
+        together = [runs[i] for i in group]
+        samples = _together(together, cycles, settings, threads)
+        for i, one in zip(group, samples, strict=True):
+            walks[i] = recorded(robots[i], None, settings, one)
+    return [walks[i] for i in range(len(robots))]
+
+
+def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int) -> list[Samples]:
+    models = [run.model for run in runs]
+    data = [mujoco.MjData(models[0]) for _ in range(min(threads, len(runs)))]
+    state = np.stack([run.state for run in runs])
+    total = round((settings.settle + cycles * runs[0].robot.drive.period) / settings.time_step)
+    times, readings, positions = [], [], []
+    every, nq, pending = runs[0].every, models[0].nq, np.stack([run.pending for run in runs])
+    with quietly(), rollout.Rollout(nthread=len(data)) as pool:
+        for first in range(0, total, CHUNK):
+            after = np.arange(first, min(first + CHUNK, total)) + 1
+            time = after * settings.time_step - settings.settle
+            command = np.stack([run.robot.drive.stroke(time - settings.time_step) for run in runs])[
+                :, :, None
+            ]
+            states, sensed = pool.rollout(models, data, state, command)
+            state = states[:, -1].copy()
+            keep = after % every == 0
+            times.append(time[keep])
+            found, pending = sampled(sensed, pending, every, runs[0].touching)
+            readings.append(found)
+            positions.append(states[:, keep, 1 : 1 + nq])
+    time = np.concatenate(times)
+    sensed = np.concatenate(readings, axis=1)
+    placed = np.concatenate(positions, axis=1)
+    samples: list[Samples] = []
+    for i, run in enumerate(runs):
+        first, why = stopped_at(time, sensed[i], run.where, run.rods)
+        samples.append(
+            Samples(
+                time=time[:first],
+                data=sensed[i, :first],
+                positions=placed[i, :first],
+                where=run.where,
+                stopped=why,
+                state=state[i],
+                steps=total,
+                begin=run.begin,
+                time_step=settings.time_step,
+                every=every,
+                warm=np.zeros(models[i].nv),
+                pending=pending[i],
+            )
+        )
+    return samples
+
+
+class _Kept:
+    """Trials that are done, in a folder, a file for every batch."""
+
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        robots: Sequence[Robot],
+        cycles: int,
+        settings: Settings,
+    ):
+        self.folder = Path(folder)
+        text = repr((__version__, cycles, settings, [_fingerprint(robot) for robot in robots]))
+        self.request = hashlib.sha256(text.encode()).hexdigest()
+        self.folder.mkdir(parents=True, exist_ok=True)
+        note = self.folder / "sweep.json"
+        if note.exists():
+            if json.loads(note.read_text("utf-8")).get("request") != self.request:
+                raise ValueError(
+                    f"{self.folder} holds another sweep (other robots, cycles or settings); name "
+                    f"another folder, or remove this one."
+                )
+        else:
+            write_atomic(note, json.dumps({"request": self.request, "robots": len(robots)}) + "\n")
+
+    def trials(self) -> dict[int, Trial]:
+        found: dict[int, Trial] = {}
+        for file in sorted(self.folder.glob("part-*.json")):
+            for number, trial in json.loads(file.read_text("utf-8")).items():
+                found[int(number)] = Trial(**(trial | {"gaits": tuple(trial["gaits"])}))
+        return found
+
+    def add(self, trials: Mapping[int, Trial]) -> None:
+        record = {
+            number: {name: getattr(trial, name) for name in Trial.__slots__}
+            for number, trial in trials.items()
+        }
+        write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
+
+
+def _fingerprint(robot: Robot) -> str:
+    """Everything of a robot that its walk depends on, as text."""
+    parts = (robot.legs, robot.body, robot.foot, robot.blocks, robot.floor, robot.drive)
+    cells = [
+        [(cell.bands, cell.lever, cell.limit, cell.friction) for cell in leg.chain.cells]
+        for leg in robot.legs
+    ]
+    return repr((parts, cells, robot.antennas))

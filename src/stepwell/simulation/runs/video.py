@@ -1,0 +1,277 @@
+"""Videos of a walk or a way through an arena."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from stepwell.base import ExtraError, StepwellError, most, problem, write_atomic
+from stepwell.simulation.model import mujoco, spec
+from stepwell.simulation.runs import render
+from stepwell.simulation.runs.maze import Maze
+from stepwell.simulation.runs.walk import Walk
+
+Frame = NDArray[np.uint8]
+
+SYSTEMS = ("egl", "osmesa") if sys.platform == "linux" else ("",)
+TRAIL = (0.84, 0.37, 0.0, 1.0)
+PATIENCE = 60.0  # how long a graphics system may take to start [s]
+# What stands out past the body's origin: the antennas [m].
+EDGE = 0.25
+GIF_WIDTH = 480
+GIF_COLOURS = 192
+
+
+class VideoError(StepwellError, RuntimeError):
+    """No frames can be drawn here, or no file written; the text says what to do."""
+
+
+def video(
+    result: Walk | Maze,
+    *files: str | os.PathLike[str],
+    width: int = 960,
+    height: int = 540,
+    fps: int = 25,
+    speed: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Path, ...]:
+    """Write a run as video, drawn off screen.
+
+    Args:
+        result: a walk, seen from the side and above and followed; or a way through an arena,
+            all of which is seen, with the path left behind.
+        files: where to; .mp4 or .gif each, written whole or not at all.
+        width, height: of the picture [pixels], even numbers.
+        fps: frames a second.
+        speed: times real time; by default real time for a walk, and what makes an arena's
+            video last 20 s.
+        progress: called with (done, total) frames.
+
+    Returns:
+        The files.
+
+    Raises:
+        ValueError: a file that is neither .mp4 nor .gif, an odd size or a speed of nothing.
+        VideoError: neither EGL nor OSMesa works here, or more frames than the limit.
+    """
+    targets = tuple(Path(file) for file in files)
+    for target in targets:
+        if target.suffix.lower() not in (".mp4", ".gif"):
+            raise ValueError(f"{target}: must end in .mp4 or .gif.")
+    if width % 2 or height % 2 or width < 16 or height < 16:
+        raise ValueError(f"width, height = {width}, {height}: must be even and at least 16.")
+    if speed is not None and not speed > 0:
+        raise ValueError(f"speed = {speed}: must be > 0.")
+    walk = result.walk if isinstance(result, Maze) else result
+    if len(walk.time) < 2:
+        raise ValueError("the run has no samples to show.")
+    if speed is None:
+        speed = max(1.0, walk.time[-1] / 20.0) if isinstance(result, Maze) else 1.0
+    count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed
+    if count > most("frames"):
+        raise VideoError(f"{problem('frames', count, 'These are')} Or a higher speed makes fewer.")
+    chosen = _chosen(walk, fps, speed)
+    encoders = [
+        _Mp4(width, height, fps) if target.suffix.lower() == ".mp4" else _Gif(width, height, fps)
+        for target in targets
+    ]
+    with _drawn(walk, result, chosen, width, height) as frames:
+        for done, frame in enumerate(frames, 1):
+            for encoder in encoders:
+                encoder.add(frame)
+            if progress is not None:
+                progress(done, len(chosen))
+    for target, encoder in zip(targets, encoders, strict=True):
+        write_atomic(target, encoder.finish())
+    return targets
+
+
+def _chosen(walk: Walk, fps: int, speed: float) -> NDArray[np.intp]:
+    """The samples that become frames."""
+    begin = max(walk.time[0], 0.0) if walk.time[-1] > 0 else walk.time[0]
+    times = np.arange(begin, walk.time[-1], speed / fps)
+    return np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
+
+
+@contextmanager
+def _drawn(
+    walk: Walk, result: Walk | Maze, chosen: NDArray[np.intp], width: int, height: int
+) -> Iterator[Iterator[Frame]]:
+    """The frames, from whichever graphics system works."""
+    with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
+        model, run = Path(folder, "model.mjb"), Path(folder, "run.npz")
+        mujoco.mj_saveModel(spec(walk.robot, walk.arena, walk.settings).compile(), str(model))
+        trail = np.stack([walk.x, walk.y, np.full(len(walk.x), 0.002)], axis=1)[chosen]
+        np.savez(
+            run,
+            view=json.dumps(_view(walk, isinstance(result, Maze), width, height)),
+            positions=walk._samples.positions[chosen],
+            trail=trail if isinstance(result, Maze) else trail[:0],
+        )
+        tried: list[str] = []
+        for system in SYSTEMS:
+            process = _start(system, model, run)
+            assert process.stdout is not None and process.stderr is not None
+            try:
+                if process.stdout.readline() == render.READY:
+                    yield _frames(process, len(chosen), width, height)
+                    return
+                tried.append(f"{system or 'this system'}: {_last_line(process)}")
+            finally:
+                process.kill()
+                process.communicate()
+        raise VideoError(
+            "No video: frames cannot be drawn off screen here. "
+            + " ".join(f"({one})" for one in tried)
+            + " On Debian and Ubuntu, installing libegl1 and libgl1-mesa-dri helps; the figures "
+            "need none of it."
+        )
+
+
+def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
+    environment = dict(os.environ)
+    if system:
+        environment |= {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system}
+    return subprocess.Popen(
+        [sys.executable, "-m", "stepwell.simulation.runs.render", str(model), str(run)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+    )
+
+
+def _last_line(process: subprocess.Popen[bytes]) -> str:
+    _, errors = process.communicate(timeout=PATIENCE)
+    lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
+    return lines[-1].strip() if lines else "it ended without a word"
+
+
+def _frames(
+    process: subprocess.Popen[bytes], count: int, width: int, height: int
+) -> Iterator[Frame]:
+    assert process.stdout is not None
+    size = width * height * 3
+    for _ in range(count):
+        data = process.stdout.read(size)
+        if len(data) < size:
+            raise VideoError(f"No video: drawing stopped early ({_last_line(process)}).")
+        yield np.frombuffer(data, np.uint8).reshape(height, width, 3)
+
+
+def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]:
+    """Where the camera stands."""
+    view: dict[str, object] = {"width": width, "height": height, "trail": TRAIL}
+    if not whole:
+        near = {"camera": (0.36, 145.0, -28.0), "lookat": (0.0, 0.0, 0.015)}
+        return view | near | {"follow": True, "width_m": 0.001, "shadows": True}
+    goal = walk.arena.goal if walk.arena is not None else None
+    if goal is not None:
+        view["goal"] = (*goal.at, goal.radius)
+    low, high = _extent(walk)
+    middle, size = (low + high) / 2, high - low
+    # MuJoCo's free camera sees 45° upwards and downwards together; a little is left at the edge.
+    across = max(size[1], size[0] * height / width) * 1.10
+    return view | {
+        "camera": (across / 2 / np.tan(np.radians(22.5)), 90.0, -75.0),
+        "lookat": (*middle, 0.0),
+        "follow": False,
+        "shadows": False,
+        "width_m": 0.002 * max(1.0, across),
+    }
+
+
+def _extent(walk: Walk) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lower and upper corner of everything that is to be seen [m]."""
+    points = [np.stack([walk.x, walk.y], axis=1)]
+    if walk.arena is not None:
+        points += [np.array([wall.start, wall.end]) for wall in walk.arena.walls]
+        for cylinder in walk.arena.cylinders:
+            points.append(np.array(cylinder.at) + cylinder.radius * np.array([[-1, -1], [1, 1]]))
+        if walk.arena.goal is not None:
+            goal = walk.arena.goal
+            points.append(np.array(goal.at) + goal.radius * np.array([[-1, -1], [1, 1]]))
+    all_points = np.concatenate(points)
+    return all_points.min(axis=0) - EDGE, all_points.max(axis=0) + EDGE
+
+
+class _Mp4:
+    """Frames as H.264, encoded as they come."""
+
+    def __init__(self, width: int, height: int, fps: int):
+        try:
+            import av
+        except ModuleNotFoundError as error:
+            raise ExtraError(
+                "MP4 files need PyAV, which is not installed here. Install it with: pip install "
+                "'stepwell[video]'. Its wheel bundles the encoder that writes them, libx264, "
+                "which is under the GPL; GIF files need neither.",
+                name=error.name,
+            ) from None
+        self._out = io.BytesIO()
+        self._container = av.open(self._out, "w", format="mp4")
+        self._stream = self._container.add_stream("libx264", rate=Fraction(fps))
+        self._stream.width, self._stream.height = width, height
+        self._stream.pix_fmt = "yuv420p"
+        self._stream.options = {"crf": "20", "preset": "fast"}
+        self._picture = av.VideoFrame.from_ndarray
+
+    def add(self, frame: Frame) -> None:
+        picture = self._picture(frame, format="rgb24")
+        self._container.mux(self._stream.encode(picture))
+
+    def finish(self) -> bytes:
+        self._container.mux(self._stream.encode())
+        self._container.close()
+        return self._out.getvalue()
+
+
+class _Gif:
+    """Fewer and smaller frames in one palette."""
+
+    def __init__(self, width: int, height: int, fps: int):
+        # A GIF tells times in hundredths of a second, and viewers slow down what is shorter
+        # than two of them.
+        self._every = max(1, round(fps / 12.5))
+        self._duration = round(100 * self._every / fps) * 10
+        self._size = (min(GIF_WIDTH, width), round(height * min(GIF_WIDTH, width) / width))
+        self._pictures: list[Image.Image] = []
+        self._seen = 0
+
+    def add(self, frame: Frame) -> None:
+        if self._seen % self._every == 0:
+            self._pictures.append(Image.fromarray(frame).resize(self._size))
+        self._seen += 1
+
+    def finish(self) -> bytes:
+        # What a later frame alone shows, a path left behind, must be in the palette too.
+        first, *_, last = self._pictures * 2
+        both = Image.new("RGB", (self._size[0], 2 * self._size[1]))
+        both.paste(first, (0, 0))
+        both.paste(last, (0, self._size[1]))
+        palette = both.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE)
+        pictures = [
+            picture.quantize(palette=palette, dither=Image.Dither.NONE)
+            for picture in self._pictures
+        ]
+        out = io.BytesIO()
+        pictures[0].save(
+            out,
+            format="GIF",
+            save_all=True,
+            append_images=pictures[1:],
+            duration=self._duration,
+            loop=0,
+        )
+        return out.getvalue()

@@ -1,0 +1,332 @@
+"""A walk: what the robot did, sample by sample and cycle by cycle."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepwell.base import ByValue
+from stepwell.robot import Arena, Robot
+from stepwell.robot.gait import gait, states
+from stepwell.simulation.model import Settings, obstacle_names
+from stepwell.simulation.runs.engine import Run, Samples, affordable, chunks
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+LOADED = 0.02  # a foot that carries more than this [N] stands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walk(ByValue):
+    """What a robot did while its actuator went out and back.
+
+    Forces of what touches are means over the time since the sample before, for they pass within
+    a sample; all else is as it is at the sample.
+
+    Attributes:
+        robot: which walked, at the end of the run.
+        settings: of the simulation.
+        arena: where, None for a bare floor.
+        time: (n,) from the start of the first cycle [s].
+        x, y, z: (n,) of the body's origin [m].
+        yaw, pitch, roll: (n,) of the body [rad]; yaw counts on past a full turn.
+        command, stroke: (n,) the actuator's, wanted and reached [m].
+        travel: (n, legs, cells) of every cell [m].
+        foot_height: (n, legs) of the lowest point of each foot above the floor [m].
+        foot_force: (n, legs) that the floor carries under each foot [N].
+        foot_speed: (n, legs) of each foot along the floor [m/s].
+        support_force: (n, supports) that the floor carries under each support [N].
+        actuator_force: (n,) that pushes the outermost blocks out [N].
+        antenna: (n, antennas) rotation from rest [rad].
+        touch: (n, antennas) force of what touches each antenna [N].
+        obstacle_force: (n, obstacles) on each wall, then each cylinder of the arena [N].
+        stopped: why the run ended early, "" if it did not.
+    """
+
+    robot: Robot
+    settings: Settings
+    arena: Arena | None
+    time: Array
+    x: Array
+    y: Array
+    z: Array
+    yaw: Array
+    pitch: Array
+    roll: Array
+    command: Array
+    stroke: Array
+    travel: Array
+    foot_height: Array
+    foot_force: Array
+    foot_speed: Array
+    support_force: Array
+    actuator_force: Array
+    antenna: Array
+    touch: Array
+    obstacle_force: Array
+    stopped: str
+    _samples: Samples = field(repr=False)
+
+    @property
+    def cycles(self) -> int:
+        """How many whole cycles it lasted."""
+        if len(self.time) == 0:
+            return 0
+        # A whole number of steps ends up to half a step early.
+        last = (self._end + 0.51 * self.settings.time_step) / self.robot.drive.period
+        return max(0, int(last) - self._first)
+
+    @property
+    def starts(self) -> Array:
+        """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
+
+        Empty for a walk without a whole cycle.
+        """
+        if not self.cycles:
+            return np.empty(0)
+        return self.robot.drive.period * (self._first + np.arange(self.cycles + 1.0))
+
+    @property
+    def gaits(self) -> dict[str, tuple[str, ...]]:
+        """For each leg the states that follow each other, a string a cycle.
+
+        A cell within a fifth of its travel from a stop counts as being there.
+        """
+        return {
+            leg.name: tuple(self.gait(leg.name, cycle) for cycle in range(self.cycles))
+            for leg in self.robot.legs
+        }
+
+    def gait(self, leg: str, cycle: int) -> str:
+        """The states of one leg in one cycle, as "00>10>11>01>00".
+
+        Raises:
+            ValueError: no such leg, or no such cycle.
+        """
+        if not 0 <= cycle < self.cycles:
+            raise ValueError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
+        index = self._leg(leg)
+        begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
+        return gait(self._share(index)[begin : end + 1])
+
+    def state(self, leg: str, time: float) -> str | None:
+        """State of one leg at a time [s], as "01"; None while a cell is in transit.
+
+        Raises:
+            ValueError: no such leg, or a walk that was over before it began.
+        """
+        if len(self.time) == 0:
+            raise ValueError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
+        sample = min(int(np.searchsorted(self.time, time)), len(self.time) - 1)
+        return states(self._share(self._leg(leg))[sample : sample + 1])[0]
+
+    @property
+    def advance(self) -> Array:
+        """(cycles,) displacement along the heading at each cycle's start, over u_max [1].
+
+        u_max is the largest step that the legs can make: the travel of their stepping cells.
+        """
+        return self._displacement()[0]
+
+    @property
+    def sideways(self) -> Array:
+        """(cycles,) displacement to the left of that heading, over u_max [1]."""
+        return self._displacement()[1]
+
+    @property
+    def turn(self) -> Array:
+        """(cycles,) rotation to the left [rad]."""
+        return np.diff(self._at_starts(self.yaw))
+
+    @property
+    def work(self) -> float:
+        """Work of the actuator [J], both ways."""
+        return float(np.trapezoid(self.actuator_force, self.stroke)) if len(self.time) else 0.0
+
+    @property
+    def distance(self) -> float:
+        """From start to end in a straight line [m]."""
+        if len(self.time) == 0:
+            return 0.0
+        return float(np.hypot(self.x[-1] - self.x[0], self.y[-1] - self.y[0]))
+
+    @property
+    def cost_of_transport(self) -> float:
+        """Work over weight and distance [1]; infinite where it got nowhere."""
+        carried = self.robot.weight * self.distance
+        return self.work / carried if carried > 0 else float("inf")
+
+    @property
+    def slip(self) -> Array:
+        """(legs,) how far each foot slid while it carried weight, per cycle [m]."""
+        loaded = self.foot_force > LOADED
+        slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
+        return slid / max(self.cycles, 1)
+
+    def to_xarray(self) -> xr.Dataset:
+        """The samples with their units, for xarray, NetCDF or Zarr."""
+        from stepwell.simulation.runs.dataset import dataset
+
+        return dataset(self)
+
+    def to_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """Write the samples as NetCDF; the file appears whole or not at all.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        from stepwell.simulation.runs.dataset import write_netcdf
+
+        write_netcdf(self.to_xarray(), path)
+
+    def _share(self, leg: int) -> Array:
+        full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
+        return self.travel[:, leg, : len(full)] / np.array(full)
+
+    def _leg(self, name: str) -> int:
+        return self.robot.legs.index(self.robot.leg(name))
+
+    @property
+    def _first(self) -> int:
+        """Number of the first whole cycle; a walk that goes on from another begins late."""
+        late = self.time[0] - self.settings.sample
+        return max(0, int(np.ceil(late / self.robot.drive.period - 1e-9)))
+
+    @property
+    def _end(self) -> float:
+        """When the run ended [s]; the last sample may be a little earlier."""
+        run = self._samples
+        return float(self.time[-1]) if self.stopped else run.begin + run.steps * run.time_step
+
+    def _at_starts(self, values: Array) -> Array:
+        """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
+        return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
+
+    def _displacement(self) -> tuple[Array, Array]:
+        dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
+        yaw = self._at_starts(self.yaw)[:-1]
+        most = max(leg.stroke for leg in self.robot.legs)
+        along = dx * np.cos(yaw) + dy * np.sin(yaw)
+        across = dy * np.cos(yaw) - dx * np.sin(yaw)
+        return along / most, across / most
+
+    def __repr__(self):
+        title = f"{self.robot.title!r}, " if self.robot.title else ""
+        if not self.cycles:
+            return f"Walk({title}no whole cycle{'; ' + self.stopped if self.stopped else ''})"
+        late = slice(min(1, self.cycles - 1), None)
+        return (
+            f"Walk({title}{self.cycles} cycles, d/u_max {self.advance[late].mean():z.2f}, "
+            f"turn {np.degrees(self.turn[late].mean()):z.1f}° per cycle"
+            f"{'; ' + self.stopped if self.stopped else ''})"
+        )
+
+
+def walk(
+    robot: Robot,
+    cycles: float = 8,
+    *,
+    arena: Arena | None = None,
+    settings: Settings | None = None,
+    start: Walk | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Walk:
+    """Drive a robot's actuator out and back and let physics do the rest.
+
+    The position command is the only input. Nothing else is scripted.
+
+    Args:
+        robot: any robot.
+        cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
+        arena: obstacles and where it starts; a bare floor by default.
+        settings: of the simulation.
+        start: an earlier walk to go on from, of this robot or of one whose numbers alone
+            have changed, an anchor say. The command goes on from where it was.
+        progress: called with (done, total) [s].
+
+    Returns:
+        The walk. The same robot, settings and machine give identical numbers.
+
+    Raises:
+        ValueError: no cycles, a start that ended early, or a robot that the simulator has no
+            terms for.
+        ModuleNotFoundError: MuJoCo is not installed.
+    """
+    if not cycles > 0:
+        raise ValueError(f"cycles = {cycles}: must be > 0.")
+    if start is not None and start.stopped:
+        raise ValueError(f"start: must not have ended early. {start.stopped}")
+    settings = settings or Settings()
+    run = Run(robot, arena, settings, start=start._samples if start is not None else None)
+    begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
+    affordable(run, end - begin)
+    for until in chunks(begin, end):
+        run.advance(until)
+        if progress is not None:
+            progress(run.now - begin, end - begin)
+        if run.stopped:
+            break
+    return recorded(robot, arena, settings, run.samples())
+
+
+def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Samples) -> Walk:
+    """The readings of a run by their names."""
+    data, where = samples.data, samples.where
+
+    def read(*names: str) -> Array:
+        chosen = [data[:, where[name]] for name in names]
+        return np.concatenate(chosen, axis=1) if chosen else np.empty((len(data), 0))
+
+    position = read("body.position")
+    yaw, pitch, roll = _angles(read("body.attitude"))
+    legs = robot.legs
+    most = max(len(leg.chain) for leg in legs)
+    travel = np.full((len(data), len(legs), most), np.nan)
+    for i, leg in enumerate(legs):
+        names = (f"{leg.name}.{cell}.travel" for cell in leg.chain.names)
+        travel[:, i, : len(leg.chain)] = read(*names)
+    tips = [read(f"{leg.name}.tip.position") for leg in legs]
+    speeds = [read(f"{leg.name}.tip.velocity") for leg in legs]
+    obstacles = obstacle_names(arena) if arena is not None else ()
+    return Walk(
+        robot=robot,
+        settings=settings,
+        arena=arena,
+        time=samples.time,
+        x=position[:, 0],
+        y=position[:, 1],
+        z=position[:, 2],
+        yaw=yaw,
+        pitch=pitch,
+        roll=roll,
+        command=robot.drive.stroke(samples.time),
+        stroke=read("stroke")[:, 0],
+        travel=travel,
+        foot_height=np.stack([tip[:, 2] for tip in tips], axis=1),
+        foot_force=read(*(f"{leg.name}.sole" for leg in legs)),
+        foot_speed=np.stack([np.hypot(speed[:, 0], speed[:, 1]) for speed in speeds], axis=1),
+        support_force=read(*(f"support {i + 1}" for i in range(len(robot.body.supports)))),
+        actuator_force=read("drive")[:, 0],
+        antenna=read(*(f"{antenna.name}.antenna" for antenna in robot.antennas)),
+        touch=read(*(f"{antenna.name}.feeler" for antenna in robot.antennas)),
+        obstacle_force=read(*obstacles),
+        stopped=samples.stopped,
+        _samples=samples,
+    )
+
+
+def _angles(attitude: Array) -> tuple[Array, Array, Array]:
+    """Yaw, pitch and roll [rad] from (n, 4) quaternions."""
+    w, x, y, z = attitude.T
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
+    return np.unwrap(yaw), pitch, roll

@@ -1,0 +1,97 @@
+"""The rooms on the page "The house", table and picture: `python tests/docs/house.py` writes both.
+
+They are made of the first line of every room's `__init__` and of the contract in pyproject.toml.
+"""
+
+import ast
+import tomllib
+from html import escape
+from pathlib import Path
+
+from stepwell.paper.claims import replaced
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE, PICTURE = ROOT / "docs" / "house.md", ROOT / "docs" / "img" / "house.svg"
+BEGIN = "<!-- rooms: written by `python tests/docs/house.py`, not by hand -->"
+END = "<!-- end of rooms -->"
+# What a visitor comes for, and the rooms that answer: storeys of one colour (Okabe and Ito 2008).
+STOREYS = {
+    "the ground": ("#999999", ("base", "kernels")),
+    "what will it do?": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
+    "where do the bands go?": ("#009e73", ("design",)),
+    "will the real one?": ("#cc79a7", ("lab",)),
+    "what will the robot do?": ("#d55e00", ("robot", "simulation")),
+    "in and out": ("#e69f00", ("files", "results", "figures", "paper", "reports", "cli")),
+}
+
+
+def rooms() -> list[tuple[str, str, list[str]]]:
+    """Every room from the ground up: its name, what it is for, and its folders."""
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    layers = told["tool"]["importlinter"]["contracts"][0]["layers"]
+    found = []
+    for layer in reversed(layers):
+        home = ROOT / "src" / Path(*layer.split("."))
+        text = ast.get_docstring(ast.parse((home / "__init__.py").read_text("utf-8"))) or ""
+        folders = sorted(one.parent.name for one in home.glob("*/__init__.py"))
+        found.append((home.name, text.partition("\n")[0], folders))
+    return found
+
+
+def table() -> str:
+    """The rooms as a table of the page."""
+    rows = (
+        f"| `{name}` | {what} | {', '.join(f'`{folder}`' for folder in folders)} |"
+        for name, what, folders in rooms()
+    )
+    return "\n".join(["| room | what lives there | its folders |", "|---|---|---|", *rows])
+
+
+def picture() -> str:
+    """The house with one storey a room, the ground at the bottom, as SVG."""
+    colour = {room: shade for shade, held in STOREYS.values() for room in held}
+    asked = {held[-1]: (words, len(held)) for words, (_, held) in STOREYS.items()}
+    storey, wide, left = 26, 830, 40
+    house = rooms()
+    top = 70
+    tall = top + storey * len(house) + 30
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {tall}" '
+        'font-family="sans-serif" font-size="13">',
+        "<title>The rooms of Stepwell, from the ground up</title>",
+        f'<rect width="{wide}" height="{tall}" fill="white"/>',
+        f'<path d="M{left - 14} {top} L{left + 295} 14 L{left + 604} {top} Z" fill="#f2f2f2" '
+        'stroke="#333"/>',
+        f'<text x="{left + 295}" y="{top - 14}" text-anchor="middle" fill="#222">Stepwell</text>',
+    ]
+    for number, (name, _, folders) in enumerate(reversed(house)):
+        y = top + storey * number
+        lines += [
+            f'<rect x="{left}" y="{y}" width="590" height="{storey}" fill="{colour[name]}" '
+            f'fill-opacity="0.18" stroke="#333" stroke-width="0.7"/>',
+            f'<rect x="{left}" y="{y}" width="7" height="{storey}" fill="{colour[name]}"/>',
+            f'<text x="{left + 18}" y="{y + 17.5}" font-weight="bold" fill="#222">{name}</text>',
+            f'<text x="{left + 122}" y="{y + 17.5}" font-size="11" fill="#444">'
+            f"{escape(', '.join(folders))}</text>",
+        ]
+        if name in asked:
+            words, height = asked[name]
+            middle, end = y + storey * height / 2, y + storey * height - 3
+            lines += [
+                f'<path d="M{left + 598} {y + 3} h5 V{end} h-5" fill="none" '
+                f'stroke="{colour[name]}" stroke-width="2"/>',
+                f'<text x="{left + 610}" y="{middle + 4.5}" fill="#222">{escape(words)}</text>',
+            ]
+    ground = top + storey * len(house)
+    lines += [f'<path d="M10 {ground} H{wide - 10}" stroke="#333" stroke-width="2"/>', "</svg>"]
+    return "\n".join(lines) + "\n"
+
+
+def page(text: str) -> str:
+    """The page with its table as it should be."""
+    return replaced(text, table(), BEGIN, END, "rooms")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(PAGE.read_text("utf-8")), "utf-8")
+    PICTURE.write_text(picture(), "utf-8")

@@ -1,0 +1,372 @@
+"""What is frozen: command lines, each with everything that it shows and writes.
+
+A case is one file under frozen/. Its commands run one after another in one new folder, which
+holds `given` files.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from golden.comparing import EXACT, FITTED, SIMULATED, Tolerance
+from golden.recordings import bands, cells, rubber
+from stepwell.cli import app
+from stepwell.files import preset_text, presets
+
+
+@dataclass(frozen=True)
+class Case:
+    """Commands of one frozen file.
+
+    Args:
+        name: of the file under frozen/, without .txt.
+        commands: command lines without `stepwell`, run in this order.
+        given: texts of files that are there before.
+        prepare: makes other files in a folder.
+        within: how closely numbers are compared.
+        words: the words in figures are told too.
+        slow: takes more than about two seconds.
+    """
+
+    name: str
+    commands: tuple[str, ...]
+    given: Mapping[str, str] = field(default_factory=dict)
+    prepare: Callable[[Path], None] = lambda folder: None
+    within: Tolerance = EXACT
+    words: bool = True
+    slow: bool = False
+
+
+def commands(group: Any = None, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Every command by its name, and what it takes; the groups of them too."""
+    group = group or typer.main.get_command(app)
+    yield name, group
+    for word, command in getattr(group, "commands", {}).items():
+        yield from commands(command, f"{name} {word}".strip())
+
+
+def _both(name: str, command: str, **rest) -> Case:
+    """A command that writes a folder and shows text, then shows JSON."""
+    return Case(name, (f"{command} --out out", f"{command} --json"), **rest)
+
+
+_FORWARD = preset_text("paper-forward")
+_BACK = "00>01>11>10>00"
+_TOLERANCES = (
+    "--anchor 0.5 --stiffness-spread 4 --rest-length-spread 3 --lever-tolerance 0.2 --friction 0.01"
+)
+# One of each kind; the figures of the others say the same in other numbers.
+_DRAWN = {
+    "paper-forward", "paper-cell-0-m15", "paper-identical", "three-wave", "force-control",
+    "compliant-actuator", "used-before",
+}  # fmt: skip
+
+RUNS = [
+    Case("run/json", ("run preset:paper-forward --json", "run preset:paper-identical --json")),
+    *(
+        Case(f"run/{name}", (f"run preset:{name} --out out",), words=name in _DRAWN)
+        for name in presets()
+        if not name.startswith("robot-")
+    ),
+]
+
+MAPS = [
+    _both("map/anchor", "map preset:paper-forward --x 0:20:9 --y -15:15:7"),
+    _both("map/inner", "map preset:paper-via-01 --cell inner --x 0:20:5 --y -15:15:5"),
+    _both(
+        "map/parameters",
+        "map preset:paper-forward --across outer.q.x=0:20:7 --up inner.q.y=-5:5:5",
+    ),
+    _both(
+        "map/three-cells",
+        "map preset:three-wave --across 1.q.x=2:20:5 --up 3.stiffness=15:40:4:log",
+    ),
+]
+
+GRAPHS = [
+    Case("graph/three-wave", ("graph preset:three-wave", "graph preset:three-wave --json")),
+    Case(
+        "graph/files",
+        tuple(
+            f"graph preset:paper-forward --out forward.{suffix}"
+            for suffix in ("svg", "png", "dot", "graphml", "json")
+        ),
+    ),
+    Case("graph/used-before", ("graph preset:used-before", "graph preset:used-before --json")),
+    Case(
+        "graph/start-and-drive",
+        (
+            "graph preset:used-before --start 00 --json",
+            "graph preset:paper-forward --drive force",
+            "graph preset:paper-forward --drive 100 --json",
+            "graph preset:countdown --start 000",
+        ),
+    ),
+]
+
+PROGRAMS = [
+    _both("program/planned", "program preset:paper-forward --from 10 --to 01"),
+    _both("program/own", "program preset:combination-lock"),
+    _both("program/force", "program preset:force-control --to 01"),
+    _both("program/unreachable", "program preset:used-before --to 01"),
+]
+
+DESIGNS = [
+    _both("design/cycle", f"design '{_BACK}' --samples 100 --seed 3"),
+    _both("design/all", "design all:3 --samples 50"),
+    _both("design/states", "design 00,10,11 --samples 20 --drive 200"),
+    Case(
+        "design/options",
+        (
+            f"design '{_BACK}' --samples 50 --holes 5 --band antennas --band 30:10:2 --lever 14 "
+            f"--lever 20 --mixed-levers --unusual --x 0:25 --y -10:10 {_TOLERANCES}",
+            f"design '{_BACK}' --samples 20 --objective worst --force-limit 0.6 --json",
+        ),
+    ),
+    Case(
+        "design/impossible",
+        (f"design '{_BACK}' --holes 40", f"design '{_BACK}' --holes 40 --json"),
+    ),
+]
+
+YIELDS = [
+    _both(
+        "yield/cycle",
+        "yield preset:paper-forward --anchor 6 --stiffness-spread 20 --samples 100 --seed 2",
+    ),
+    _both(
+        "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
+    ),
+    _both("yield/states", "yield preset:paper-via-01 --wanted 00,01,11 --samples 100"),
+    _both("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
+    _both("yield/program", "yield preset:finger-selector --program --samples 10"),
+]
+
+REPROGRAMS = [
+    _both("reprogram/target", f"reprogram preset:paper-forward --by inner.p --target '{_BACK}'"),
+    _both("reprogram/any", "reprogram preset:three-wave --by 2.q"),
+    Case(
+        "reprogram/along",
+        (
+            "reprogram preset:paper-forward --by inner.p --along -1:0 --one-way --reach 30",
+            "reprogram preset:paper-forward --by outer.q --along 90 --json",
+        ),
+    ),
+    Case(
+        "reprogram/none",
+        (
+            f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5",
+            f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5 --json",
+        ),
+    ),
+]
+
+FILES = [
+    Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
+    Case("presets", ("presets", "presets --json")),
+    Case(
+        "animate",
+        (
+            "animate preset:paper-forward --seconds 0.5 --fps 4 --out cycle.gif",
+            "animate preset:finger-selector --program --seconds 0.5 --fps 4",
+            "animate preset:paper-forward --program --from 10 --to 01 --seconds 0.5 --fps 4 "
+            "--force",
+        ),
+    ),
+]
+
+LABS = [
+    _both("lab/read", "lab read data", prepare=cells),
+    _both("lab/band", "lab band bands --gauge-mm 15", prepare=bands, within=FITTED),
+    Case(
+        "lab/band-options",
+        (
+            "lab band bands --window-mm 5:40 --cycles 6:6 --drop 2 --law cubic --json",
+            "lab band bands --cycles-per-sample 2",
+        ),
+        prepare=bands,
+        # Of two samples, whose intervals are 13 standard errors wide.
+        within=Tolerance(1e-4, 1e-7),
+    ),
+    _both("lab/compare", "lab compare data", prepare=cells),
+    Case(
+        "lab/compare-options",
+        (
+            "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf",
+            "lab compare data/1unit --baseline data/1unit/friction",
+            "lab compare data/2unit_00_11 --no-baseline --json",
+        ),
+        prepare=cells,
+    ),
+    Case("lab/calibrate", ("lab calibrate rubber --out out",), prepare=rubber, within=FITTED),
+    Case(
+        "lab/calibrate-options",
+        (
+            "lab calibrate rubber/out --no-baseline --law cubic",
+            "lab calibrate rubber --law linear --baseline rubber/out --json",
+        ),
+        prepare=rubber,
+        within=FITTED,
+    ),
+]
+
+ROBOTS = [
+    Case("walk/antennas", ("walk robot-explorer --cycles 1 --json",), within=SIMULATED),
+    Case(
+        "walk/written",
+        (
+            "walk robot-forward --cycles 2 --no-video --out out",
+            "walk preset:robot-left --cycles 0.3",
+        ),
+        within=SIMULATED,
+        slow=True,
+    ),
+    Case("walk/video", ("walk robot-forward --cycles 0.01 --out out",), within=SIMULATED),
+    Case(
+        "robot/show",
+        ("robot show robot-forward --out out", "robot show robot-forward --json"),
+        slow=True,
+    ),
+    Case(
+        "robot/sweep",
+        (
+            "robot sweep robot-forward 'chain.cell.outer.q_mm[0]=5:20:2' foot.below_mm=-1:1:2 "
+            "--cycles 1 --out out",
+            "robot sweep robot-forward foot.below_mm=0:0.5 --random 2 --seed 4 --cycles 1 "
+            "--out drawn --json",
+        ),
+        within=SIMULATED,
+    ),
+    Case(
+        "robot/converge",
+        ("robot converge robot-forward --cycles 2", "robot converge robot-forward --json"),
+        within=SIMULATED,
+    ),
+    Case(
+        "maze/contact",
+        (
+            "maze robot-explorer cylinder --limit 36 --no-video --out out",
+            "maze robot-explorer cylinder --limit 1 --json",
+        ),
+        within=SIMULATED,
+    ),
+    Case(
+        "maze/options",
+        (
+            "maze --list",
+            "maze robot-explorer three-walls --limit 1 --start-seed 1 --layout-seed 2 --disconnect",
+            "maze robot-explorer pen --limit 1 --no-antennas",
+            "maze robot-forward yard.txt --limit 4 --json",
+        ),
+        given={"yard.txt": "#####\n#S.G#\n#####\n"},
+        within=SIMULATED,
+    ),
+    Case(
+        "maze/video",
+        ("maze robot-forward open --limit 1 --out out",),
+        within=SIMULATED,
+        slow=True,
+    ),
+    Case(
+        "export",
+        ("export robot-explorer --arena cylinder --out model.xml",),
+        within=SIMULATED,
+    ),
+]
+
+PAPER = [
+    Case(
+        "paper",
+        ("paper --out out", "paper --json", "paper --data gone"),
+        within=SIMULATED,
+        slow=True,
+    ),
+]
+
+HELP = [
+    Case(f"help/{name.replace(' ', '-') or 'stepwell'}", (f"{name} --help".strip(),))
+    for name, _ in commands()
+]
+
+WRONG = [
+    Case(
+        "wrong/designs",
+        (
+            "run slip.toml",
+            "run range.toml",
+            "run many.toml",
+            "run toml.toml",
+            "run gone.toml",
+            "run preset:paper-foward",
+            "run preset:robot-forward",
+            "walk preset:paper-forward",
+            "walk robot.toml",
+            "maze robot-forward wal",
+            "view preset:paper-forward --arena open",
+            "export preset:paper-forward",
+        ),
+        given={
+            "slip.toml": _FORWARD.replace("q_mm", "q_mmm", 1),
+            "range.toml": _FORWARD.replace("rest_length_mm = 10", "rest_length_mm = -3", 1),
+            "many.toml": _FORWARD.replace("lever_mm", "lever", 1).replace("limit_deg", "limit", 1),
+            "toml.toml": "[chain\n",
+            "robot.toml": preset_text("robot-forward").replace("mass_g", "mas_g", 1),
+        },
+    ),
+    Case(
+        "wrong/options",
+        (
+            "",
+            "--version",
+            "rum",
+            "run",
+            "run preset:paper-forward --jsn",
+            "map preset:three-wave",
+            "map preset:paper-forward --x 0:20",
+            "map preset:paper-forward --across outer.q.x=0:20:3",
+            "map preset:paper-forward --across outer.q.z=0:20:3 --up inner.q.y=0:1:2",
+            "graph preset:three-wave --start 00",
+            "graph preset:three-wave --drive -1",
+            "graph preset:three-wave --out wave.bmp",
+            "program preset:paper-forward",
+            "program preset:paper-forward --from 10",
+            "program preset:paper-forward --to 012",
+            "design banana",
+            "design '00>11>00' --samples 10",
+            "yield preset:paper-forward --anchor -1",
+            "reprogram preset:paper-forward --by inner",
+            "reprogram preset:paper-forward --by inner.p --along 0:0",
+            "animate preset:paper-forward --to 01",
+            "new mine.txt",
+            "new mine.toml --preset nothing",
+            "robot sweep robot-forward foot.belw_mm=0:1:2 --out out",
+            "robot sweep robot-forward foot.below_mm=0:1 --out out",
+            "lab band gone",
+            "lab read gone.txt",
+            "lab compare gone",
+        ),
+    ),
+    Case(
+        "wrong/folders",
+        (
+            "reprogram preset:paper-forward --by inner.p --reach 1 --out out",
+            "program preset:paper-forward --to 01 --out out",
+            "run preset:paper-cell-0-0 --out out",
+            "run preset:paper-cell-0-0 --out forward.toml",
+            "new forward.toml",
+            "new forward.toml --preset paper-backward --force",
+        ),
+        given={"forward.toml": _FORWARD},
+    ),
+]
+
+CASES: dict[str, Case] = {
+    case.name: case
+    for case in (
+        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNS, *YIELDS, *REPROGRAMS, *FILES, *LABS, *ROBOTS,
+        *PAPER, *HELP, *WRONG,
+    )
+}  # fmt: skip

@@ -1,0 +1,71 @@
+"""Figures written at once, with their size and their words but without their lines.
+
+Drawing takes most of the time of a command that writes figures, and other tests look at what is
+drawn. Here only the size in pixels and the words count.
+"""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html import escape
+from typing import IO, Any
+from unittest.mock import patch
+from weakref import WeakKeyDictionary
+
+from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import Figure
+from PIL import Image
+
+
+class _Words(RendererBase):
+    """Draws nothing and remembers every word."""
+
+    def __init__(self, figure: Figure):
+        super().__init__()
+        self.width, self.height = figure.bbox.size
+        self.words: list[str] = []
+
+    def get_canvas_width_height(self):
+        return self.width, self.height
+
+    def draw_text(self, gc, x, y, s, prop, angle, ismath=False, mtext=None):
+        self.words.append(s)
+
+    def _nothing(self, *_, **__):
+        pass
+
+    draw_path = draw_markers = draw_path_collection = draw_quad_mesh = _nothing
+    draw_gouraud_triangles = draw_image = _nothing
+
+
+@contextmanager
+def sketched(*, words: bool = True) -> Iterator[None]:
+    """Figures are saved as PNG without a drawing, and as SVG that holds only their words.
+
+    Args:
+        words: look for them, which takes half as long as drawing.
+    """
+    # A figure is saved two or three times as it is.
+    seen: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+
+    def words_of(figure: Figure) -> list[str]:
+        if words and (figure.stale or figure not in seen):
+            renderer = _Words(figure)
+            figure.draw(renderer)
+            seen[figure] = renderer.words
+        return seen.get(figure, [])
+
+    def save(figure: Figure, file: IO[Any], *, format: str, dpi: float, metadata: object) -> None:
+        width, height = figure.get_size_inches()
+        if format == "png":
+            size = int(width * dpi), int(height * dpi)
+            Image.new("1", size).save(file, "png")
+            return
+        assert format == "svg", format
+        found = "".join(f"<text>{escape(word)}</text>" for word in words_of(figure))
+        size = f'width="{width * 72:g}pt" height="{height * 72:g}pt"'
+        text = f"<svg {size}>{found}</svg>"
+        file.write(text.encode() if isinstance(file, io.BytesIO) else text)
+
+    with patch.object(Figure, "savefig", save):
+        yield

@@ -1,0 +1,67 @@
+"""What every command shows and writes stays as it is, unless somebody says so.
+
+A change that is meant is accepted with `python tests/golden/freeze.py [CASE…]`, and seen in the
+diff of the files under frozen/.
+"""
+
+import shlex
+from typing import Any
+
+import pytest
+
+from golden.cases import CASES, Case, commands
+from golden.comparing import differences
+from golden.running import FROZEN, told
+
+# Digits and the places of ticks are those of the locked dependencies.
+pytestmark = pytest.mark.shown
+_SHOWN = 60
+# The claims that take minutes.
+_NOT_FROZEN = {"paper --all"}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=name, marks=[pytest.mark.slow] if case.slow else [])
+        for name, case in CASES.items()
+    ],
+)
+def test_a_user_sees_what_was_frozen(case: Case, tmp_path):
+    frozen = (FROZEN / f"{case.name}.txt").read_text("utf-8")
+    found = told(case, tmp_path)
+    lines = differences(frozen, found, case.within)
+    more = [f"and {len(lines) - _SHOWN} more lines"] if len(lines) > _SHOWN else []
+    accept = f"If this is better: python tests/golden/freeze.py {case.name}"
+    assert not lines, "\n".join([*lines[:_SHOWN], *more, accept])
+
+
+def test_every_file_that_is_frozen_belongs_to_a_case():
+    files = {file.relative_to(FROZEN).with_suffix("").as_posix() for file in FROZEN.rglob("*.txt")}
+    assert files == CASES.keys()
+
+
+def test_no_command_and_no_option_was_forgotten():
+    asked = {
+        word for case in CASES.values() for line in case.commands for word in _asked(line)
+    } | _NOT_FROZEN
+    there = set()
+    for name, command in commands():
+        if not hasattr(command, "commands"):
+            there.add(name)
+            there |= {f"{name} {one.opts[0]}" for one in command.params if _is_option(one)}
+    assert sorted(there - asked) == []
+
+
+def _is_option(parameter: Any) -> bool:
+    # What means the same to every command that writes is shown once.
+    return parameter.param_type_name == "option" and parameter.opts[0] != "--force"
+
+
+def _asked(line: str) -> set[str]:
+    """The command of a command line, alone and with each of its options."""
+    words = shlex.split(line)
+    name = " ".join(words[: 2 if words[:1] in (["robot"], ["lab"]) else 1])
+    if "--help" in words:
+        return set()
+    return {name} | {f"{name} {word}" for word in words if word.startswith("--")}

@@ -1,0 +1,114 @@
+"""One definition of each formula: changed there, every engine, certificate and fit follows."""
+
+import ast
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stepwell
+from mechanism.routes import ROUTES
+
+PACKAGE = Path(stepwell.__file__).parent
+TESTS = Path(__file__).resolve().parents[1]
+# Bands that hang 3 mm off the plane of the levers: ℓ² is larger by a constant. All that is derived
+# from ℓ stays true, proofs included, so nothing but the numbers changes.
+OFF_PLANE = {
+    "mechanism/geometry.py": {
+        "return np.sqrt(x * x + y * y)": "return np.sqrt(x * x + y * y + 9e-6)",
+        "(length * length - lever": "(length * length - 9e-6 - lever",
+    }
+}
+# All forces along travel are 1.25 times as large, and so are the energies that they are slopes of.
+STRONGER = {
+    "mechanism/geometry.py": {
+        "return tension * first": "return 1.25 * tension * first",
+        "return t1 * by * first + t0 * first_by": "return 1.25 * (t1 * by * first + t0 * first_by)",
+        "t2 * first * first * first + 3.0 * t1 * first * second + t0 * third": (
+            "1.25 * (t2 * first * first * first + 3.0 * t1 * first * second + t0 * third)"
+        ),
+    },
+    "mechanism/curves.py": {"0.5 * stiffness * extension": "0.625 * stiffness * extension"},
+    "mechanism/law.py": {"energy += k * cubic_area(": "energy += 1.25 * k * cubic_area("},
+}
+# What else only the law may write: a length from its two sides, g, and travel from a sine.
+TELL_TALES = [
+    r"(?:lever|\br) \* (?:np\.|math\.)?(?:cos|sin|c|t)\b[^,]* \+ [^,]*d",
+    r"\bdx \* (?:.* / \(?c(?:os)?\b|(?:np|math)\.tan)",
+    r"travel\w* / [\w.]*(?:lever|\br\b)",
+    r"(?:lever|\br) \* \([^()]*sin[^()]* \+ ",
+]
+
+
+@pytest.fixture(scope="module")
+def numbers(tmp_path_factory):
+    """What every route says under the law as it is, and under two others."""
+    running = {}
+    for name, changes in {"true": {}, "off plane": OFF_PLANE, "stronger": STRONGER}.items():
+        place = tmp_path_factory.mktemp(name.replace(" ", "_"))
+        # With what Python has compiled of the files that stay as they are.
+        shutil.copytree(PACKAGE, place / "stepwell")
+        for file, lines in changes.items():
+            text = (place / "stepwell" / file).read_text("utf-8")
+            for old, new in lines.items():
+                assert text.count(old) == 1, old
+                text = text.replace(old, new)
+            (place / "stepwell" / file).write_text(text, "utf-8")
+        paths = os.pathsep.join([str(place), str(TESTS)])
+        running[name] = subprocess.Popen(
+            [sys.executable, "-m", "mechanism.routes"], stdout=subprocess.PIPE, text=True,
+            cwd=place, env={**os.environ, "PYTHONPATH": paths, "STEPWELL_KERNELS": "interpreted"},
+        )  # fmt: skip
+    told = {name: process.communicate()[0] for name, process in running.items()}
+    assert [process.returncode for process in running.values()] == [0, 0, 0]
+    return {
+        name: {route: np.array(values) for route, values in json.loads(text).items()}
+        for name, text in told.items()
+    }
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_every_route_follows_the_length_of_a_band(numbers, route):
+    before, after = numbers["true"][route], numbers["off plane"][route]
+    assert len(before) > 0 and np.all(np.isfinite(before))
+    assert before.shape == after.shape
+    assert np.all(np.abs(after - before) > 1e-7 * np.abs(before).max())
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_every_route_follows_the_force_along_travel(numbers, route):
+    power, _ = ROUTES[route]
+    before, after = numbers["true"][route], numbers["stronger"][route]
+    if power is None:
+        assert np.all(np.abs(after - before) > 1e-3 * np.abs(before).max())
+    else:
+        assert after == pytest.approx(before * 1.25**power, rel=1e-7, abs=1e-12)
+
+
+def test_routes_that_ask_the_same_say_the_same_under_another_law(numbers):
+    for told in numbers.values():
+        ends = told["end forces in closed form, and their slopes by anchor"][:2]
+        fields = told["fields of the graph of relays"]
+        assert np.min(np.abs(fields[:, None] - ends), axis=0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_no_other_file_writes_the_formulas_of_a_band_again():
+    elsewhere = []
+    for file in sorted(PACKAGE.rglob("*.py")):
+        name = file.relative_to(PACKAGE)
+        # What draws a lever, builds one in another program, or checks a paper's own equations is
+        # no second home.
+        if name.parts[0] in ("figures", "simulation", "paper"):
+            continue
+        # Without its comments.
+        for line in ast.unparse(ast.parse(file.read_text("utf-8"))).splitlines():
+            if any(re.search(tell_tale, line) for tell_tale in TELL_TALES):
+                elsewhere.append(f"{name}: {line.strip()}")
+    assert [line for line in elsewhere if not line.startswith("mechanism/geometry.py")] == []
+    assert len(elsewhere) >= 4
