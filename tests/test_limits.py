@@ -270,8 +270,8 @@ def test_dots_that_are_no_keys_are_left_alone():
 
 def test_of_many_unknown_keys_the_first_are_advised_and_all_are_counted(monkeypatch):
     asked: list[str] = []
-    kept = wording.nearest
-    monkeypatch.setattr(wording, "nearest", lambda *args: asked.append("") or kept(*args))
+    kept = wording.nearest_word
+    monkeypatch.setattr(wording, "nearest_word", lambda *args: asked.append("") or kept(*args))
     text = CHAIN + "".join(f"key_{i} = 1\n" for i in range(20_000))
     with pytest.raises(DesignError) as error:
         files.loads_chain(text)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from docs import house
+from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
 
@@ -125,8 +125,8 @@ def test_the_pictures_are_those_of_the_model(tmp_path):
 
 def test_the_house_on_its_page_is_the_house():
     text = read("docs/house.md")
-    assert house.page(text) == text, "run `python tests/docs/house.py`"
-    assert read("docs/img/house.svg") == house.picture(), "run `python tests/docs/house.py`"
+    assert house_page(text) == text, "run `python tests/docs/house.py`"
+    assert read("docs/img/house.svg") == picture(), "run `python tests/docs/house.py`"
 
 
 def test_the_page_of_the_house_names_files_that_exist():

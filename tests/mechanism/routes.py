@@ -28,7 +28,7 @@ from stepwell.concave import (
     slopes_by_sizes,
 )
 from stepwell.design import parameter_boundaries
-from stepwell.design.margins import Push, robustness
+from stepwell.design.margins import Resistance, robustness
 from stepwell.design.placement import Kind, Rule, Stock
 from stepwell.design.plane import Box, Level
 from stepwell.robot.gait import round as round_
@@ -178,7 +178,7 @@ def _():
 @route("pull against the displacement of an anchor", PLACE)
 def _():
     # The tension itself, along the displacement: no force along travel.
-    return Push.of(INNER, "q", (0.002, 0.003)).force_0
+    return Resistance.of(INNER, "q", (0.002, 0.003)).force_0
 
 
 @route("robustness", PLACE)
