@@ -32,7 +32,7 @@ def test_no_number_is_lost_or_changed_where_they_are_put_together():
         told = sorted(
             (one.source, one.unit, value) for one in files.provenance(robot) for value in one.values
         )
-        every = {(one.source, one.unit, one.value) for one in files.parameters(robot)}
+        every = {(one.source, one.unit, *one.values) for one in files.parameters(robot)}
         assert set(told) == every
         again = {
             one.path: one.values[0] if len(one.values) == 1 else one.values

@@ -165,6 +165,8 @@ def test_a_single_cell_cannot_do_anything_else():
     assert [c.becomes for c in margin.changes] == ["", ""]
     assert "none within reach" in str(margin)
     assert "more than 20 mm" in repr(margin)
+    # Nothing is asked: where the actuator is rigid it is so for every force.
+    assert (margin.method, margin.resolution) == ("exact", "")
 
 
 def test_two_equal_cells_have_no_margin_and_either_way_out_is_named():

@@ -39,7 +39,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     """Every figure of a chain, with its names."""
     chain = named(sw.preset("paper-forward"), name)
     cycle, x, y = chain.cycle(), np.linspace(0, 0.02, 4), np.linspace(-0.015, 0.015, 4)
-    knobs = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
+    parameters = (f"{name}1.q.x", [0.0, 0.01, 0.02]), (f"{name}0.stiffness", [20.0, 30.0])
     spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
@@ -55,8 +55,8 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     )
     yield partial(
         figures.transition_map,
-        parameter_map(chain, *knobs),
-        parameter_boundaries(chain, *knobs),
+        parameter_map(chain, *parameters),
+        parameter_boundaries(chain, *parameters),
         {name: (0.01, 30.0)},
     )
     yield partial(figures.stroke_program, chain.program("01"))

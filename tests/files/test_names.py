@@ -64,8 +64,8 @@ def test_other_tables_keep_a_name_in_its_cell(tmp_path, name):
 
 def test_a_map_of_parameters_names_them_in_its_head(tmp_path):
     chain = named("a,b", "c")
-    knobs = ("a,b.q.x", [0.0, 0.01, 0.02]), ("c.stiffness", [20.0, 30.0])
-    head, *found = rows(boundary_rows(parameter_boundaries(chain, *knobs)))
+    parameters = ("a,b.q.x", [0.0, 0.01, 0.02]), ("c.stiffness", [20.0, 30.0])
+    head, *found = rows(boundary_rows(parameter_boundaries(chain, *parameters)))
     assert head == ["curve", "kind", "a,b.q.x_mm", "c.stiffness_N_per_m"]
     assert found
 

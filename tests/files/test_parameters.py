@@ -8,7 +8,7 @@ import pytest
 
 from stepwell.files import (
     DesignError,
-    Parameter,
+    Given,
     loads,
     parameters,
     preset,
@@ -28,7 +28,7 @@ def source_of(robot: Robot) -> dict[str, str]:
 
 
 def value_of(robot: Robot) -> dict[str, float]:
-    return {parameter.path: parameter.value for parameter in parameters(robot)}
+    return {parameter.path: parameter.values[0] for parameter in parameters(robot)}
 
 
 def answer(values: dict) -> str:
@@ -39,11 +39,11 @@ def answer(values: dict) -> str:
 
 def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
     listed = parameters(FORWARD)
-    assert Parameter("foot.link_mm", 35.0, "mm", "authors' notes") in listed
-    assert Parameter("body.mass_g", FORWARD.body.mass * 1e3, "g", "assumed") in listed
+    assert Given("foot.link_mm", (35.0,), "mm", "authors' notes") in listed
+    assert Given("body.mass_g", (FORWARD.body.mass * 1e3,), "g", "assumed") in listed
     lever = next(p for p in listed if p.path == "leg.left.chain.cell.inner.lever_mm")
-    assert (lever.value, lever.unit) == (pytest.approx(10 * math.sqrt(2)), "mm")
-    friction = Parameter("leg.right.chain.cell.outer.friction_N", 0.0, "N", "assumed")
+    assert (lever.values[0], lever.unit) == (pytest.approx(10 * math.sqrt(2)), "mm")
+    friction = Given("leg.right.chain.cell.outer.friction_N", (0.0,), "N", "assumed")
     assert friction in listed
     assert str(friction) == "leg.right.chain.cell.outer.friction_N = 0 N (assumed)"
     units = {p.path.split(".")[-1].split("[")[0]: p.unit for p in parameters(EXPLORER)}
@@ -59,11 +59,11 @@ def test_every_number_is_listed_with_its_unit_and_its_source_defaults_too():
 def test_every_listed_number_can_be_varied_by_its_path_and_nothing_else_changes(robot):
     before = value_of(robot)
     for parameter in parameters(robot):
-        same = vary(robot, {parameter.path: parameter.value})
+        same = vary(robot, {parameter.path: parameter.values[0]})
         assert same == robot
         # A trifle, so that the robot still stands; a stroke can only shrink, travels only grow.
         step = -1e-3 if "stroke" in parameter.path else 1e-3
-        to = parameter.value + step * max(abs(parameter.value), 1.0)
+        to = parameter.values[0] + step * max(abs(parameter.values[0]), 1.0)
         path = parameter.path
         for key in ("lever_mm", "limit_deg"):  # all legs need the same full stroke
             path = f"chain.{key}" if path.endswith(key) else path

@@ -18,38 +18,40 @@ from stepwell.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Parameter(ByValue):
-    """One number of a robot.
+class Given(ByValue):
+    """A number of a robot, or several that belong together, and where they come from.
 
-    Args:
-        path: its key path, such as "foot.link_mm" or "leg.left.chain.cell.inner.q_mm[0]".
-        value: in the unit that its key names.
-        unit: that unit, such as "mm", "deg" or "N s/m"; "" where it has none.
+    Attributes:
+        path: the key path, such as "foot.link_mm" or "leg.left.chain.cell.inner.q_mm[0]"; `vary`
+            takes it.
+        values: (n,) in the unit that the key names.
+        unit: that unit, such as "mm", "deg" or "N s/m"; "" where there is none.
         source: "paper", "authors' notes", "measured" or "assumed".
     """
 
     path: str
-    value: float
+    values: tuple[float, ...]
     unit: str
     source: str
 
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.path} = {self.value:.10g}{unit} ({self.source})"
+        numbers = ", ".join(f"{value:.10g}" for value in self.values)
+        return f"{self.path} = {numbers}{unit} ({self.source})"
 
 
-def parameters(robot: Robot) -> tuple[Parameter, ...]:
+def parameters(robot: Robot) -> tuple[Given, ...]:
     """Every number of a robot, those that its file leaves out among them.
 
     Args:
         robot: any robot.
 
     Returns:
-        In the order of a design file; `vary` takes their paths.
+        Each by itself, in the order of a design file.
     """
     of = sources(robot, _lists(robot)).of
     return tuple(
-        Parameter(spelled(steps), float(value), _unit(steps), of[steps])
+        Given(spelled(steps), (float(value),), _unit(steps), of[steps])
         for steps, value in leaves(tree_of(robot))
         if is_number(value) and steps in of
     )

@@ -4,40 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 
-from stepwell.base import ByValue
-from stepwell.files.parameters import parameters
+from stepwell.files.parameters import Given, parameters
 from stepwell.robot import Robot
 
 _ITEM = r'(?:\."(?:[^"\\]|\\.)*"|\.[^.\[]+|\[\d+\])'
 _SEVERAL = (re.compile(rf"^leg{_ITEM}"), re.compile(rf"(?<=chain\.cell){_ITEM}"))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Given(ByValue):
-    """Numbers of a robot that belong together and come from one source.
-
-    Attributes:
-        path: their key path; `vary` takes it.
-        values: (n,) numbers in the unit that the key names.
-        unit: that unit, "" where there is none.
-        source: "paper", "authors' notes", "measured" or "assumed".
-    """
-
-    path: str
-    values: tuple[float, ...]
-    unit: str
-    source: str
-
-    @property
-    def text(self) -> str:
-        """The numbers as one reads them."""
-        return ", ".join(f"{value:.6g}" for value in self.values)
-
-    def __str__(self):
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.path} = {self.text}{unit} ({self.source})"
 
 
 def provenance(robot: Robot) -> tuple[Given, ...]:
@@ -50,8 +22,7 @@ def provenance(robot: Robot) -> tuple[Given, ...]:
         In the order of a design file. Coordinates stand together, and `*` in a path means
         every leg or every cell.
     """
-    numbers = [Given(p.path, (p.value,), p.unit, p.source) for p in parameters(robot)]
-    found = _lists(numbers)
+    found = _lists(parameters(robot))
     for several in _SEVERAL:
         found = _shared(found, several)
     return tuple(found)

@@ -14,7 +14,7 @@ from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest, sequence
 from stepwell.design.margins.search import resolution
 from stepwell.design.margins.stiffness import RESOLUTION, stiffness
-from stepwell.design.parameters import of_cell
+from stepwell.design.parameters import Parameter
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 
@@ -116,7 +116,8 @@ def margin(
     for cell in range(len(chain)):
         if progress is not None:
             progress(2 * cell, 2 * len(chain))
-        found = nearest(chain, forces, now, of_cell(chain, cell, "q"), None, ways)
+        anchor = Parameter(f"{cell + 1}.q", cell, "q")
+        found = nearest(chain, forces, now, anchor, None, ways)
         changes.append(Change(chain, cell, "anchor", *found))
         changes.append(stiffness(chain, forces, now, cell))
     if progress is not None:

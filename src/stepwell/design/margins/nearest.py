@@ -87,7 +87,10 @@ def nearest(
     if forces is not None:
         cell, sign = forces.cells[anchor.cell], 1 if anchor.part == "q" else -1
         known = _in_closed_form(forces, anchor.cell, wanted, ways, sign)
-        proved = ways.proved(cell, sign, ways.reach if known is None else known.distance)
+        # One cell alone goes where the actuator goes, whatever its force.
+        proved = len(chain) == 1 or ways.proved(
+            cell, sign, ways.reach if known is None else known.distance
+        )
         if known is not None:
             just_past = [known.move + far * known.inward for far in _PAST]
             # Where any other sequence will do, the closed form is proof enough.
