@@ -18,21 +18,17 @@ import stepwell as sw
 from sizes import examples
 from stepwell.kernels import Entry, beside, compiler, entry, in_blocks, kernel, store
 from stepwell.kernels.fingerprint import fingerprint
-from stepwell.mechanism.pack import pack
-from stepwell.statics.following.flow import _smooth_rates
+from stepwell.statics.following.flow import Point, _smooth_rates
+from stepwell.statics.problem import problem_of
 
 SOURCE = Path(sw.__file__).parents[1]
 MODULES = [
-    *(
-        f"stepwell.statics.{n}"
-        for n in ("_follow", "_pieces", "_certificate", "_sample", "_sorted")
-    ),
-    "stepwell.concave.certificate",
-    *(f"stepwell.design.{n}" for n in ("_certified", "_end", "_end_grid", "_holes", "_many")),
-    *(f"stepwell.design.{n}" for n in ("_nearest", "_sift", "_sweep")),
+    ".".join(file.relative_to(SOURCE).with_suffix("").parts)
+    for file in sorted(SOURCE.glob("stepwell/**/*.py"))
+    if "\n@entry(" in file.read_text("utf-8")
 ]
 SMALL = """
-    from stepwell.statics.concave import Simple, end_forces
+    from stepwell.concave import Simple, end_forces
     print(end_forces(Simple(0.02, 0.0, 28.5, 0.01, 0.0141, 0.7)))
 """
 
@@ -162,7 +158,7 @@ def test_an_edited_formula_gives_new_answers_wherever_the_compiled_ones_are_kept
         return result.stdout
 
     before = answer()
-    geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "_geometry.py"
+    geometry = tmp_path / "copy" / "stepwell" / "mechanism" / "geometry.py"
     old = "return np.sqrt(x * x + y * y)"
     text = geometry.read_text()
     assert old in text
@@ -354,10 +350,9 @@ def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
 
 def test_a_flow_in_which_no_cell_moves_divides_by_nothing():
     # Machine code would go on with what is not a number; the interpreter would stop here.
-    laws = pack(sw.preset("paper-forward").cells)
     out = np.ones(2)
-    still = np.zeros(2, np.int64)
-    _smooth_rates(laws, np.zeros(2), still, 0.0, 1.0, 0.0, np.full(2, -1), out)
+    still = Point(0.0, *np.zeros((3, 2)), np.zeros(2, np.int64), np.full(2, -1))
+    _smooth_rates(problem_of(sw.preset("paper-forward")), still, np.zeros(2), out)
     assert out.tolist() == [0.0, 0.0]
 
 
