@@ -5,7 +5,7 @@ from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.problem import drive_range
 from stepwell.statics.run import full_cycle, path
-from stepwell.statics.segment import Stretch, StretchKind
+from stepwell.statics.segment import Segment, SegmentKind
 
 __all__ = [
     "Cause",
@@ -13,8 +13,8 @@ __all__ = [
     "EventKind",
     "Path",
     "StaticsError",
-    "Stretch",
-    "StretchKind",
+    "Segment",
+    "SegmentKind",
     "Tie",
     "drive_range",
     "full_cycle",

@@ -27,7 +27,7 @@ from stepwell.statics.following import (
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.reading import read_events
-from stepwell.statics.segment import Stretch, StretchKind
+from stepwell.statics.segment import Segment, SegmentKind
 
 if TYPE_CHECKING:
     import xarray
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 # So many samples are drawn beside this thread, for Ctrl-C's sake.
 _MANY = 20_000
 _KINDS = {
-    logged.HOLD: StretchKind.HOLD,
-    logged.MOVE: StretchKind.MOVE,
-    logged.DRIFT: StretchKind.MOVE,
-    logged.SNAP: StretchKind.SNAP,
+    logged.HOLD: SegmentKind.HOLD,
+    logged.MOVE: SegmentKind.MOVE,
+    logged.DRIFT: SegmentKind.MOVE,
+    logged.SNAP: SegmentKind.SNAP,
 }
 
 
@@ -165,7 +165,7 @@ class Path(ByValue):
         return self._samples.stability
 
     @property
-    def _segments(self) -> Floats:
+    def _rows(self) -> Floats:
         return self._log.segments[: self._log.used[0]]
 
     @cached_property
@@ -178,7 +178,7 @@ class Path(ByValue):
     def degenerate(self) -> tuple[Tie, ...]:
         """Where two outcomes were closer than the tolerance, with advice; empty if nowhere."""
         ties: list[Tie] = []
-        for row in self._segments[self._segments[:, logged.TIE_A] >= 0]:
+        for row in self._rows[self._rows[:, logged.TIE_A] >= 0]:
             cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
             drive = float(row[logged.DRIVE_1])
             drifts = int(row[logged.KIND]) == logged.DRIFT
@@ -188,12 +188,12 @@ class Path(ByValue):
     @property
     def released(self) -> float:
         """Energy turned into heat by snaps [J]."""
-        return float(np.sum(self._segments[:, logged.RELEASED]))
+        return float(np.sum(self._rows[:, logged.RELEASED]))
 
     @property
     def friction_work(self) -> float:
         """Energy taken by friction [J]."""
-        return float(np.sum(self._segments[:, logged.RUBBED]))
+        return float(np.sum(self._rows[:, logged.RUBBED]))
 
     @property
     def dissipated(self) -> float:
@@ -215,12 +215,12 @@ class Path(ByValue):
         spring = 0.5 * softness * (force[1] ** 2 - force[0] ** 2)
         return self.dissipated + stored[1] - stored[0] + spring
 
-    def stretches(self) -> Iterator[Stretch]:
-        """Every part of the path in order: holds, smooth moves, snaps."""
+    def segments(self) -> Iterator[Segment]:
+        """Every segment of the path in order: holds, smooth moves, snaps."""
         movers = self._log.movers
-        for k, row in enumerate(self._segments.tolist()):
+        for k, row in enumerate(self._rows.tolist()):
             rows = movers[self._log.first[k] : self._log.first[k + 1]]
-            yield Stretch(
+            yield Segment(
                 _KINDS[int(row[logged.KIND])],
                 int(row[logged.DIRECTION]),
                 (row[logged.DRIVE_0], row[logged.DRIVE_1]),
@@ -235,7 +235,7 @@ class Path(ByValue):
     def moves(self) -> Iterator[list[tuple[int, float]]]:
         """For every segment of the path the cells that moved and their travels after it [m]."""
         movers = self._log.movers
-        for k in range(len(self._segments)):
+        for k in range(len(self._rows)):
             rows = movers[self._log.first[k] : self._log.first[k + 1]]
             yield [(int(row[logged.CELL]), float(row[logged.TRAVEL_1])) for row in rows]
 
@@ -247,16 +247,14 @@ class Path(ByValue):
     @property
     def end_force(self) -> float:
         """Actuator force at the end [N]."""
-        return (
-            float(self._segments[-1, logged.FORCE_1]) if len(self._segments) else self._start_force
-        )
+        return float(self._rows[-1, logged.FORCE_1]) if len(self._rows) else self._start_force
 
     @property
     def peak_force(self) -> float:
         """Largest actuator force in size on the way [N], with its sign."""
         # λ is monotone between events, so it peaks at an end of a segment.
         forces = np.append(
-            self._segments[:, [logged.FORCE_0, logged.FORCE_1]].ravel(), self._start_force
+            self._rows[:, [logged.FORCE_0, logged.FORCE_1]].ravel(), self._start_force
         )
         return float(forces[np.argmax(np.abs(forces))])
 
@@ -332,7 +330,7 @@ class Path(ByValue):
         write_atomic(file, csv_text(head, rows))
 
     def __repr__(self):
-        snaps = int(np.sum(self._segments[:, logged.KIND] == logged.SNAP))
+        snaps = int(np.sum(self._rows[:, logged.KIND] == logged.SNAP))
         turns = " → ".join(f"{t * 1e3:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
         unit = "mN" if self.chain.actuator_stiffness == 0 else "mm"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from stepwell.base import most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.legs import Leg, Part, legs_of, state_of
-from stepwell.statics import Path, Stretch, Tie, drive_range, path
+from stepwell.statics import Path, Segment, Tie, drive_range, path
 
 # Two places are one when they differ by less than this share of what there is to travel.
 _SAME = 1e-7
@@ -31,7 +31,7 @@ Travels = tuple[float, ...]
 class Exit:
     """The snap at an end of a branch, and the branch that it leads to."""
 
-    snap: Stretch
+    snap: Segment
     travel: Travels  # after it
     branch: int
 
@@ -106,9 +106,9 @@ class Branches:
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
         self._branches: list[Branch] = []
-        self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
+        self._landings: dict[tuple[int, int], tuple[Segment, Travels, float] | None] = {}
         self._where: dict[str, list[int]] = {}
-        self._legs: dict[tuple[int, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
+        self._legs: dict[tuple[int, ...], tuple[Leg, tuple[Segment, Travels, float] | None]] = {}
 
     def __getitem__(self, number: int) -> Branch:
         return self._branches[number]
@@ -228,7 +228,7 @@ class Branches:
 
     def _leg(
         self, travels: Travels, drive: float, direction: int
-    ) -> tuple[Leg, tuple[Stretch, Travels, float] | None]:
+    ) -> tuple[Leg, tuple[Segment, Travels, float] | None]:
         key = self._key(travels, drive, direction)
         if key not in self._legs:
             end = self.range[1] if direction > 0 else self.range[0]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from stepwell.statics import Path, Stretch, StretchKind
+from stepwell.statics import Path, Segment, SegmentKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Leg:
     """Parts that follow each other smoothly, and the snap that ends them if one does."""
 
     parts: tuple[Part, ...]
-    snap: Stretch | None
+    snap: Segment | None
 
 
 def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
@@ -55,31 +55,31 @@ def legs_of(path: Path) -> list[Leg]:
         return Part(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
 
     parts = [resting(path.turning_points[0], path.start_force)]
-    landed: Stretch | None = None
-    for stretch in path.stretches():
-        drive, force = stretch.drive[1], stretch.force[1]
-        if stretch.kind is StretchKind.SNAP:
+    landed: Segment | None = None
+    for segment in path.segments():
+        drive, force = segment.drive[1], segment.force[1]
+        if segment.kind is SegmentKind.SNAP:
             if landed is None:
-                landed = stretch
+                landed = segment
                 legs.append(Leg(tuple(parts), landed))
             else:
                 # At a fold rounding may find the fold itself again, and then the way on.
-                landed = _joined(landed, stretch)
+                landed = _joined(landed, segment)
                 legs[-1] = replace(legs[-1], snap=landed)
-            travels = _after(travels, stretch)
+            travels = _after(travels, segment)
             parts = [resting(drive, force)]
             continue
         landed = None
-        if stretch.kind is StretchKind.MOVE:
+        if segment.kind is SegmentKind.MOVE:
             moving = list(state_of(travels, full))
-            for cell, a, b in zip(stretch.cells, stretch.before, stretch.after, strict=True):
+            for cell, a, b in zip(segment.cells, segment.before, segment.after, strict=True):
                 if a != b:
                     moving[cell] = "-"
             state = "".join(moving)
             if state != parts[-1].state:
-                at, pull = stretch.drive[0], stretch.force[0]
+                at, pull = segment.drive[0], segment.force[0]
                 parts.append(Part(state, (at, at), (pull, pull), (travels, travels)))
-            travels = _after(travels, stretch)
+            travels = _after(travels, segment)
         parts[-1] = parts[-1].until(drive, force, travels)
         if state_of(travels, full) != parts[-1].state:
             parts.append(resting(drive, force))
@@ -87,7 +87,7 @@ def legs_of(path: Path) -> list[Leg]:
     return legs
 
 
-def _joined(first: Stretch, second: Stretch) -> Stretch:
+def _joined(first: Segment, second: Segment) -> Segment:
     """Two snaps at one drive as one."""
     before = dict(zip(second.cells, second.before, strict=True))
     before |= dict(zip(first.cells, first.before, strict=True))
@@ -105,8 +105,8 @@ def _joined(first: Stretch, second: Stretch) -> Stretch:
     )
 
 
-def _after(travels: tuple[float, ...], stretch: Stretch) -> tuple[float, ...]:
+def _after(travels: tuple[float, ...], segment: Segment) -> tuple[float, ...]:
     moved = list(travels)
-    for cell, travel in zip(stretch.cells, stretch.after, strict=True):
+    for cell, travel in zip(segment.cells, segment.after, strict=True):
         moved[cell] = travel
     return tuple(moved)
