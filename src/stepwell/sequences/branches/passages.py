@@ -1,4 +1,4 @@
-"""Smooth parts of a path, cut where the chain snaps or another set of cells moves."""
+"""The passages of a path along branches, from snap to snap, and their sections, one a state."""
 
 from dataclasses import dataclass, replace
 
@@ -6,7 +6,7 @@ from stepwell.statics import Path, Segment, SegmentKind
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Section:
     """A run of equilibria with the same cells at 0, at 1 and in transit, from a to b."""
 
     state: str
@@ -15,12 +15,12 @@ class Part:
     travel: tuple[tuple[float, ...], tuple[float, ...]]
 
     @property
-    def reversed(self) -> "Part":
+    def reversed(self) -> "Section":
         """The same run from b to a."""
         (a, b), (f, g), (s, t) = self.drive, self.force, self.travel
-        return Part(self.state, (b, a), (g, f), (t, s))
+        return Section(self.state, (b, a), (g, f), (t, s))
 
-    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Part":
+    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Section":
         """The run with another end."""
         return replace(
             self,
@@ -31,10 +31,10 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class Passage:
     """Parts that follow each other smoothly, and the snap that ends them if one does."""
 
-    parts: tuple[Part, ...]
+    sections: tuple[Section, ...]
     snap: Segment | None
 
 
@@ -45,29 +45,29 @@ def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
     )
 
 
-def legs_of(path: Path) -> list[Leg]:
-    """The smooth parts of a path between its snaps."""
+def passages_of(path: Path) -> list[Passage]:
+    """The passages of a path between its snaps."""
     full = tuple(cell.full_travel for cell in path.chain.cells)
     travels = path.start
-    legs: list[Leg] = []
+    passages: list[Passage] = []
 
-    def resting(drive: float, force: float) -> Part:
-        return Part(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
+    def resting(drive: float, force: float) -> Section:
+        return Section(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
 
-    parts = [resting(path.turning_points[0], path.start_force)]
+    sections = [resting(path.turning_points[0], path.start_force)]
     landed: Segment | None = None
     for segment in path.segments():
         drive, force = segment.drive[1], segment.force[1]
         if segment.kind is SegmentKind.SNAP:
             if landed is None:
                 landed = segment
-                legs.append(Leg(tuple(parts), landed))
+                passages.append(Passage(tuple(sections), landed))
             else:
                 # At a fold rounding may find the fold itself again, and then the way on.
                 landed = _joined(landed, segment)
-                legs[-1] = replace(legs[-1], snap=landed)
+                passages[-1] = replace(passages[-1], snap=landed)
             travels = _after(travels, segment)
-            parts = [resting(drive, force)]
+            sections = [resting(drive, force)]
             continue
         landed = None
         if segment.kind is SegmentKind.MOVE:
@@ -76,15 +76,15 @@ def legs_of(path: Path) -> list[Leg]:
                 if a != b:
                     moving[cell] = "-"
             state = "".join(moving)
-            if state != parts[-1].state:
+            if state != sections[-1].state:
                 at, pull = segment.drive[0], segment.force[0]
-                parts.append(Part(state, (at, at), (pull, pull), (travels, travels)))
+                sections.append(Section(state, (at, at), (pull, pull), (travels, travels)))
             travels = _after(travels, segment)
-        parts[-1] = parts[-1].until(drive, force, travels)
-        if state_of(travels, full) != parts[-1].state:
-            parts.append(resting(drive, force))
-    legs.append(Leg(tuple(parts), None))
-    return legs
+        sections[-1] = sections[-1].until(drive, force, travels)
+        if state_of(travels, full) != sections[-1].state:
+            sections.append(resting(drive, force))
+    passages.append(Passage(tuple(sections), None))
+    return passages
 
 
 def _joined(first: Segment, second: Segment) -> Segment:
