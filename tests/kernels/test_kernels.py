@@ -19,8 +19,8 @@ import stepwell as sw
 from sizes import examples
 from stepwell.kernels import Entry, beside, compiler, entry, in_blocks, kernel, store
 from stepwell.kernels.fingerprint import fingerprint
-from stepwell.mechanism.pack import pack
-from stepwell.statics.following.flow import _smooth_rates
+from stepwell.statics.following.flow import Point, _smooth_rates
+from stepwell.statics.problem import problem_of
 
 SOURCE = Path(sw.__file__).parents[1]
 MODULES = [
@@ -376,10 +376,10 @@ def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
 
 def test_a_flow_in_which_no_cell_moves_divides_by_nothing():
     # Machine code would go on with what is not a number; the interpreter would stop here.
-    laws = pack(sw.preset("paper-forward").cells)
     out = np.ones(2)
-    still = np.zeros(2, np.int64)
-    _smooth_rates(laws, np.zeros(2), still, 0.0, 1.0, 0.0, np.full(2, -1), out)
+    zero = np.zeros(2)
+    still = Point(0.0, zero, zero, zero, np.zeros(2, np.int64), np.full(2, -1))
+    _smooth_rates(problem_of(sw.preset("paper-forward")), still, np.zeros(2), out)
     assert out.tolist() == [0.0, 0.0]
 
 

@@ -15,8 +15,9 @@ from sizes import examples
 from statics.test_against_oracle import brute_force
 from stepwell import statics
 from stepwell.mechanism.law import law
-from stepwell.statics.following import certificate as _certificate, follow as f
-from stepwell.statics.following.pieces import find_piece
+from stepwell.statics import run
+from stepwell.statics.following import certificate as _certificate, find_piece, log as logged
+from stepwell.statics.following.smooth import BLUNT
 from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
 PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
@@ -240,26 +241,28 @@ def test_an_anchor_far_outside_gives_a_balanced_answer_or_none(seed):
 @pytest.mark.parametrize("promise", ["equilibrium", "energy", "stability"])
 def test_a_path_that_breaks_its_certificate_is_never_handed_out(promise, monkeypatch):
     leg = sw.Chain([PAPER, OUTER])
-    honest = f.follow
+    honest = run.follow
 
-    def dishonest(laws, pieces, alpha, beta, turning, state, rank, scale, log, effort):
-        status = honest(laws, pieces, alpha, beta, turning, state, rank, scale, log, effort)
-        snap = int(np.flatnonzero(log.segments[: log.used[0], f.KIND] == f.SNAP)[0])
+    def dishonest(problem, turning, state):
+        status = honest(problem, turning, state)
+        laws, pieces, log = problem.laws, problem.pieces, state.log
+        kinds = log.segments[: log.used[0], logged.KIND]
+        snap = int(np.flatnonzero(kinds == logged.SNAP)[0])
         if promise == "energy":
-            log.segments[snap, f.RELEASED] = -1e-3
+            log.segments[snap, logged.RELEASED] = -1e-3
         elif promise == "equilibrium":
-            log.segments[snap, f.FORCE_1] += 0.1
+            log.segments[snap, logged.FORCE_1] += 0.1
         else:
             # Two cells of falling force in balance, which is a saddle.
             landed = log.movers[log.first[snap] : log.first[snap + 1]]
             inner, outer = _balanced(laws, pieces)
             for row in landed:
-                row[f.TRAVEL_1] = inner if row[f.CELL] == 0 else outer
-            log.segments[snap, f.FORCE_1] = _force(laws, pieces, 0, inner)
-            log.segments[snap, f.RELEASED] = 1e-3
+                row[logged.TRAVEL_1] = inner if row[logged.CELL] == 0 else outer
+            log.segments[snap, logged.FORCE_1] = _force(laws, pieces, 0, inner)
+            log.segments[snap, logged.RELEASED] = 1e-3
         return status
 
-    monkeypatch.setattr(f, "follow", InPlaceOf(f.follow, dishonest))
+    monkeypatch.setattr(run, "follow", InPlaceOf(run.follow, dishonest))
     words = {
         "equilibrium": "out of balance by 0.1 N",
         "energy": "energy is",
@@ -326,14 +329,14 @@ def test_cells_without_any_force_behind_a_spring_are_refused_in_words_that_fit()
 @pytest.mark.slow
 def test_chains_of_alike_cells_answer_or_refuse_within_their_looks(monkeypatch):
     spent: list[int] = []
-    honest = f.follow
+    honest = run.follow
 
-    def counted(*arguments):
-        status = honest(*arguments)
-        spent.append(int(arguments[-1][0]))
+    def counted(problem, turning, state):
+        status = honest(problem, turning, state)
+        spent.append(int(problem.effort[0]))
         return status
 
-    monkeypatch.setattr(f, "follow", InPlaceOf(f.follow, counted))
+    monkeypatch.setattr(run, "follow", InPlaceOf(run.follow, counted))
     answered = 0
     for seed in range(examples(10)):
         rng = np.random.default_rng([seed, 6])
@@ -361,7 +364,7 @@ def test_the_theory_page_tells_the_price_and_the_tolerances_that_are_in_force():
         f"to {_certificate.FORCE_SLACK:.0e}".replace("e-0", "e-") + " of the largest force;" in page
     )
     assert _certificate.ENERGY_SLACK == _certificate.FORCE_SLACK
-    assert f"asked {f.BLUNT:.0e}".replace("e-0", "e-") + " of the largest force away" in page
+    assert f"asked {BLUNT:.0e}".replace("e-0", "e-") + " of the largest force away" in page
 
 
 def general_chain(cells: int) -> sw.Chain:

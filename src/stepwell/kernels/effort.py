@@ -13,9 +13,9 @@ Ints = NDArray[np.int64]
 R = TypeVar("R")
 
 
-# What the present leg has cost; how much it may cost at most; how many legs are done. Whoever
+# What the present stroke has cost; how much it may cost at most; how many strokes are done. Whoever
 # lowers the second while a run goes on, from another thread, stops it.
-SPENT, MOST, LEGS = 0, 1, 2
+SPENT, MOST, STROKES = 0, 1, 2
 
 
 UNLIMITED = int(np.iinfo(np.int64).max)

@@ -3,17 +3,18 @@
 from stepwell.statics.events import Cause, Event, EventKind, Tie
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.run import drive_range, full_cycle, path
-from stepwell.statics.segment import Stretch, StretchKind
+from stepwell.statics.problem import drive_range
+from stepwell.statics.run import full_cycle, path
+from stepwell.statics.segment import Segment, SegmentKind
 
 __all__ = [
     "Cause",
     "Event",
     "EventKind",
     "Path",
+    "Segment",
+    "SegmentKind",
     "StaticsError",
-    "Stretch",
-    "StretchKind",
     "Tie",
     "drive_range",
     "full_cycle",

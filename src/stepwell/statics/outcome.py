@@ -5,7 +5,15 @@ from typing import NoReturn
 
 from stepwell.base import StepwellError, told_in
 from stepwell.mechanism import Chain, Floats
-from stepwell.statics.following import ENERGY, EQUILIBRIUM, STABILITY, follow as f
+from stepwell.statics.following import (
+    ENERGY,
+    EQUILIBRIUM,
+    GAVE_UP,
+    NOT_SETTLED,
+    RUNS_AWAY,
+    STABILITY,
+    STALLED,
+)
 
 
 class StaticsError(StepwellError, RuntimeError):
@@ -13,20 +21,20 @@ class StaticsError(StepwellError, RuntimeError):
 
 
 _FAILURES = {
-    f.STALLED: (
+    STALLED: (
         "two events keep undoing each other at {place}: two cells balance to the last digit. Move "
         "an anchor by 0.01 mm, or give the cells a little friction."
     ),
-    f.NOT_SETTLED: (
+    NOT_SETTLED: (
         "after a snap at {place} the cells come to rest too slowly to say where: the landing is "
         "almost flat. Move an anchor by 0.1 mm or give the cells a little friction."
     ),
-    f.GAVE_UP: (
+    GAVE_UP: (
         "at {place} the run was given up after as many looks as take some seconds: forces that are "
         "alike to the last digits, or that turn very often. Move an anchor by 0.01 mm, or smooth "
         "the tables."
     ),
-    f.RUNS_AWAY: (
+    RUNS_AWAY: (
         "at {place} all cells stand at their stops and the drive goes on: turn back earlier."
     ),
 }

@@ -13,22 +13,21 @@ import numpy as np
 
 from stepwell.base import ByValue, Quantity, Schema, told_in, variables, write_csv
 from stepwell.kernels import watched
-from stepwell.mechanism import Chain, Floats, Ints, Laws
+from stepwell.mechanism import Chain, Floats, Ints
 from stepwell.statics.events import Event, Tie
 from stepwell.statics.following import (
     EQUILIBRIUM,
     FORCE_SLACK,
-    Pieces,
+    Problem,
+    Samples,
     count_samples,
-    cut,
-    follow as f,
-    force_scale,
+    log as logged,
     sample,
 )
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
+from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.reading import read_events
-from stepwell.statics.segment import Stretch, StretchKind
-from stepwell.statics.start import drive_weights
+from stepwell.statics.segment import Segment, SegmentKind
 
 if TYPE_CHECKING:
     import xarray
@@ -37,10 +36,10 @@ if TYPE_CHECKING:
 # So many samples are drawn beside this thread, for Ctrl-C's sake.
 _MANY = 20_000
 _KINDS = {
-    f.HOLD: StretchKind.HOLD,
-    f.MOVE: StretchKind.MOVE,
-    f.DRIFT: StretchKind.MOVE,
-    f.SNAP: StretchKind.SNAP,
+    logged.HOLD: SegmentKind.HOLD,
+    logged.MOVE: SegmentKind.MOVE,
+    logged.DRIFT: SegmentKind.MOVE,
+    logged.SNAP: SegmentKind.SNAP,
 }
 
 
@@ -66,61 +65,58 @@ class Path(ByValue):
     start: tuple[float, ...]
     points: int
     _start_force: float = field(repr=False)
-    _laws: Laws = field(repr=False, compare=False)
-    _log: f.Log = field(repr=False)
+    _log: logged.Log = field(repr=False)
 
     @cached_property
-    def _samples(self) -> dict[str, Any]:
-        alpha, beta = drive_weights(self.chain)
-        size = int(count_samples(self._log, self.points))
-        out: dict[str, Any] = {
-            "drive": np.empty(size),
-            "travel": np.empty((size, len(self.chain))),
-            "force": np.empty(size),
-            "branch": np.zeros(size, np.int64),
-            "snap_after": np.zeros(size, np.int64),
-            "direction": np.zeros(size, np.int64),
-            "residual": np.empty(size),
-            "stability": np.empty(size),
-        }
-        pieces = self._pieces
-        whole: tuple[Any, ...] = (self._laws, pieces, self._log, np.array(self.start))
-        whole += (self._start_force, alpha, beta, self.points, *out.values())
+    def _samples(self) -> Samples:
+        problem = self._problem
+        size, cells = int(count_samples(self._log, self.points)), len(self.chain)
+        samples = Samples(
+            drive=np.empty(size),
+            travel=np.empty((size, cells)),
+            force=np.empty(size),
+            branch=np.zeros(size, np.int64),
+            snap_after=np.zeros(size, np.int64),
+            direction=np.zeros(size, np.int64),
+            residual=np.empty(size),
+            stability=np.empty(size),
+        )
+        start = np.array(self.start)
 
         def fill(effort: Ints) -> int:
-            given: tuple[Any, ...] = (*whole, effort)
-            return sample(*given)
+            limited = problem._replace(effort=effort)
+            return sample(limited, self._log, start, self._start_force, self.points, samples)
 
         used = watched(fill, long=size > _MANY)
-        scale = force_scale(self._laws, pieces)
-        worst = int(np.argmax(out["residual"][:used]))
-        if not out["residual"][worst] <= FORCE_SLACK * scale:
-            drive, by = float(out["drive"][worst]), float(out["residual"][worst])
-            refuse_broken(EQUILIBRIUM, self.chain, drive, by, scale)
-        for name, values in out.items():
-            out[name] = values[:used]
-            out[name].setflags(write=False)
-        return out
+        samples = Samples._make(values[:used] for values in samples)
+        worst = int(np.argmax(samples.residual))
+        by = float(samples.residual[worst])
+        if not by <= FORCE_SLACK * problem.scale:
+            drive = float(samples.drive[worst])
+            refuse_broken(EQUILIBRIUM, self.chain, drive, by, problem.scale)
+        for values in samples:
+            values.setflags(write=False)
+        return samples
 
     @cached_property
-    def _pieces(self) -> Pieces:
-        return cut(self._laws)
+    def _problem(self) -> Problem:
+        return problem_of(self.chain)
 
-    def with_pieces(self, pieces: Pieces | None) -> Path:
-        """The same path, which need not cut its laws into pieces once more."""
-        if pieces is not None:
-            self.__dict__["_pieces"] = pieces
+    def with_problem(self, problem: Problem | None) -> Path:
+        """The same path, which need not set up its problem once more."""
+        if problem is not None:
+            self.__dict__["_problem"] = problem
         return self
 
     @property
     def drive(self) -> Floats:
         """(n,) actuator position [m], or its force [N] under force control."""
-        return self._samples["drive"]
+        return self._samples.drive
 
     @property
     def travel(self) -> Floats:
         """(n, N) travel of every cell [m]."""
-        return self._samples["travel"]
+        return self._samples.travel
 
     @cached_property
     def stroke(self) -> Floats:
@@ -130,7 +126,7 @@ class Path(ByValue):
     @property
     def force(self) -> Floats:
         """(n,) actuator force λ [N], positive where it resists loading."""
-        return self._samples["force"]
+        return self._samples.force
 
     @cached_property
     def energy(self) -> Floats:
@@ -143,22 +139,22 @@ class Path(ByValue):
     @property
     def branch(self) -> Ints:
         """(n,) number of the smooth branch; a snap leads from one to the next."""
-        return self._samples["branch"]
+        return self._samples.branch
 
     @property
     def snap_after(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """(n,) True where the next sample is the landing of a snap."""
-        return self._samples["snap_after"].astype(bool)
+        return self._samples.snap_after.astype(bool)
 
     @property
     def direction(self) -> Ints:
         """(n,) +1 while the drive rises, -1 while it falls."""
-        return self._samples["direction"]
+        return self._samples.direction
 
     @property
     def residual(self) -> Floats:
         """(n,) certificate: the worst violation of equilibrium by any cell [N]."""
-        return self._samples["residual"]
+        return self._samples.residual
 
     @property
     def stability(self) -> Floats:
@@ -166,37 +162,38 @@ class Path(ByValue):
 
         At a kink it is that of the softer side, so it can be 0 or less where a snap begins.
         """
-        return self._samples["stability"]
+        return self._samples.stability
 
     @property
-    def _segments(self) -> Floats:
+    def _rows(self) -> Floats:
         return self._log.segments[: self._log.used[0]]
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        return tuple(read_events(self._log, self._laws, np.array(self.start)))
+        full = np.array([cell.full_travel for cell in self.chain.cells])
+        return tuple(read_events(self._log, full, np.array(self.start)))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
         """Where two outcomes were closer than the tolerance, with advice; empty if nowhere."""
         ties: list[Tie] = []
-        for row in self._segments[self._segments[:, f.TIE_A] >= 0]:
-            cells = tuple(dict.fromkeys((int(row[f.TIE_A]), int(row[f.TIE_B]))))
-            drive = float(row[f.DRIVE_1])
-            drifts = int(row[f.KIND]) == f.DRIFT
+        for row in self._rows[self._rows[:, logged.TIE_A] >= 0]:
+            cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
+            drive = float(row[logged.DRIVE_1])
+            drifts = int(row[logged.KIND]) == logged.DRIFT
             ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive, drifts)))
         return tuple(ties)
 
     @property
     def released(self) -> float:
         """Energy turned into heat by snaps [J]."""
-        return float(np.sum(self._segments[:, f.RELEASED]))
+        return float(np.sum(self._rows[:, logged.RELEASED]))
 
     @property
     def friction_work(self) -> float:
         """Energy taken by friction [J]."""
-        return float(np.sum(self._segments[:, f.RUBBED]))
+        return float(np.sum(self._rows[:, logged.RUBBED]))
 
     @property
     def dissipated(self) -> float:
@@ -218,29 +215,29 @@ class Path(ByValue):
         spring = 0.5 * softness * (force[1] ** 2 - force[0] ** 2)
         return self.dissipated + stored[1] - stored[0] + spring
 
-    def stretches(self) -> Iterator[Stretch]:
-        """Every part of the path in order: holds, smooth moves, snaps."""
+    def segments(self) -> Iterator[Segment]:
+        """Every segment of the path in order: holds, smooth moves, snaps."""
         movers = self._log.movers
-        for k, row in enumerate(self._segments.tolist()):
+        for k, row in enumerate(self._rows.tolist()):
             rows = movers[self._log.first[k] : self._log.first[k + 1]]
-            yield Stretch(
-                _KINDS[int(row[f.KIND])],
-                int(row[f.DIRECTION]),
-                (row[f.DRIVE_0], row[f.DRIVE_1]),
-                (row[f.FORCE_0], row[f.FORCE_1]),
-                tuple(rows[:, f.CELL].astype(int).tolist()),
-                tuple(rows[:, f.TRAVEL_0].tolist()),
-                tuple(rows[:, f.TRAVEL_1].tolist()),
-                row[f.RELEASED],
-                row[f.TIE_A] >= 0,
+            yield Segment(
+                _KINDS[int(row[logged.KIND])],
+                int(row[logged.DIRECTION]),
+                (row[logged.DRIVE_0], row[logged.DRIVE_1]),
+                (row[logged.FORCE_0], row[logged.FORCE_1]),
+                tuple(rows[:, logged.CELL].astype(int).tolist()),
+                tuple(rows[:, logged.TRAVEL_0].tolist()),
+                tuple(rows[:, logged.TRAVEL_1].tolist()),
+                row[logged.RELEASED],
+                row[logged.TIE_A] >= 0,
             )
 
     def moves(self) -> Iterator[list[tuple[int, float]]]:
         """For every segment of the path the cells that moved and their travels after it [m]."""
         movers = self._log.movers
-        for k in range(len(self._segments)):
+        for k in range(len(self._rows)):
             rows = movers[self._log.first[k] : self._log.first[k + 1]]
-            yield [(int(row[f.CELL]), float(row[f.TRAVEL_1])) for row in rows]
+            yield [(int(row[logged.CELL]), float(row[logged.TRAVEL_1])) for row in rows]
 
     @property
     def start_force(self) -> float:
@@ -250,13 +247,15 @@ class Path(ByValue):
     @property
     def end_force(self) -> float:
         """Actuator force at the end [N]."""
-        return float(self._segments[-1, f.FORCE_1]) if len(self._segments) else self._start_force
+        return float(self._rows[-1, logged.FORCE_1]) if len(self._rows) else self._start_force
 
     @property
     def peak_force(self) -> float:
         """Largest actuator force in size on the way [N], with its sign."""
         # λ is monotone between events, so it peaks at an end of a segment.
-        forces = np.append(self._segments[:, [f.FORCE_0, f.FORCE_1]].ravel(), self._start_force)
+        forces = np.append(
+            self._rows[:, [logged.FORCE_0, logged.FORCE_1]].ravel(), self._start_force
+        )
         return float(forces[np.argmax(np.abs(forces))])
 
     @cached_property
@@ -265,7 +264,7 @@ class Path(ByValue):
         travels = np.array(self.start)
         movers = self._log.movers[: self._log.used[1]]
         # Later rows overwrite earlier ones: NumPy assigns in order.
-        travels[movers[:, f.CELL].astype(int)] = movers[:, f.TRAVEL_1]
+        travels[movers[:, logged.CELL].astype(int)] = movers[:, logged.TRAVEL_1]
         return travels
 
     def resampled(self, points: int) -> Path:
@@ -278,9 +277,8 @@ class Path(ByValue):
             self.start,
             points,
             self._start_force,
-            self._laws,
             self._log,
-        ).with_pieces(self.__dict__.get("_pieces"))
+        ).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> xarray.Dataset:
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""
@@ -320,7 +318,7 @@ class Path(ByValue):
         )
 
     def __repr__(self):
-        snaps = int(np.sum(self._segments[:, f.KIND] == f.SNAP))
+        snaps = int(np.sum(self._rows[:, logged.KIND] == logged.SNAP))
         turns = " → ".join(f"{t * 1e3:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
         unit = "mN" if self.chain.actuator_stiffness == 0 else "mm"

@@ -3,26 +3,29 @@
 import math
 from collections.abc import Callable, Sequence
 from time import monotonic
-from typing import Any
 
 import numpy as np
 
-from stepwell.kernels import LEGS, UNLIMITED, beside, end_early, watched
-from stepwell.mechanism import Chain, Floats, Ints, Laws, pack
+from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
+from stepwell.mechanism import Chain, Floats, pack
 from stepwell.statics.following import (
+    DONE,
+    GAVE_UP,
     KEPT,
-    MOST_PIECES,
-    Pieces,
+    LOG_FULL,
+    STALLED,
+    Problem,
+    State,
     audit,
-    cut,
     drive_of,
-    follow as f,
-    force_scale,
+    follow,
+    log as logged,
 )
-from stepwell.statics.outcome import StaticsError, refuse_broken, refuse_failure
+from stepwell.statics.outcome import refuse_broken, refuse_failure
 from stepwell.statics.path import Path
+from stepwell.statics.problem import problem_of, range_of
 from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
-from stepwell.statics.start import drive_weights, start_travels, starting_state
+from stepwell.statics.start import start_travels, starting_state
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
@@ -70,12 +73,9 @@ def path(
     snaps is ours (theory page).
     """
     points = _checked_turns(chain, turning_points)
-    laws = pack(chain.cells)
-    pieces = _cut(chain, laws)
-    scale = force_scale(laws, pieces)
-    travels = start_travels(chain, start)
-    state = starting_state(chain, laws, pieces, travels, points[0], scale)
-    return _follow_from(chain, laws, pieces, points, travels, state, scale, prefer, progress)
+    problem = problem_of(chain, prefer=prefer)
+    state = starting_state(chain, problem, start_travels(chain, start), points[0])
+    return _follow_from(chain, problem, points, state, progress)
 
 
 def full_cycle(
@@ -102,185 +102,88 @@ def full_cycle(
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
-            return _as_path(
-                chain, laws, None, np.array([0.0, reach, 0.0]), laws.full * 0, force, log
-            )
-    pieces = _cut(chain, laws)
-    low, high = _drive_range(chain, laws, pieces)
-    turning = np.array([low, high, low])
-    scale = force_scale(laws, pieces)
-    travels = np.zeros(len(chain))
-    state = starting_state(chain, laws, pieces, travels, turning[0], scale)
-    return _follow_from(chain, laws, pieces, turning, travels, state, scale, prefer, progress)
-
-
-def drive_range(chain: Chain) -> tuple[float, float]:
-    """Drives [m], or [N] under force control, that pull every cell to 0 and to 1.
-
-    Raises:
-        StaticsError: a force that turns too often to follow.
-    """
-    laws = pack(chain.cells)
-    return _drive_range(chain, laws, _cut(chain, laws))
-
-
-def _drive_range(chain: Chain, laws: Laws, pieces: Pieces) -> tuple[float, float]:
-    alpha, beta = drive_weights(chain)
-    low, high = _force_range(laws, pieces) if beta > 0 else (0.0, 0.0)
-    return beta * low, alpha * float(np.sum(laws.full)) + beta * high
+            return _as_path(chain, None, np.array([0.0, reach, 0.0]), laws.full * 0, force, log)
+    problem = problem_of(chain, laws, prefer)
+    low, high = range_of(problem)
+    state = starting_state(chain, problem, np.zeros(len(chain)), low)
+    return _follow_from(chain, problem, np.array([low, high, low]), state, progress)
 
 
 def _follow_from(
-    chain: Chain,
-    laws: Laws,
-    pieces: Pieces,
-    turning: Floats,
-    travels: Floats,
-    state: f.State,
-    scale: float,
-    prefer: Sequence[int] | None,
-    progress: Progress | None,
+    chain: Chain, problem: Problem, turning: Floats, start: State, progress: Progress | None
 ) -> Path:
     """Run the follower, giving it a longer log until the path fits."""
-    alpha, beta = drive_weights(chain)
-    rank = _ranks(len(chain), prefer)
-    start_force = float(state.force[0])
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
-        few = _UNWATCHED_INTERPRETED if f.follow.interpreted else _UNWATCHED
-        trial = _copied(state)
-        log = f.Log(
-            np.zeros((room, f.SEGMENT_COLUMNS)),
-            np.zeros(room + 1, np.int64),
-            np.zeros((4 * room, f.MOVER_COLUMNS)),
-            np.zeros(2, np.int64),
-        )
-        effort = np.array([0, most if aside else min(most, few), 0])
-        problem = (laws, pieces, alpha, beta, turning, trial, rank, scale, log, effort)
+        few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
+        log = logged.empty_log(room, 4 * room)
+        state = State._make([*(values.copy() for values in start[:-1]), log])
+        problem.effort[:] = 0, most if aside else min(most, few), 0
         try:
-            status = _watched(problem, progress) if aside else f.follow(*problem)
+            if aside:
+                status = _watched(problem, turning, state, progress)
+            else:
+                status = follow(problem, turning, state)
         except _MachineCodeCame:
-            f.follow.compiled()
+            follow.compiled()
             continue
-        if status == f.GAVE_UP and not aside and few < most:
+        if status == GAVE_UP and not aside and few < most:
             aside = True
             continue
-        if status == f.LOG_FULL and room > _MOST_SEGMENTS:
-            status = f.STALLED
-        if status != f.LOG_FULL:
+        if status == LOG_FULL and room > _MOST_SEGMENTS:
+            status = STALLED
+        if status != LOG_FULL:
             break
         room *= 4
-    if status != f.DONE:
-        refuse_failure(status, chain, trial.travel, float(trial.force[0]))
+    if status != DONE:
+        refuse_failure(status, chain, state.travel, float(state.force[0]))
     broken, promise, by = watched(
-        lambda effort: audit(laws, pieces, log, travels, alpha, beta, scale, effort),
+        lambda effort: audit(problem._replace(effort=effort), log, start.travel),
         long=int(log.used[0]) > _MANY_SEGMENTS,
     )
     if promise != KEPT:
-        refuse_broken(promise, chain, float(log.segments[broken, f.DRIVE_1]), by, scale)
-    return _as_path(chain, laws, pieces, turning, travels, start_force, log)
+        drive = float(log.segments[broken, logged.DRIVE_1])
+        refuse_broken(promise, chain, drive, by, problem.scale)
+    return _as_path(chain, problem, turning, start.travel, float(start.force[0]), log)
 
 
-def _watched(problem: tuple[Any, ...], progress: Progress | None) -> int:
+def _watched(problem: Problem, turning: Floats, state: State, progress: Progress | None) -> int:
     """Run beside this thread, which goes on hearing Ctrl-C and tells how far the run is.
 
     An interpreted run is given up for a compiled one as soon as there is machine code.
     """
-    _, _, alpha, beta, turning, state, _, _, _, effort = problem
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
-    interpreted, patience = f.follow.interpreted, monotonic() + _ASK_AFTER
+    interpreted, patience = follow.interpreted, monotonic() + _ASK_AFTER
 
     def look() -> None:
-        if interpreted and f.follow.ready():
+        if interpreted and follow.ready():
             raise _MachineCodeCame
         if interpreted and monotonic() > patience:
-            f.follow.ask_for_machine_code(*problem)
+            follow.ask_for_machine_code(problem, turning, state)
         if progress is not None:
-            leg = int(effort[LEGS])
-            here = drive_of(state.travel, float(state.force[0]), alpha, beta)
-            progress(done[leg] + min(abs(here - turning[leg]), way[leg]), done[-1])
+            stroke = int(problem.effort[STROKES])
+            here = drive_of(problem, state.travel, float(state.force[0]))
+            progress(done[stroke] + min(abs(here - turning[stroke]), way[stroke]), done[-1])
 
-    return beside(lambda: f.follow(*problem), lambda: end_early(effort), look)
+    return beside(lambda: follow(problem, turning, state), lambda: end_early(problem.effort), look)
 
 
 def _as_path(
     chain: Chain,
-    laws: Laws,
-    pieces: Pieces | None,
+    problem: Problem | None,
     turning: Floats,
     travels: Floats,
     force: float,
-    log: f.Log,
+    log: logged.Log,
 ) -> Path:
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
-    # Nothing but what was written, so that two logs of one motion are equal.
-    segments, movers = log.used.tolist()
-    log = f.Log(
-        log.segments[:segments].copy(),
-        log.first[: segments + 1].copy(),
-        log.movers[:movers].copy(),
-        log.used,
-    )
-    return Path(
-        chain,
-        tuple(float(t) for t in turning),
-        tuple(float(s) for s in travels),
-        points,
-        force,
-        laws,
-        log,
-    ).with_pieces(pieces)
-
-
-def _cut(chain: Chain, laws: Laws) -> Pieces:
-    pieces = cut(laws)
-    counts = np.diff(pieces.first)
-    worst = int(np.argmax(counts))
-    if counts[worst] > MOST_PIECES:
-        raise StaticsError(
-            f"the force of {chain.names[worst]} turns {counts[worst]} times over its travel, too "
-            f"often to follow: smooth its table, or look for a band whose ends nearly meet."
-        )
-    return pieces
-
-
-def _copied(state: f.State) -> f.State:
-    return f.State(
-        state.travel.copy(),
-        state.mode.copy(),
-        state.way.copy(),
-        state.piece.copy(),
-        state.at_rest.copy(),
-        state.force.copy(),
-    )
-
-
-def _force_range(laws: Laws, pieces: Pieces) -> tuple[float, float]:
-    """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
-    forces = np.concatenate([pieces.force_left, pieces.force_right])
-    rub = float(np.max(laws.friction))
-    margin = 0.01 * force_scale(laws, pieces)
-    return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
-
-
-def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
-    if prefer is None:
-        # All alike: cells of constant force share the motion, else the innermost goes first.
-        return np.zeros(cells, np.int64)
-    order = [int(i) for i in prefer]
-    if sorted(order) != list(range(cells)):
-        raise ValueError(
-            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
-            f"that goes first."
-        )
-    ranks = np.empty(cells, np.int64)
-    ranks[order] = np.arange(cells)
-    return ranks
+    turns, start = tuple(turning.tolist()), tuple(travels.tolist())
+    return Path(chain, turns, start, points, force, logged.written(log)).with_problem(problem)
 
 
 def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:

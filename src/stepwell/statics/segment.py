@@ -1,4 +1,4 @@
-"""Parts of a path: what moves between one event and the next."""
+"""Segments of a path: what moves between one event and the next."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -6,8 +6,8 @@ from enum import Enum
 from stepwell.base import ByValue
 
 
-class StretchKind(Enum):
-    """What a chain does on a stretch of its path."""
+class SegmentKind(Enum):
+    """What a chain does on a segment of its path."""
 
     HOLD = "nothing moves while the force changes"
     MOVE = "cells move smoothly; turning back undoes it where there is no friction"
@@ -15,7 +15,7 @@ class StretchKind(Enum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch(ByValue):
+class Segment(ByValue):
     """One part of a path, the same cells moving all along it.
 
     Attributes:
@@ -29,7 +29,7 @@ class Stretch(ByValue):
         tie: whether another outcome was closer than the tolerance.
     """
 
-    kind: StretchKind
+    kind: SegmentKind
     direction: int
     drive: tuple[float, float]
     force: tuple[float, float]

@@ -22,7 +22,7 @@ from stepwell.concave import (
 )
 from stepwell.kernels import entry, kernel
 from stepwell.mechanism import Floats, Ints, Laws
-from stepwell.statics.following import follow as f
+from stepwell.statics.following import log as logged
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.
 WORTH_SORTING = 16
@@ -57,34 +57,34 @@ def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bo
 
 @kernel
 def _row(
-    log: f.Log, kind: int, drive_0: float, drive_1: float, force_0: float, force_1: float
+    log: logged.Log, kind: int, drive_0: float, drive_1: float, force_0: float, force_1: float
 ) -> None:
     k = log.used[0]
     row = log.segments[k]
-    row[f.KIND], row[f.DIRECTION] = kind, 1
-    row[f.DRIVE_0], row[f.DRIVE_1], row[f.FORCE_0], row[f.FORCE_1] = (
+    row[logged.KIND], row[logged.DIRECTION] = kind, 1
+    row[logged.DRIVE_0], row[logged.DRIVE_1], row[logged.FORCE_0], row[logged.FORCE_1] = (
         drive_0,
         drive_1,
         force_0,
         force_1,
     )
-    row[f.TIE_A] = row[f.TIE_B] = -1
+    row[logged.TIE_A] = row[logged.TIE_B] = -1
     log.used[0] = k + 1
     log.first[k + 1] = log.used[1]
 
 
 @kernel
-def _mover(log: f.Log, cell: int, before: float, after: float) -> None:
+def _mover(log: logged.Log, cell: int, before: float, after: float) -> None:
     m = log.used[1]
     mover = log.movers[m]
-    mover[f.CELL], mover[f.PIECE], mover[f.OFFSET] = cell, -1, 0.0
-    mover[f.TRAVEL_0], mover[f.TRAVEL_1] = before, after
+    mover[logged.CELL], mover[logged.PIECE], mover[logged.OFFSET] = cell, -1, 0.0
+    mover[logged.TRAVEL_0], mover[logged.TRAVEL_1] = before, after
     log.used[1] = m + 1
 
 
 @entry(1e-4, "table")
 def load_sorted(
-    table: Floats, order: Ints, full: float, start_force: float, scale: float, log: f.Log
+    table: Floats, order: Ints, full: float, start_force: float, scale: float, log: logged.Log
 ) -> bool:
     """Log the loading of all cells in ascending F0; False where a step is not proved.
 
@@ -104,10 +104,10 @@ def load_sorted(
             return False
         last = f0
         if f0 != force:
-            _row(log, f.HOLD, drive, drive, force, f0)
+            _row(log, logged.HOLD, drive, drive, force, f0)
         if f1 > top_force:
             _mover(log, j, 0.0, full)
-            _row(log, f.MOVE, drive, drive + full, f0, f1)
+            _row(log, logged.MOVE, drive, drive + full, f0, f1)
             top, top_force = j, f1
             force, drive = f1, full * (done + 1)
             continue
@@ -128,22 +128,22 @@ def load_sorted(
             checked += 1
         back = full - lack
         _mover(log, j, 0.0, at)
-        _row(log, f.MOVE, drive, drive + at, f0, top_force)
+        _row(log, logged.MOVE, drive, drive + at, f0, top_force)
         after = force_at(leader, back)[0]
         _mover(log, top, full, back)
         _mover(log, j, at, full)
-        _row(log, f.SNAP, drive + at, drive + at, top_force, after)
+        _row(log, logged.SNAP, drive + at, drive + at, top_force, after)
         snap = log.segments[log.used[0] - 1]
-        snap[f.CAUSE] = f.RELEASE
+        snap[logged.CAUSE] = logged.RELEASE
         lost, gained = energy_at(cell, full), energy_at(leader, full)
-        snap[f.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
+        snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
         _mover(log, top, back, full)
-        _row(log, f.MOVE, drive + at, full * (done + 1), after, top_force)
+        _row(log, logged.MOVE, drive + at, full * (done + 1), after, top_force)
         force, drive = top_force, full * (done + 1)
     return True
 
 
-def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
+def sorted_cycle(laws: Laws) -> tuple[logged.Log, float] | None:
     """The log of a full cycle and its first force, or None where the proof does not hold."""
     table, full = simple_rows(laws), laws.full
     if table is None or not same_travel(np.max(full), np.min(full)):
@@ -155,24 +155,23 @@ def sorted_cycle(laws: Laws) -> tuple[f.Log, float] | None:
     mirrored = table * np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
     n = len(table)
     scale = float(np.max(np.abs(forces)))
-    log = f.Log(
-        np.zeros((8 * n, f.SEGMENT_COLUMNS)),
-        np.zeros(8 * n + 1, np.int64),
-        np.zeros((8 * n, f.MOVER_COLUMNS)),
-        np.zeros(2, np.int64),
-    )
+    log = logged.empty_log(8 * n, 8 * n)
     begin = min(0.0, float(np.min(forces[:, 0])))
     if not load_sorted(table, loading, full[0], begin, scale, log):
         return None
     segments, movers = int(log.used[0]), int(log.used[1])
     # Unloading is loading seen in a mirror: s → S - s and F → -F turn d_y round.
-    arrival = -float(log.segments[segments - 1, f.FORCE_1])
+    arrival = -float(log.segments[segments - 1, logged.FORCE_1])
     if not load_sorted(mirrored, unloading, full[0], arrival, scale, log):
         return None
     back = log.segments[segments : log.used[0]]
-    back[:, f.DIRECTION] = -1
-    back[:, [f.DRIVE_0, f.DRIVE_1]] = n * full[0] - back[:, [f.DRIVE_0, f.DRIVE_1]]
-    back[:, [f.FORCE_0, f.FORCE_1]] *= -1.0
+    back[:, logged.DIRECTION] = -1
+    back[:, [logged.DRIVE_0, logged.DRIVE_1]] = (
+        n * full[0] - back[:, [logged.DRIVE_0, logged.DRIVE_1]]
+    )
+    back[:, [logged.FORCE_0, logged.FORCE_1]] *= -1.0
     way = log.movers[movers : log.used[1]]
-    way[:, [f.TRAVEL_0, f.TRAVEL_1]] = full[0] - way[:, [f.TRAVEL_0, f.TRAVEL_1]]
+    way[:, [logged.TRAVEL_0, logged.TRAVEL_1]] = (
+        full[0] - way[:, [logged.TRAVEL_0, logged.TRAVEL_1]]
+    )
     return log, begin

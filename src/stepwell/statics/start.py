@@ -5,29 +5,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.mechanism import Chain, Floats, Laws, law
+from stepwell.mechanism import Chain, Floats, law
 from stepwell.statics.following import (
     FREE,
     HELD,
     NO_FORCE,
-    Pieces,
+    Problem,
     State,
     find_piece,
     held_range,
     inverse_slope,
+    log as logged,
 )
 
 EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.
 _BLUNT = 1e-2
-
-
-def drive_weights(chain: Chain) -> tuple[float, float]:
-    """(α, β) of the drive coordinate U = α Σ s_i + β λ."""
-    stiffness = chain.actuator_stiffness
-    if math.isinf(stiffness):
-        return 1.0, 0.0
-    return (0.0, 1.0) if stiffness == 0 else (1.0, 1.0 / stiffness)
 
 
 def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
@@ -58,16 +51,14 @@ def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
     return np.where(near > (1 - 1e-9) * full, full, near)
 
 
-def starting_state(
-    chain: Chain, laws: Laws, pieces: Pieces, travels: Floats, drive: float, scale: float
-) -> State:
+def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float) -> State:
     """The state in which the chain stands at `travels` while the actuator is at `drive`.
 
     Raises:
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
-    alpha, beta = drive_weights(chain)
+    laws, pieces, alpha, beta, scale, *_ = problem
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
             raise ValueError(
@@ -87,6 +78,9 @@ def starting_state(
         np.zeros(n, np.int64),
         np.zeros(n),
         np.zeros(1),
+        np.zeros(4, np.int64),
+        np.zeros(2, np.int64),
+        logged.empty_log(0, 0),
     )
     forces = np.zeros(n)
     for i in range(n):
@@ -118,32 +112,30 @@ def starting_state(
     slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
-        raise ValueError(_unbalanced(chain, laws, state, forces, force, beta))
-    _refuse_unstable(chain, laws, pieces, state, alpha, beta)
+        raise ValueError(_unbalanced(chain, problem, state, forces, force))
+    _refuse_unstable(problem, state)
     told = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
     state.force[0] = min(max(told, force - rounding), force + rounding)
     return state
 
 
-def _unbalanced(
-    chain: Chain, laws: Laws, state: State, forces: Floats, force: float, beta: float
-) -> str:
+def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, force: float) -> str:
+    laws = problem.laws
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]
         low = forces[i] - rub if state.travel[i] > 0 else -math.inf
         high = forces[i] + rub if state.travel[i] < laws.full[i] else math.inf
         parts.append(f"{name} at {state.travel[i] * 1e3:.6g} mm stands for {low:.4g}..{high:.4g} N")
-    given = f" and the actuator gives {force:.4g} N" if beta > 0 else ""
+    given = f" and the actuator gives {force:.4g} N" if problem.beta > 0 else ""
     return (
         f"start is no equilibrium: {'; '.join(parts)}{given}; one force must suit all. Start from "
         f"all cells at 0 and drive to the state that you mean."
     )
 
 
-def _refuse_unstable(
-    chain: Chain, laws: Laws, pieces: Pieces, state: State, alpha: float, beta: float
-) -> None:
+def _refuse_unstable(problem: Problem, state: State) -> None:
+    laws, pieces, alpha, beta, *_ = problem
     total, falling = beta, 0
     for i in np.flatnonzero(state.mode == FREE).tolist():
         falling += int(pieces.sign[state.piece[i]] < 0)

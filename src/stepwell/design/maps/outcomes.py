@@ -15,7 +15,7 @@ from stepwell.design.parameters import Parameter
 from stepwell.kernels import in_blocks
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
-from stepwell.statics import StaticsError, StretchKind
+from stepwell.statics import SegmentKind, StaticsError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -279,10 +279,10 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
     between: set[int] = set()
     counts = {1: 0, -1: 0}
     snapped = 0
-    for stretch in result.path.stretches():
-        if stretch.kind is StretchKind.SNAP:
-            snapped = stretch.direction
-        for cell, travel in zip(stretch.cells, stretch.after, strict=True):
+    for segment in result.path.segments():
+        if segment.kind is SegmentKind.SNAP:
+            snapped = segment.direction
+        for cell, travel in zip(segment.cells, segment.after, strict=True):
             at_stop = travel == 0 or travel == full[cell]
             between.discard(cell) if at_stop else between.add(cell)
         if snapped and not between:

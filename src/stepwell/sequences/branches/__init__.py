@@ -2,7 +2,7 @@
 
 from stepwell.sequences.branches.branches import Branches, Travels, drive_slip
 from stepwell.sequences.branches.checks import Drive, checked_state, driven, refuse_friction
-from stepwell.sequences.branches.legs import Part, legs_of, state_of
+from stepwell.sequences.branches.passages import Section, passages_of, state_of
 from stepwell.sequences.branches.relays import Order, order_kept
 from stepwell.sequences.branches.windows import windows
 
@@ -10,13 +10,13 @@ __all__ = [
     "Branches",
     "Drive",
     "Order",
-    "Part",
+    "Section",
     "Travels",
     "checked_state",
     "drive_slip",
     "driven",
-    "legs_of",
     "order_kept",
+    "passages_of",
     "refuse_friction",
     "state_of",
     "windows",

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from stepwell.base import most, problem
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.legs import Leg, Part, legs_of, state_of
-from stepwell.statics import Path, Stretch, Tie, drive_range, path
+from stepwell.sequences.branches.passages import Passage, Section, passages_of, state_of
+from stepwell.statics import Path, Segment, Tie, drive_range, path
 
 # Two places are one when they differ by less than this share of what there is to travel.
 _SAME = 1e-7
@@ -31,7 +31,7 @@ Travels = tuple[float, ...]
 class Exit:
     """The snap at an end of a branch, and the branch that it leads to."""
 
-    snap: Stretch
+    snap: Segment
     travel: Travels  # after it
     branch: int
 
@@ -40,29 +40,29 @@ class Exit:
 class Branch:
     """Parts in rising order of the drive."""
 
-    parts: tuple[Part, ...]
+    sections: tuple[Section, ...]
 
     @property
     def low(self) -> float:
         """Drive at the lower end [m], or [N] under force control."""
-        return self.parts[0].drive[0]
+        return self.sections[0].drive[0]
 
     @property
     def high(self) -> float:
         """Drive at the upper end."""
-        return self.parts[-1].drive[1]
+        return self.sections[-1].drive[1]
 
     @property
     def vertices(self) -> tuple[str, ...]:
         """States on it with all cells at a stop, by rising drive."""
-        return tuple(part.state for part in self.parts if "-" not in part.state)
+        return tuple(section.state for section in self.sections if "-" not in section.state)
 
     def find(self, state: str, drive: float) -> int:
-        """Number of the part with this state at this drive, or the nearest to it."""
+        """Number of the section with this state at this drive, or the nearest to it."""
         outside = {
-            max(part.drive[0] - drive, drive - part.drive[1], 0.0): k
-            for k, part in reversed(list(enumerate(self.parts)))
-            if part.state == state
+            max(section.drive[0] - drive, drive - section.drive[1], 0.0): k
+            for k, section in reversed(list(enumerate(self.sections)))
+            if section.state == state
         }
         return outside[min(outside)]
 
@@ -106,9 +106,11 @@ class Branches:
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
         self._branches: list[Branch] = []
-        self._landings: dict[tuple[int, int], tuple[Stretch, Travels, float] | None] = {}
+        self._landings: dict[tuple[int, int], tuple[Segment, Travels, float] | None] = {}
         self._where: dict[str, list[int]] = {}
-        self._legs: dict[tuple[int, ...], tuple[Leg, tuple[Stretch, Travels, float] | None]] = {}
+        self._passages: dict[
+            tuple[int, ...], tuple[Passage, tuple[Segment, Travels, float] | None]
+        ] = {}
 
     def __getitem__(self, number: int) -> Branch:
         return self._branches[number]
@@ -122,19 +124,19 @@ class Branches:
         known = self._known(state, drive)
         if known is not None:
             return known
-        up, after_up = self._leg(travels, drive, +1)
-        down, after_down = self._leg(travels, drive, -1)
-        back = [part.reversed for part in reversed(down.parts)]
-        first = up.parts[0]
-        # Both runs begin with the part that the chain stands on.
+        up, after_up = self._passage(travels, drive, +1)
+        down, after_down = self._passage(travels, drive, -1)
+        back = [section.reversed for section in reversed(down.sections)]
+        first = up.sections[0]
+        # Both runs begin with the section that the chain stands on.
         middle = back[-1].until(first.drive[1], first.force[1], first.travel[1])
-        branch = Branch((*back[:-1], middle, *up.parts[1:]))
+        branch = Branch((*back[:-1], middle, *up.sections[1:]))
         number = self._same(branch)
         if number is None:
             number = len(self._branches)
             self._branches.append(branch)
-            for part in branch.parts:
-                self._where.setdefault(part.state, []).append(number)
+            for section in branch.sections:
+                self._where.setdefault(section.state, []).append(number)
             self._landings[number, +1] = after_up
             self._landings[number, -1] = after_down
         return number
@@ -203,21 +205,21 @@ class Branches:
         if state.count("-") > 1:
             return None
         for number in self._where.get(state, ()):
-            for part in self._branches[number].parts:
-                low, high = part.drive
-                if part.state == state and low - self.slip <= drive <= high + self.slip:
+            for section in self._branches[number].sections:
+                low, high = section.drive
+                if section.state == state and low - self.slip <= drive <= high + self.slip:
                     return number
         return None
 
     def _same(self, branch: Branch) -> int | None:
-        states = [part.state for part in branch.parts]
+        states = [section.state for section in branch.sections]
         for number in self._where.get(states[0], ()):
             other = self._branches[number]
             # Slack cells that share a motion differ in nothing but the places within a branch.
-            if states == [p.state for p in other.parts] and all(
+            if states == [p.state for p in other.sections] and all(
                 abs(a - b) <= self.slip
-                for part, like in zip(branch.parts, other.parts, strict=True)
-                for a, b in zip(part.drive, like.drive, strict=True)
+                for section, like in zip(branch.sections, other.sections, strict=True)
+                for a, b in zip(section.drive, like.drive, strict=True)
             ):
                 return number
         return None
@@ -226,27 +228,27 @@ class Branches:
         least = _SAME * self.chain.full_stroke
         return (*(round(s / least) for s in travels), round(drive / self.slip), direction)
 
-    def _leg(
+    def _passage(
         self, travels: Travels, drive: float, direction: int
-    ) -> tuple[Leg, tuple[Stretch, Travels, float] | None]:
+    ) -> tuple[Passage, tuple[Segment, Travels, float] | None]:
         key = self._key(travels, drive, direction)
-        if key not in self._legs:
+        if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]
             found = path(self.chain, [drive, end], start=travels)
             self._keep(found, direction)
-        return self._legs[key]
+        return self._passages[key]
 
     def _keep(self, found: Path, direction: int) -> None:
-        """Write down every smooth part of a run: the later ones begin where a snap ended."""
+        """Write down every passage of a run: the later ones begin where a snap ended."""
         for tie in found.degenerate:
             self.ties.setdefault(tie)
-        legs = legs_of(found)
-        for leg, following in zip(legs, [*legs[1:], None], strict=True):
-            first = leg.parts[0]
+        passages = passages_of(found)
+        for passage, following in zip(passages, [*passages[1:], None], strict=True):
+            first = passage.sections[0]
             travels, drive = first.travel[0], first.drive[0]
             key = self._key(travels, drive, direction)
             landing = None
-            if leg.snap is not None and following is not None:
-                after = following.parts[0]
-                landing = (leg.snap, after.travel[0], after.drive[0])
-            self._legs.setdefault(key, (leg, landing))
+            if passage.snap is not None and following is not None:
+                after = following.sections[0]
+                landing = (passage.snap, after.travel[0], after.drive[0])
+            self._passages.setdefault(key, (passage, landing))

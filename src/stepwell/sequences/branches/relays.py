@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from stepwell.concave import Relays
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches.legs import legs_of
+from stepwell.sequences.branches.passages import passages_of
 from stepwell.statics import StaticsError, path
 
 
@@ -40,12 +40,12 @@ def order_kept(chain: Chain, fields: Relays) -> Order:
     except StaticsError:
         return Order(False, False)
     ideals = leaders = not cycle.degenerate
-    for leg, landed in pairwise(legs_of(cycle)):
-        state = landed.parts[0].state
-        if leg.snap is None or state.count("-") != 1:
+    for passage, landed in pairwise(passages_of(cycle)):
+        state = landed.sections[0].state
+        if passage.snap is None or state.count("-") != 1:
             return Order(False, False)
         k = state.index("-")
-        if leg.snap.direction > 0:
+        if passage.snap.direction > 0:
             full = [m for m, at in enumerate(state) if at == "1"]
             ideals &= not any(fields.precedes(k, m) for m in full)
             leaders &= all(fields.down[m] < fields.down[k] for m in full)

@@ -89,7 +89,7 @@ class Atlas:
         graph: what was drawn.
         up, down: the node that the drive's rise and fall leads to from a node.
         mesostates: the branches.
-        parts: their nodes' labels, by rising drive.
+        labels: of the nodes on each branch, by rising drive.
         branch_of: the number of each node's branch.
     """
 
@@ -97,7 +97,7 @@ class Atlas:
     up: dict[str, str]
     down: dict[str, str]
     mesostates: Mesostates
-    parts: list[list[str]]
+    labels: list[list[str]]
     branch_of: dict[str, int]
 
     @property
@@ -109,8 +109,8 @@ class Atlas:
         """The node of a branch that exists at a drive."""
         node = self.graph.node
         return next(
-            (label for label in self.parts[number] if drive <= node(label).high),
-            self.parts[number][-1],
+            (label for label in self.labels[number] if drive <= node(label).high),
+            self.labels[number][-1],
         )
 
     def following(self, label: str, direction: int) -> list[str]:
@@ -135,22 +135,22 @@ def atlas(graph: TransitionGraph) -> Atlas:
                 snaps.append((a, b, transition.direction))
             elif transition.direction > 0:
                 above[a] = b
-    parts: list[list[str]] = []
+    labels: list[list[str]] = []
     for label in graph.nodes.keys() - above.values():
-        parts.append([label])
+        labels.append([label])
         while label := above.get(label, ""):
-            parts[-1].append(label)
-    parts.sort(key=lambda labels: graph.node(labels[0]).branch)
-    branch_of = {label: number for number, labels in enumerate(parts) for label in labels}
-    low = np.array([graph.node(labels[0]).low for labels in parts])
-    high = np.array([graph.node(labels[-1]).high for labels in parts])
-    rise, fall = np.full(len(parts), -1), np.full(len(parts), -1)
+            labels[-1].append(label)
+    labels.sort(key=lambda on: graph.node(on[0]).branch)
+    branch_of = {label: number for number, on in enumerate(labels) for label in on}
+    low = np.array([graph.node(on[0]).low for on in labels])
+    high = np.array([graph.node(on[-1]).high for on in labels])
+    rise, fall = np.full(len(labels), -1), np.full(len(labels), -1)
     for a, b, direction in snaps:
         (rise if direction > 0 else fall)[branch_of[a]] = branch_of[b]
     stroke = max(math.fsum(graph.node(label).travel_high) for label in graph)
     span = float(np.max(high) - np.min(low))
     slip = drive_slip(span, stroke if graph.unit == "m" else 0.0)
-    return Atlas(graph, up, down, Mesostates(low, high, rise, fall, slip), parts, branch_of)
+    return Atlas(graph, up, down, Mesostates(low, high, rise, fall, slip), labels, branch_of)
 
 
 class Routes:

@@ -228,28 +228,35 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
     names = _labels(branches, numbers)
     found = TransitionGraph()
     for place, number in enumerate(numbers):
-        for k, part in enumerate(branches[number].parts):
+        for k, section in enumerate(branches[number].sections):
             label = names[number, k]
-            node = Node(label, part.state, *part.drive, *part.force, *part.travel, place)
+            node = Node(
+                label, section.state, *section.drive, *section.force, *section.travel, place
+            )
             found.add_node(label, node=node)
     for number in numbers:
-        parts = branches[number].parts
-        for k, (lower, upper) in enumerate(pairwise(parts)):
+        sections = branches[number].sections
+        for k, (lower, upper) in enumerate(pairwise(sections)):
             cells = _unlike(lower.state, upper.state)
             for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
                 at = lower.drive[1]
                 switch = Transition(TransitionKind.SWITCH, direction, at, cells)
                 _add(found, names[number, a], names[number, b], switch)
-        for direction, k in ((+1, len(parts) - 1), (-1, 0)):
-            way = branches.exit(number, direction)
-            if way is None:
+        for direction, k in ((+1, len(sections) - 1), (-1, 0)):
+            exit_ = branches.exit(number, direction)
+            if exit_ is None:
                 continue
-            at = way.snap.drive[0]
-            target = branches[way.branch].find(state_of(way.travel, full), at)
+            at = exit_.snap.drive[0]
+            target = branches[exit_.branch].find(state_of(exit_.travel, full), at)
             snap = Transition(
-                TransitionKind.SNAP, direction, at, way.snap.cells, way.snap.released, way.snap.tie
+                TransitionKind.SNAP,
+                direction,
+                at,
+                exit_.snap.cells,
+                exit_.snap.released,
+                exit_.snap.tie,
             )
-            _add(found, names[number, k], names[way.branch, target], snap)
+            _add(found, names[number, k], names[exit_.branch, target], snap)
     found.graph.update(
         **about(chain),
         ties=tuple(branches.ties),
@@ -268,11 +275,11 @@ def about(chain: Chain) -> dict[str, object]:
 
 
 def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:
-    """A label for every part: its state, numbered by rising drive where several share it."""
+    """A label for every section: its state, numbered by rising drive where several share it."""
     places: dict[str, list[tuple[float, int, int]]] = {}
     for number in numbers:
-        for k, part in enumerate(branches[number].parts):
-            places.setdefault(part.state, []).append((part.drive[0], number, k))
+        for k, section in enumerate(branches[number].sections):
+            places.setdefault(section.state, []).append((section.drive[0], number, k))
     labels: dict[tuple[int, int], str] = {}
     for state, sharing in places.items():
         for count, (_, number, k) in enumerate(sorted(sharing), 1):

@@ -89,5 +89,5 @@ def _is_main(atlas: Atlas, pair: tuple[int, int]) -> bool:
 
 def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> str:
     """The node of a branch on which the chain lands, coming from another one."""
-    first = atlas.parts[start][-1 if direction > 0 else 0]
+    first = atlas.labels[start][-1 if direction > 0 else 0]
     return next(v for v in atlas.following(first, direction) if atlas.branch_of[v] == goal)

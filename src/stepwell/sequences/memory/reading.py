@@ -94,7 +94,7 @@ def read(graph: TransitionGraph) -> Reading:
     reached = np.flatnonzero(routes.reached)
     pairs = loop_pairs(drawn, reached)
     few = len(pairs) <= MOST_LOOPS
-    reachable = frozenset(label for number in reached.tolist() for label in drawn.parts[number])
+    reachable = frozenset(label for number in reached.tolist() for label in drawn.labels[number])
     memory = return_point_memory(drawn, routes)
     groups = groups_of(graph)
     return Reading(

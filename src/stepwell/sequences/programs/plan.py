@@ -15,11 +15,11 @@ from stepwell.sequences.branches import (
     Order,
     Travels,
     checked_state,
-    legs_of,
     order_kept,
+    passages_of,
 )
+from stepwell.sequences.programs.friction import search_with_friction
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
-from stepwell.sequences.programs.search import grope
 from stepwell.statics import path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
@@ -60,15 +60,15 @@ def program(
     start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
     checked_state(chain, "to", to)
     branches = Branches(chain)
-    place = branches.vertex(start)
-    if place is None:
+    origin = branches.vertex(start)
+    if origin is None:
         raise ValueError(f"start: {_unstable(chain, start)}")
     if branches.vertex(to) is None:
         raise Unreachable(_unstable(chain, to), proved=True)
     if any(cell.friction > 0 for cell in chain.cells):
-        return grope(branches, start, to, place, progress)
-    found = _by_fields(branches, start, to, place) if len(chain) > _LOOKED_AT else None
-    return found or _by_branches(branches, start, to, place, progress)
+        return search_with_friction(branches, start, to, origin, progress)
+    found = _by_fields(branches, start, to, origin) if len(chain) > _LOOKED_AT else None
+    return found or _by_branches(branches, start, to, origin, progress)
 
 
 def _unstable(chain: Chain, state: str) -> str:
@@ -83,7 +83,7 @@ def _unstable(chain: Chain, state: str) -> str:
 
 
 def _by_fields(
-    branches: Branches, start: str, to: str, place: tuple[Travels, float]
+    branches: Branches, start: str, to: str, origin: tuple[Travels, float]
 ) -> Program | None:
     """The plan of relays, aimed by one run a stroke; None where it may not or does not hold."""
     chain = branches.chain
@@ -108,7 +108,7 @@ def _by_fields(
             f"is at 1, unless they were set by hand (theory page, 'Stroke programs').",
             proved=True,
         )
-    aimed = _aimed(branches, place, plan.states)
+    aimed = _aimed(branches, origin, plan.states)
     if aimed is None:
         return None
     turns, low, high = aimed
@@ -116,38 +116,40 @@ def _by_fields(
         chain,
         start,
         to,
-        place[1],
+        origin[1],
         (low + high) / 2,
         turns,
         low,
         high,
         _BY_FIELDS,
         order.leaders_win,
-        place[0],
+        origin[0],
     )
 
 
 def _aimed(
-    branches: Branches, place: tuple[Travels, float], states: tuple[str, ...]
+    branches: Branches, origin: tuple[Travels, float], states: tuple[str, ...]
 ) -> tuple[tuple[Turn, ...], float, float] | None:
     """Windows for turning at each of these states in turn; None where one is not on the way."""
-    travels, drive = place
+    travels, drive = origin
     turns: list[Turn] = []
     low = high = drive
     for state in states:
         rises = _stroke(state) > _stroke_of(travels, branches.chain)
         end = branches.range[1] if rises else branches.range[0]
-        for leg in legs_of(path(branches.chain, [drive, end], start=travels)):
-            part = next((part for part in leg.parts if part.state == state), None)
-            if part is not None:
+        for passage in passages_of(path(branches.chain, [drive, end], start=travels)):
+            section = next(
+                (section for section in passage.sections if section.state == state), None
+            )
+            if section is not None:
                 break
         else:
             return None
-        first, last = sorted((leg.parts[0].drive[0], leg.parts[-1].drive[1]))
-        low, high = sorted(part.drive)
-        vertices = tuple(p.state for p in leg.parts if "-" not in p.state)
+        first, last = sorted((passage.sections[0].drive[0], passage.sections[-1].drive[1]))
+        low, high = sorted(section.drive)
+        vertices = tuple(p.state for p in passage.sections if "-" not in p.state)
         turns.append(Turn((first + last) / 2, first, last, vertices))
-        travels, drive = part.travel[0], part.drive[0]
+        travels, drive = section.travel[0], section.drive[0]
     return tuple(turns[:-1]), low, high
 
 
@@ -160,7 +162,7 @@ def _stroke_of(travels: Travels, chain: Chain) -> int:
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Reached:
     """Where a search has come to: on a branch, moving in a direction, having turned so often."""
 
     branch: int
@@ -179,47 +181,60 @@ def _by_branches(
     branches: Branches,
     start: str,
     to: str,
-    place: tuple[Travels, float],
+    origin: tuple[Travels, float],
     progress: Progress | None,
 ) -> Program:
-    first = branches.at(*place)
+    first = branches.at(*origin)
     order = count()
-    heap: list[tuple[tuple[int, float], int, _Way]] = []
+    heap: list[tuple[tuple[int, float], int, _Reached]] = []
 
-    def push(way: _Way) -> None:
-        heapq.heappush(heap, (way.cost, next(order), way))
+    def push(reached: _Reached) -> None:
+        heapq.heappush(heap, (reached.cost, next(order), reached))
 
     for direction in (+1, -1):
-        push(_Way(first, direction, place[1], (), can_turn=False))
+        push(_Reached(first, direction, origin[1], (), can_turn=False))
     seen: set[tuple[int, int, bool, int]] = set()
     looked: set[int] = set()
     while heap:
-        _, _, way = heapq.heappop(heap)
-        key = (way.branch, way.direction, way.can_turn, round(way.entry / branches.slip))
+        _, _, reached = heapq.heappop(heap)
+        key = (
+            reached.branch,
+            reached.direction,
+            reached.can_turn,
+            round(reached.entry / branches.slip),
+        )
         if key in seen:
             continue
         seen.add(key)
-        looked.add(way.branch)
+        looked.add(reached.branch)
         if progress is not None:
             progress(len(looked), len(branches))
-        end = _end(branches, way, to)
+        end = _end(branches, reached, to)
         if end is not None:
             low, high = end
             return Program(
-                branches.chain, start, to, place[1], (low + high) / 2, way.turns, low, high,
-                _BY_BRANCHES, not branches.ties, place[0],
+                branches.chain, start, to, origin[1], (low + high) / 2, reached.turns, low, high,
+                _BY_BRANCHES, not branches.ties, origin[0],
             )  # fmt: skip
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
-                f"no program from {start} to {to} with {len(way.turns)} turns or fewer, and "
+                f"no program from {start} to {to} with {len(reached.turns)} turns or fewer, and "
                 f"{_MOST_BRANCHES} branches were looked at: there may be a longer one.",
                 proved=False,
             )
-        if way.can_turn:
-            push(_turned(branches, way))
-        exit_ = branches.exit(way.branch, way.direction)
+        if reached.can_turn:
+            push(_turned(branches, reached))
+        exit_ = branches.exit(reached.branch, reached.direction)
         if exit_ is not None:
-            push(_Way(exit_.branch, way.direction, exit_.snap.drive[1], way.turns, can_turn=True))
+            push(
+                _Reached(
+                    exit_.branch,
+                    reached.direction,
+                    exit_.snap.drive[1],
+                    reached.turns,
+                    can_turn=True,
+                )
+            )
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(
         f"no program leads from {start} to {to}: every branch that can be reached from {start} "
@@ -229,29 +244,31 @@ def _by_branches(
     )
 
 
-def _turned(branches: Branches, way: _Way) -> _Way:
-    """The way after turning back on its branch."""
-    branch = branches[way.branch]
-    low, high = (way.entry, branch.high) if way.direction > 0 else (branch.low, way.entry)
+def _turned(branches: Branches, reached: _Reached) -> _Reached:
+    """Where a search is after turning back on its branch."""
+    branch = branches[reached.branch]
+    low, high = (
+        (reached.entry, branch.high) if reached.direction > 0 else (branch.low, reached.entry)
+    )
     turn = Turn((low + high) / 2, low, high, branch.vertices)
     return replace(
-        way,
-        direction=-way.direction,
+        reached,
+        direction=-reached.direction,
         entry=turn.drive,
-        turns=(*way.turns, turn),
+        turns=(*reached.turns, turn),
         can_turn=False,
     )
 
 
-def _end(branches: Branches, way: _Way, to: str) -> tuple[float, float] | None:
-    """Drives at which the way may end in the state wanted, if that lies ahead on its branch."""
-    for part in branches[way.branch].parts:
-        if part.state == to:
-            low, high = part.drive
-            if way.direction > 0 and high >= way.entry - branches.slip:
-                return max(low, min(way.entry, high)), high
-            if way.direction < 0 and low <= way.entry + branches.slip:
-                return low, min(high, max(way.entry, low))
+def _end(branches: Branches, reached: _Reached, to: str) -> tuple[float, float] | None:
+    """Drives at which a search may end in the state wanted, if that lies ahead on its branch."""
+    for section in branches[reached.branch].sections:
+        if section.state == to:
+            low, high = section.drive
+            if reached.direction > 0 and high >= reached.entry - branches.slip:
+                return max(low, min(reached.entry, high)), high
+            if reached.direction < 0 and low <= reached.entry + branches.slip:
+                return low, min(high, max(reached.entry, low))
     return None
 
 

@@ -1,6 +1,6 @@
 """Following the local minimum event by event: compiled kernels, and what they keep."""
 
-from stepwell.statics.following.branch import drive_of, inverse_slope
+from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.certificate import (
     ENERGY,
     EQUILIBRIUM,
@@ -9,7 +9,7 @@ from stepwell.statics.following.certificate import (
     STABILITY,
     audit,
 )
-from stepwell.statics.following.follow import FREE, HELD, State, held_range
+from stepwell.statics.following.follow import follow
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
@@ -18,25 +18,48 @@ from stepwell.statics.following.pieces import (
     find_piece,
     force_scale,
 )
-from stepwell.statics.following.sample import count_samples, sample
+from stepwell.statics.following.sample import Samples, count_samples, sample
+from stepwell.statics.following.state import (
+    DONE,
+    FREE,
+    GAVE_UP,
+    HELD,
+    LOG_FULL,
+    NOT_SETTLED,
+    RUNS_AWAY,
+    STALLED,
+    Problem,
+    State,
+    drive_of,
+    held_range,
+)
 
 __all__ = [
+    "DONE",
     "ENERGY",
     "EQUILIBRIUM",
     "FORCE_SLACK",
     "FREE",
+    "GAVE_UP",
     "HELD",
     "KEPT",
+    "LOG_FULL",
     "MOST_PIECES",
+    "NOT_SETTLED",
     "NO_FORCE",
+    "RUNS_AWAY",
     "STABILITY",
+    "STALLED",
     "Pieces",
+    "Problem",
+    "Samples",
     "State",
     "audit",
     "count_samples",
     "cut",
     "drive_of",
     "find_piece",
+    "follow",
     "force_scale",
     "held_range",
     "inverse_slope",

@@ -8,14 +8,9 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 import numpy as np
 
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.mechanism import Floats, Laws, law
 from stepwell.statics.following.pieces import Pieces, invert
-
-
-@kernel
-def drive_of(travel: Floats, force: float, alpha: float, beta: float) -> float:
-    """U = α Σ s_i + β λ."""
-    return alpha * summed(travel) + beta * force
+from stepwell.statics.following.state import Movers, Problem
 
 
 @kernel
@@ -57,23 +52,14 @@ def smallest_eigenvalue(slopes: Floats, alpha: float, beta: float) -> float:
 
 
 @kernel
-def _highest(
-    laws: Laws,
-    pieces: Pieces,
-    movers: Ints,
-    on: Ints,
-    offset: Floats,
-    alpha: float,
-    beta: float,
-    one: float,
-    two: float,
-) -> tuple[float, float]:
+def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[float, float]:
     """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     bound, end = beta, beta
-    for m in range(len(movers)):
-        cell, piece = movers[m], on[m]
-        at_one = invert(laws, pieces, cell, piece, one - offset[m])
-        at_two = invert(laws, pieces, cell, piece, two - offset[m])
+    for m in range(len(movers.cell)):
+        cell, piece, offset = movers.cell[m], movers.piece[m], movers.offset[m]
+        at_one = invert(laws, pieces, cell, piece, one - offset)
+        at_two = invert(laws, pieces, cell, piece, two - offset)
         inverse_one = inverse_slope(laws, pieces, cell, piece, at_one)
         inverse_two = inverse_slope(laws, pieces, cell, piece, at_two)
         bound += alpha * max(inverse_one, inverse_two)
@@ -82,39 +68,19 @@ def _highest(
 
 
 @kernel
-def compliance(
-    laws: Laws,
-    pieces: Pieces,
-    movers: Ints,
-    on: Ints,
-    offset: Floats,
-    alpha: float,
-    beta: float,
-    force: float,
-) -> float:
+def compliance(problem: Problem, movers: Movers, force: float) -> float:
     """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
-    return _highest(laws, pieces, movers, on, offset, alpha, beta, force, force)[1]
+    return _highest(problem, movers, force, force)[1]
 
 
 @kernel
-def first_fold(
-    laws: Laws,
-    pieces: Pieces,
-    movers: Ints,
-    on: Ints,
-    offset: Floats,
-    alpha: float,
-    beta: float,
-    begin: float,
-    end: float,
-    tolerance: float,
-    effort: Ints,
-) -> float:
+def first_fold(problem: Problem, movers: Movers, begin: float, end: float) -> float:
     """First force on the way from `begin` to `end` at which dU/dλ = α Σ 1/κ_i + β reaches 0.
 
     NaN where there is none. κ is monotone on every piece, so the bound over an interval is made
     of end values: an interval is dismissed by proof, never by having stepped over it.
     """
+    tolerance = 1e-15 * problem.scale
     one = np.empty(128)
     two = np.empty(128)
     one[0], two[0] = begin, end
@@ -122,9 +88,9 @@ def first_fold(
     while waiting > 0:
         waiting -= 1
         a, b = one[waiting], two[waiting]
-        if overspent(effort, 60 * len(movers)):
+        if overspent(problem.effort, 60 * len(movers.cell)):
             break
-        bound, at_b = _highest(laws, pieces, movers, on, offset, alpha, beta, a, b)
+        bound, at_b = _highest(problem, movers, a, b)
         if bound < 0.0:
             continue
         middle = 0.5 * (a + b)
@@ -140,26 +106,15 @@ def first_fold(
 
 @kernel
 def point_at(
-    laws: Laws,
-    pieces: Pieces,
-    movers: Ints,
-    on: Ints,
-    offset: Floats,
-    alpha: float,
-    beta: float,
-    held: float,
-    begin: float,
-    end: float,
-    drive: float,
-    out: Floats,
+    problem: Problem, movers: Movers, begin: float, end: float, drive: float, out: Floats
 ) -> float:
     """Force λ at which a branch between `begin` and `end` has U = `drive`; travels into `out`.
 
-    `held` is the travel of all cells that do not move. U is monotone on a stable branch.
+    U is monotone on a stable branch.
     """
     low, high = begin, end
-    u_low = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, low, out)
-    u_high = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, high, out)
+    u_low = _drive_at(problem, movers, low, out)
+    u_high = _drive_at(problem, movers, high, out)
     rising = u_high > u_low
     force = high
     for step in range(200):
@@ -170,48 +125,41 @@ def point_at(
             force = 0.5 * (low + high)
             if force == low or force == high:
                 break
-        u = _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, force, out)
+        u = _drive_at(problem, movers, force, out)
         if u == drive:
             break
         if (u < drive) == rising:
             low, u_low = force, u
         else:
             high, u_high = force, u
-    _drive_at(laws, pieces, movers, on, offset, alpha, beta, held, force, out)
+    _drive_at(problem, movers, force, out)
     # Near an extremum λ is too blunt a coordinate: let the softest cell close the sum, unless
     # the actuator is softer still.
+    laws, pieces = problem.laws, problem.pieces
     softest, largest = 0, 0.0
-    for m in range(len(movers)):
-        inverse = abs(inverse_slope(laws, pieces, movers[m], on[m], out[m]))
-        if inverse > largest:
-            softest, largest = m, inverse
-    if alpha * largest <= beta:
+    for m in range(len(movers.cell)):
+        inverse = inverse_slope(laws, pieces, movers.cell[m], movers.piece[m], out[m])
+        if abs(inverse) > largest:
+            softest, largest = m, abs(inverse)
+    if problem.alpha * largest <= problem.beta:
         return force
-    total = held
-    for m in range(len(movers)):
+    total = movers.held
+    for m in range(len(movers.cell)):
         if m != softest:
             total += out[m]
-    piece = on[softest]
-    travel = (drive - beta * force) / alpha - total
+    piece = movers.piece[softest]
+    travel = (drive - problem.beta * force) / problem.alpha - total
     out[softest] = min(max(travel, pieces.left[piece]), pieces.right[piece])
     return force
 
 
 @kernel
-def _drive_at(
-    laws: Laws,
-    pieces: Pieces,
-    movers: Ints,
-    on: Ints,
-    offset: Floats,
-    alpha: float,
-    beta: float,
-    held: float,
-    force: float,
-    out: Floats,
-) -> float:
-    total = held
-    for m in range(len(movers)):
-        out[m] = invert(laws, pieces, movers[m], on[m], force - offset[m])
+def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
+    """U of a branch where its force is `force`; travels into `out`."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    total = movers.held
+    for m in range(len(movers.cell)):
+        cell, piece = movers.cell[m], movers.piece[m]
+        out[m] = invert(laws, pieces, cell, piece, force - movers.offset[m])
         total += out[m]
     return alpha * total + beta * force

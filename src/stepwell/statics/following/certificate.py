@@ -3,9 +3,9 @@
 import numpy as np
 
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Floats, Ints, Laws, law, stored
+from stepwell.mechanism import Floats, Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
-from stepwell.statics.following.follow import (
+from stepwell.statics.following.log import (
     CELL,
     DRIVE_1,
     FORCE_1,
@@ -19,6 +19,7 @@ from stepwell.statics.following.follow import (
     Log,
 )
 from stepwell.statics.following.pieces import Pieces, find_piece
+from stepwell.statics.following.state import Movers, Problem, nobody
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY = 0, 1, 2, 3
 # Shares of the largest force, and of what that force does or resists over a full travel. The
@@ -27,38 +28,28 @@ FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
 
 
 @kernel
-def certify(
-    laws: Laws,
-    pieces: Pieces,
-    travel: Floats,
-    force: float,
-    alpha: float,
-    beta: float,
-    cells: Ints,
-    on: Ints,
-    offset: Floats,
-) -> tuple[float, float]:
+def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> tuple[float, float]:
     """Worst violation of equilibrium [N], and the least stiffness of what can move [N/m].
 
-    Independent of how the point was found: every cell is looked at, moving or not. `cells` move
-    now, on the pieces `on` (-1 for unknown) and against friction `offset`. A cell at a kink has
-    two stiffnesses; the smaller counts, unless a cell slides against friction: that one cannot
-    give way to what the other side of the kink would set off.
+    Independent of how the point was found: every cell is looked at, moving or not. A cell at a
+    kink has two stiffnesses; the smaller counts, unless a cell slides against friction: that one
+    cannot give way to what the other side of the kink would set off.
     """
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     n = len(travel)
     worst = 0.0
     slides = False
-    for j in range(len(cells)):
-        slides = slides or laws.friction[cells[j]] > 0.0
+    for cell in movers.cell:
+        slides = slides or laws.friction[cell] > 0.0
     slopes = np.empty(n)
     free = 0
     for i in range(n):
         mine = -1
-        for j in range(len(cells)):
-            if cells[j] == i:
+        for j in range(len(movers.cell)):
+            if movers.cell[j] == i:
                 mine = j
-        known = mine >= 0 and on[mine] >= 0
-        piece = on[mine] if known else find_piece(pieces, i, travel[i], 0)
+        known = mine >= 0 and movers.piece[mine] >= 0
+        piece = movers.piece[mine] if known else find_piece(pieces, i, travel[i], 0)
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction
@@ -68,7 +59,7 @@ def certify(
             worst = max(worst, -backward)
         inside = 0.0 < travel[i] < laws.full[i]
         if mine >= 0 and inside:
-            worst = max(worst, abs(value + offset[mine] - force))
+            worst = max(worst, abs(value + movers.offset[mine] - force))
         if inside and (friction == 0.0 or mine >= 0):
             slopes[free] = _slope(laws, pieces, i, piece, travel[i])
             if not slides:
@@ -96,16 +87,7 @@ def _beyond(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) ->
 
 
 @entry()
-def audit(
-    laws: Laws,
-    pieces: Pieces,
-    log: Log,
-    start: Floats,
-    alpha: float,
-    beta: float,
-    scale: float,
-    effort: Ints,
-) -> tuple[int, int, float]:
+def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, which one, and by how much.
 
     KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
@@ -113,15 +95,15 @@ def audit(
     and in the middle set, its force being convex or concave there; a snap sets energy free, and
     the last of several at one drive ends in a place that is stable. [N], [N/m] or [J].
     """
+    laws, pieces, scale = problem.laws, problem.pieces, problem.scale
     n = len(start)
     now = start.copy()
     lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
     for i in range(n):
         _stands(laws, pieces, i, -1, now[i], lowest, highest)
     size = np.max(laws.full)
-    none = np.empty(0, np.int64)
     for k in range(log.used[0]):
-        if overspent(effort, 1):
+        if overspent(problem.effort, 1):
             break
         row = log.segments[k]
         force = row[FORCE_1]
@@ -147,7 +129,7 @@ def audit(
             # force; they leave by another snap at the same drive.
             if _snaps_again(log, k):
                 continue
-            least = certify(laws, pieces, now, force, alpha, beta, none, none, np.empty(0))[1]
+            least = certify(problem, now, force, nobody())[1]
             if not least >= -STIFFNESS_SLACK * scale / size:
                 return k, STABILITY, -least
     return -1, KEPT, 0.0

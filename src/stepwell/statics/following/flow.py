@@ -1,12 +1,26 @@
 """Where a snap lands when three cells or more move: overdamped flow, integrated."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stepwell.kernels import kernel, overspent
 from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, summed
 from stepwell.statics.following.branch import smallest_eigenvalue
+from stepwell.statics.following.state import Problem
 
 _STEPS = 30_000
+
+
+class Point(NamedTuple):
+    """Where the flow is; N cells."""
+
+    drive: float
+    travel: Floats  # (N,)
+    force: Floats  # (N,) there
+    slope: Floats  # (N,) κ there
+    sense: Ints  # (N,) in which a cell moves within the step; 0 where it stays
+    rows: Ints  # room for pick_rows
 
 
 @kernel
@@ -49,17 +63,10 @@ def _balance(laws: Laws, travel: Floats, force: Floats, shared: float) -> float:
 
 
 @kernel
-def _rates(
-    laws: Laws,
-    travel: Floats,
-    drive: float,
-    alpha: float,
-    beta: float,
-    shared: float,
-    force: Floats,
-    out: Floats,
-) -> float:
-    """λ, and all rates into `out`, at the forces that the cells have."""
+def _rates(problem: Problem, at: Point, shared: float, out: Floats) -> float:
+    """λ, and all rates into `out`."""
+    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
+    drive, travel, force = at.drive, at.travel, at.force
     if beta == 0.0:
         shared = _balance(laws, travel, force, shared)
     else:
@@ -70,20 +77,13 @@ def _rates(
 
 
 @kernel
-def _smooth_rates(
-    laws: Laws,
-    travel: Floats,
-    sense: Ints,
-    drive: float,
-    alpha: float,
-    beta: float,
-    rows: Ints,
-    out: Floats,
-) -> None:
-    """Rates of the cells that move now, in their present sense, as if there were no stops.
+def _smooth_rates(problem: Problem, at: Point, travel: Floats, out: Floats) -> None:
+    """Rates at `travel` of the cells that move now, in their sense, as if there were no stops.
 
     Within a step the field has to be smooth; stops and releases are looked at between steps.
     """
+    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
+    drive, sense, rows = at.drive, at.sense, at.rows
     total, count = 0.0, 0
     for i in range(len(travel)):
         if sense[i] != 0:
@@ -113,16 +113,11 @@ def unstable_direction(slopes: Floats, alpha: float, beta: float) -> Floats:
 
 @kernel
 def _polish(
-    laws: Laws,
-    travel: Floats,
-    rate: Floats,
-    shared: float,
-    alpha: float,
-    beta: float,
-    rows: Ints,
-    out: Floats,
+    problem: Problem, at: Point, rate: Floats, shared: float, out: Floats
 ) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the equilibrium it creeps towards."""
+    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
+    travel, rows = at.travel, at.rows
     n = len(travel)
     out[:] = travel
     active = np.zeros(n, np.bool_)
@@ -195,13 +190,12 @@ def _polish(
 
 
 @kernel
-def _solve(
-    sense: Ints, slope: Floats, h: float, alpha: float, beta: float, b: Floats, out: Floats
-) -> None:
+def _solve(problem: Problem, at: Point, h: float, b: Floats, out: Floats) -> None:
     """x of (I - h J) x = b, where J is -diag(κ) on the moving cells, coupled by the drive.
 
     One multiplier couples all of them, so the solution costs no more than b itself.
     """
+    sense, slope, alpha, beta = at.sense, at.slope, problem.alpha, problem.beta
     total, weight = 0.0, 0.0
     for i in range(len(b)):
         if sense[i] != 0:
@@ -217,26 +211,15 @@ def _solve(
 
 
 @kernel
-def _first_stage(
-    laws: Laws,
-    travel: Floats,
-    drive: float,
-    alpha: float,
-    beta: float,
-    rows: Ints,
-    slope: Floats,
-    h: float,
-    sense: Ints,
-    rates: Floats,
-    out: Floats,
-) -> None:
+def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floats) -> None:
     """The first implicit stage, without the cells that it would turn round.
 
     A stiff actuator can start a cell off its stop, or against its friction, and call it back
     within the step; stepping through that to and fro would take for ever. Such a cell stays.
     """
+    laws, travel, sense = problem.laws, at.travel, at.sense
     for _ in range(len(travel)):
-        _solve(sense, slope, h, alpha, beta, rates, out)
+        _solve(problem, at, h, rates, out)
         stays = False
         for i in range(len(travel)):
             bound = laws.friction[i] > 0.0 or travel[i] == 0.0 or travel[i] == laws.full[i]
@@ -245,24 +228,22 @@ def _first_stage(
                 stays = True
         if not stays:
             return
-        _smooth_rates(laws, travel, sense, drive, alpha, beta, rows, rates)
+        _smooth_rates(problem, at, travel, rates)
     out[:] = 0.0
 
 
 @kernel
-def _turned(laws: Laws, travel: Floats, sense: Ints, step: Floats) -> int:
+def _turned(laws: Laws, at: Point, step: Floats) -> int:
     """A cell that a step pushes into the stop that it was to leave, or -1."""
-    for i in range(len(travel)):
-        bound = travel[i] == 0.0 or travel[i] == laws.full[i]
-        if sense[i] != 0 and bound and step[i] * sense[i] < 0.0:
+    for i in range(len(step)):
+        bound = at.travel[i] == 0.0 or at.travel[i] == laws.full[i]
+        if at.sense[i] != 0 and bound and step[i] * at.sense[i] < 0.0:
             return i
     return -1
 
 
 @kernel
-def _longest_step(
-    sense: Ints, slope: Floats, d: float, alpha: float, beta: float, wanted: float
-) -> float:
+def _longest_step(problem: Problem, slope: Floats, sense: Ints, d: float, wanted: float) -> float:
     """Longest step that still resolves growth; only decay may be stepped over."""
     falling, count = 0.0, 0
     for i in range(len(sense)):
@@ -275,7 +256,7 @@ def _longest_step(
     # One falling cell among rising ones: what grows, the least eigenvalue tells, and in the
     # narrow place next to a fold that is almost nothing.
     moving = np.flatnonzero(sense)
-    growth = -smallest_eigenvalue(slope[moving], alpha, beta)
+    growth = -smallest_eigenvalue(slope[moving], problem.alpha, problem.beta)
     long = 0.7 / (d * growth) if growth > 0.0 else np.inf
     # In between, the pivot of the falling cell passes through zero.
     return short if min(wanted, long) < 1.3 / (d * falling) else long
@@ -283,45 +264,41 @@ def _longest_step(
 
 @kernel
 def flow(
-    laws: Laws,
+    problem: Problem,
     travel: Floats,
     drive: float,
-    alpha: float,
-    beta: float,
     shared: float,
-    scale: float,
     accuracy: float,
     rubbed: Floats,
-    effort: Ints,
 ) -> tuple[bool, float]:
     """Follow the flow from `travel` to rest, in place; False if it did not settle.
 
     The linearly implicit pair of Shampine & Reichelt (1997): a snap through a narrow place has
     one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
     equilibrium to rounding and the integration only decides which. `rubbed` gathers the way
-    every cell went, for friction; `effort` counts the forces looked at, and ends the flow when
-    they are too many.
+    every cell went, for friction.
     """
+    laws, scale = problem.laws, problem.scale
     n = len(travel)
     slots = 1
     for i in range(n):
         slots = max(slots, laws.band_first[i + 1] - laws.band_first[i] + 1)
-    rows = np.full(slots, -1, np.int64)
-    sense, started = np.zeros(n, np.int64), np.zeros(n, np.int64)
-    force, slope = np.empty(n), np.empty(n)
+    rows, sense = np.full(slots, -1, np.int64), np.zeros(n, np.int64)
+    at = Point(drive, travel, np.empty(n), np.empty(n), sense, rows)
+    started = np.zeros(n, np.int64)
     f0, f1, f2 = np.empty(n), np.empty(n), np.empty(n)
     k1, k2, k3 = np.empty(n), np.empty(n), np.empty(n)
     polished = np.empty(n)
     d = 1.0 / (2.0 + np.sqrt(2.0))
     e32 = 6.0 + np.sqrt(2.0)
     for i in range(n):
-        _look(laws, i, travel[i], rows, force, slope)
-    stiffest = np.max(np.abs(slope)) + scale / np.min(laws.full)
+        _look(laws, at, i)
+    stiffest = np.max(np.abs(at.slope)) + scale / np.min(laws.full)
     h = 1e-2 / stiffest
     for step in range(_STEPS):
-        if overspent(effort, 4 * n):
+        if overspent(problem.effort, 4 * n):
             break
-        shared = _rates(laws, travel, drive, alpha, beta, shared, force, f0)
+        shared = _rates(problem, at, shared, f0)
         fastest = np.max(np.abs(f0))
         # The longest step moves no cell by more than rounding: this is rest, whether or not
         # Newton can say so (two cells of constant force have no single place to be).
@@ -329,7 +306,7 @@ def flow(
         if fastest <= 1e-14 * scale or resting:
             return True, shared
         if fastest < 1e-2 * scale and step % 4 == 0:
-            settled, level = _polish(laws, travel, f0, shared, alpha, beta, rows, polished)
+            settled, level = _polish(problem, at, f0, shared, polished)
             if settled:
                 rubbed += np.abs(polished - travel)
                 travel[:] = polished
@@ -338,13 +315,13 @@ def flow(
             sense[i] = np.sign(f0[i])
         started[:] = sense
         while True:
-            h = min(h, _longest_step(started, slope, d, alpha, beta, h))
+            h = min(h, _longest_step(problem, at.slope, started, d, h))
             sense[:] = started
-            _first_stage(laws, travel, drive, alpha, beta, rows, slope, h * d, sense, f0, k1)
-            _smooth_rates(laws, travel + 0.5 * h * k1, sense, drive, alpha, beta, rows, f1)
-            _solve(sense, slope, h * d, alpha, beta, f1 - k1, k2)
+            _first_stage(problem, at, h * d, f0, k1)
+            _smooth_rates(problem, at, travel + 0.5 * h * k1, f1)
+            _solve(problem, at, h * d, f1 - k1, k2)
             k2 += k1
-            turned = _turned(laws, travel, sense, k2)
+            turned = _turned(laws, at, k2)
             if turned >= 0:
                 # It would leave its stop and be back there within the step, which then would
                 # end before it began. A shorter step lets it go; in the shortest it stays.
@@ -352,11 +329,12 @@ def flow(
                     h *= 0.25
                 else:
                     started[turned] = 0
-                    _smooth_rates(laws, travel, started, drive, alpha, beta, rows, f0)
+                    sense[:] = started
+                    _smooth_rates(problem, at, travel, f0)
                 continue
-            _smooth_rates(laws, travel + h * k2, sense, drive, alpha, beta, rows, f2)
+            _smooth_rates(problem, at, travel + h * k2, f2)
             lag = f2 - e32 * (k2 - f1) - 2.0 * (k1 - f0)
-            _solve(sense, slope, h * d, alpha, beta, lag, k3)
+            _solve(problem, at, h * d, lag, k3)
             worst = 0.0
             for i in range(n):
                 error = h / 6.0 * (k1[i] - 2.0 * k2[i] + k3[i])
@@ -382,13 +360,15 @@ def flow(
                 if i == first:
                     # Not by the sign of `move`: a cell that was there already moves by zero.
                     travel[i] = laws.full[i] if k2[i] > 0.0 else 0.0
-                _look(laws, i, travel[i], rows, force, slope)
+                _look(laws, at, i)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
         h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
     return False, shared
 
 
 @kernel
-def _look(laws: Laws, i: int, travel: float, rows: Ints, force: Floats, slope: Floats) -> None:
+def _look(laws: Laws, at: Point, i: int) -> None:
+    """Force and slope of cell i where it is."""
+    travel, rows, force, slope = at.travel[i], at.rows, at.force, at.slope
     pick_rows(laws, i, travel, rows)
     force[i], slope[i], _ = law(laws, i, rows, travel)

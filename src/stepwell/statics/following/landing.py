@@ -5,68 +5,73 @@ degree of freedom the flow runs along a line, so no time has to be integrated: i
 first place where the driving force vanishes, or at a stop.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Ints, Laws, law
-from stepwell.statics.following.pieces import Pieces, find_piece
+from stepwell.mechanism import law
+from stepwell.statics.following.pieces import find_piece
+from stepwell.statics.following.state import Problem
 
 LANDED, STOPPED, JOINED, UNDECIDED = 0, 1, 2, 3
 
 
+class Line(NamedTuple):
+    """The line along which a snap runs: `forth` moves by +x and `back` by -x.
+
+    One of the two may be -1: then the actuator takes its part.
+    """
+
+    forth: int
+    back: int
+    from_forth: float  # [m] travels at x = 0
+    from_back: float
+    force: float  # [N] λ at x = 0
+    softness: float  # [N/m] stiffness of the actuator, 0 for a dead load
+    lowest: float  # [N] λ between which all other cells keep still
+    highest: float
+
+
 @kernel
 def _ends(
-    laws: Laws,
-    pieces: Pieces,
-    forth: int,
-    back: int,
-    on_forth: int,
-    on_back: int,
-    from_forth: float,
-    from_back: float,
-    force: float,
-    softness: float,
-    bias: float,
-    x: float,
+    problem: Problem, line: Line, on_forth: int, on_back: int, bias: float, x: float
 ) -> tuple[float, float, float, float]:
     """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
-    if back >= 0:
-        value, slope, _ = law(laws, back, pieces.picked[on_back], from_back - x)
-        pull, pull_slope = value - laws.friction[back] + bias, -slope
+    laws, picked = problem.laws, problem.pieces.picked
+    if line.back >= 0:
+        value, slope, _ = law(laws, line.back, picked[on_back], line.from_back - x)
+        pull, pull_slope = value - laws.friction[line.back] + bias, -slope
     else:
-        pull, pull_slope = force - softness * x + bias, -softness
-    if forth >= 0:
-        value, slope, _ = law(laws, forth, pieces.picked[on_forth], from_forth + x)
-        resist, resist_slope = value + laws.friction[forth], slope
+        pull, pull_slope = line.force - line.softness * x + bias, -line.softness
+    if line.forth >= 0:
+        value, slope, _ = law(laws, line.forth, picked[on_forth], line.from_forth + x)
+        resist, resist_slope = value + laws.friction[line.forth], slope
     else:
-        resist, resist_slope = force + softness * x, softness
+        resist, resist_slope = line.force + line.softness * x, line.softness
     return pull, pull_slope, resist, resist_slope
 
 
 @kernel
-def slide(
-    laws: Laws,
-    pieces: Pieces,
-    forth: int,
-    back: int,
-    from_forth: float,
-    from_back: float,
-    force: float,
-    softness: float,
-    lowest: float,
-    highest: float,
-    tolerance: float,
-    start: float,
-    bias: float,
-    effort: Ints,
-) -> tuple[int, float, float]:
-    """Outcome, shift x and force λ there, for `forth` moving by +x and `back` by -x.
+def _level(line: Line, pull: float, resist: float) -> float:
+    """λ where a snap comes to rest."""
+    if line.forth >= 0 and line.back >= 0:
+        return 0.5 * (pull + resist)
+    return pull if line.back < 0 else resist
 
-    One of the two may be -1: then the actuator, of stiffness `softness` (0 for a dead load),
-    takes its part. `lowest` and `highest` bound the λ at which all other cells keep still; the
-    outcome is JOINED where the flow leaves that range. No landing is looked for within `start`,
-    a share of the travel; `bias` is a force that helps the motion.
+
+@kernel
+def slide(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
+    """Outcome, shift x and force λ there of a snap along a line.
+
+    The outcome is JOINED where the flow leaves the range of λ in which all other cells keep still.
+    No landing is looked for within `start`, a share of the travel; `bias` is a force that helps
+    the motion.
     """
+    laws, pieces = problem.laws, problem.pieces
+    forth, back, from_forth, from_back = line.forth, line.back, line.from_forth, line.from_back
+    tolerance = 1e-12 * problem.scale
+    lowest, highest = line.lowest - tolerance, line.highest + tolerance
     limit = np.inf
     if forth >= 0:
         limit = min(limit, laws.full[forth] - from_forth)
@@ -93,19 +98,12 @@ def slide(
         waiting = 1 if end > begin else 0
         while waiting > 0:
             looks += 1
-            if overspent(effort, 4) or looks > 200_000:
-                return UNDECIDED, begin, force
+            if overspent(problem.effort, 4) or looks > 200_000:
+                return UNDECIDED, begin, line.force
             waiting -= 1
             a, b = lefts[waiting], rights[waiting]
-            ga, dga, ha, dha = _ends(
-                laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, bias, a,
-            )  # fmt: skip
-            gb, dgb, hb, dhb = _ends(
-                laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, bias, b,
-            )  # fmt: skip
-            one = 0.0
+            ga, dga, ha, dha = _ends(problem, line, on_forth, on_back, bias, a)
+            gb, dgb, hb, dhb = _ends(problem, line, on_forth, on_back, bias, b)
             if paired:
                 low = 0.5 * (min(ga, gb) + min(ha, hb))
                 high = 0.5 * (max(ga, gb) + max(ha, hb))
@@ -113,7 +111,7 @@ def slide(
             else:
                 one, two = (ga, gb) if back < 0 else (ha, hb)
                 low, high, at_b = min(one, two), max(one, two), two
-            inside = low >= lowest - tolerance and high <= highest + tolerance
+            inside = low >= lowest and high <= highest
             falls = max(dga, dgb) - min(dha, dhb) <= 0.0
             rises = min(dga, dgb) - max(dha, dhb) >= 0.0
             if inside:
@@ -125,19 +123,16 @@ def slide(
                     continue
                 if max(ga, gb) - min(ha, hb) <= tolerance and a > start:
                     # Two constant forces in balance: the cells come to rest here.
-                    return LANDED, a, (0.5 * (ga + ha) if paired else one)
+                    return LANDED, a, _level(line, ga, ha)
                 if min(ga, gb) - max(ha, hb) > 0.0:
                     continue
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
                 if gb - hb <= 0.0:
                     share = (ga - ha) - (gb - hb)
                     x = b if share <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / share
-                    g, _, h, _ = _ends(
-                        laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                        force, softness, bias, x,
-                    )  # fmt: skip
-                    return LANDED, x, (0.5 * (g + h) if paired else (g if back < 0 else h))
-                if at_b < lowest - tolerance or at_b > highest + tolerance:
+                    g, _, h, _ = _ends(problem, line, on_forth, on_back, bias, x)
+                    return LANDED, x, _level(line, g, h)
+                if at_b < lowest or at_b > highest:
                     return JOINED, b, at_b
                 continue
             middle = 0.5 * (a + b)
@@ -145,11 +140,8 @@ def slide(
             lefts[waiting + 1], rights[waiting + 1] = a, middle
             waiting += 2
         if end >= limit:
-            g, _, h, _ = _ends(
-                laws, pieces, forth, back, on_forth, on_back, from_forth, from_back,
-                force, softness, bias, limit,
-            )  # fmt: skip
-            return STOPPED, limit, (0.5 * (g + h) if paired else (g if back < 0 else h))
+            g, _, h, _ = _ends(problem, line, on_forth, on_back, bias, limit)
+            return STOPPED, limit, _level(line, g, h)
         if forth >= 0 and pieces.right[on_forth] - from_forth <= end:
             on_forth += 1
         if back >= 0 and from_back - pieces.left[on_back] <= end:

@@ -1,14 +1,17 @@
 """Points along a logged path, each with its certificate."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from stepwell.kernels import entry, overspent
-from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.kernels import entry, kernel, overspent
+from stepwell.mechanism import Floats, Ints, law, summed
 from stepwell.statics.following.branch import point_at
 from stepwell.statics.following.certificate import certify
-from stepwell.statics.following.follow import (
+from stepwell.statics.following.log import (
     CELL,
     DIRECTION,
+    DRIFT,
     DRIVE_0,
     DRIVE_1,
     FORCE_0,
@@ -23,7 +26,21 @@ from stepwell.statics.following.follow import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece
+from stepwell.statics.following.pieces import find_piece
+from stepwell.statics.following.state import Movers, Problem, drive_of, nobody
+
+
+class Samples(NamedTuple):
+    """Points along a path, each with its certificate; n samples, N cells."""
+
+    drive: Floats  # (n,)
+    travel: Floats  # (n, N)
+    force: Floats  # (n,) λ
+    branch: Ints  # (n,) number of the smooth branch
+    snap_after: Ints  # (n,) 1 where the next one is the landing of a snap
+    direction: Ints  # (n,) of the drive
+    residual: Floats  # (n,) [N], see certify
+    stability: Floats  # (n,) [N/m]
 
 
 @entry()
@@ -36,69 +53,34 @@ def count_samples(log: Log, points: int) -> int:
     return total
 
 
-@entry(1e-4, "travel")
+@entry(1e-4, "samples.travel")
 def sample(
-    laws: Laws,
-    pieces: Pieces,
-    log: Log,
-    start: Floats,
-    start_force: float,
-    alpha: float,
-    beta: float,
-    points: int,
-    drive: Floats,
-    travel: Floats,
-    force: Floats,
-    branch: Ints,
-    snap_after: Ints,
-    direction: Ints,
-    residual: Floats,
-    stability: Floats,
-    effort: Ints,
+    problem: Problem, log: Log, start: Floats, start_force: float, points: int, samples: Samples
 ) -> int:
-    """Fill the arrays; evenly in the drive along a branch, both ends of every jump."""
-    now = start.copy()
-    at = 0
-    part = 0
-    drive[0] = alpha * summed(start) + beta * start_force
-    travel[0], force[0], branch[0], snap_after[0] = now, start_force, 0, 0
+    """Fill the samples; evenly in the drive along a branch, both ends of every jump."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    drive, travel, force, branch, snap_after, direction, residual, stability = samples
+    now, number = start.copy(), 0
+    drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
+    branch[0], snap_after[0] = number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
-    residual[0], stability[0] = certify(
-        laws, pieces, now, start_force, alpha, beta, np.empty(0, np.int64), np.empty(0, np.int64),
-        np.empty(0),
-    )  # fmt: skip
+    residual[0], stability[0] = certify(problem, now, start_force, nobody())
     at = 1
     for k in range(log.used[0]):
         row = log.segments[k]
-        kind = int(row[KIND])
-        movers = log.movers[log.first[k] : log.first[k + 1]]
-        m = len(movers)
-        cells = np.empty(m, np.int64)
-        on = np.empty(m, np.int64)
-        offset = np.empty(m)
-        places = np.empty(m)
-        for j in range(m):
-            cells[j], on[j] = int(movers[j, CELL]), int(movers[j, PIECE])
-            offset[j] = movers[j, OFFSET]
+        kind, toward = int(row[KIND]), int(row[DIRECTION])
+        rows = log.movers[log.first[k] : log.first[k + 1]]
+        m = len(rows)
+        movers = _movers(rows, summed(now))
+        moving = nobody() if kind == SNAP else movers
         if kind == SNAP:
             snap_after[at - 1] = 1
-            part += 1
-            for j in range(m):
-                now[cells[j]] = movers[j, TRAVEL_1]
-            drive[at], force[at] = row[DRIVE_1], row[FORCE_1]
-            travel[at], branch[at], snap_after[at] = now, part, 0
-            direction[at] = int(row[DIRECTION])
-            residual[at], stability[at] = certify(
-                laws, pieces, now, force[at], alpha, beta, cells[:0], on[:0], offset[:0]
-            )
-            at += 1
-            continue
-        rest = summed(now)
-        for j in range(m):
-            rest -= movers[j, TRAVEL_0]
-        count = 2 if kind == HOLD else points
-        for p in range(1 if kind == HOLD else 0, count):
-            if overspent(effort, 1):
+            number += 1
+        places = np.empty(m)
+        smooth = kind == MOVE or kind == DRIFT
+        count = points if smooth else 2
+        for p in range(0 if smooth else 1, count):
+            if overspent(problem.effort, 1):
                 break
             share = p / (count - 1)
             last = p == count - 1
@@ -106,34 +88,40 @@ def sample(
             u = row[DRIVE_0] + share * (row[DRIVE_1] - row[DRIVE_0])
             if last or p == 0 or kind != MOVE:
                 for j in range(m):
-                    places[j] = movers[j, TRAVEL_0] + share * (
-                        movers[j, TRAVEL_1] - movers[j, TRAVEL_0]
-                    )
+                    places[j] = rows[j, TRAVEL_0] + share * (rows[j, TRAVEL_1] - rows[j, TRAVEL_0])
                     if last:
-                        places[j] = movers[j, TRAVEL_1]
+                        places[j] = rows[j, TRAVEL_1]
                 if last:
                     level, u = row[FORCE_1], row[DRIVE_1]
             elif m == 1 and beta == 0.0:
-                places[0] = u / alpha - rest
-                piece = find_piece(pieces, cells[0], places[0], 0) if on[0] < 0 else on[0]
+                cell, piece = movers.cell[0], movers.piece[0]
+                places[0] = u / alpha - movers.held
+                if piece < 0:
+                    piece = find_piece(pieces, cell, places[0], 0)
                 places[0] = min(max(places[0], pieces.left[piece]), pieces.right[piece])
-                level = law(laws, cells[0], pieces.picked[piece], places[0])[0] + offset[0]
+                level = law(laws, cell, pieces.picked[piece], places[0])[0] + movers.offset[0]
             else:
-                level = point_at(
-                    laws, pieces, cells, on, offset, alpha, beta, rest, row[FORCE_0],
-                    row[FORCE_1], u, places,
-                )  # fmt: skip
+                level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places)
             for j in range(m):
-                now[cells[j]] = places[j]
-            on_before = drive[at - 1] == u and force[at - 1] == level
-            if p == 0 and on_before and direction[at - 1] == int(row[DIRECTION]):
+                now[movers.cell[j]] = places[j]
+            stands = drive[at - 1] == u and force[at - 1] == level
+            if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
                 continue
-            drive[at], force[at] = u, level
-            travel[at], branch[at], snap_after[at] = now, part, 0
-            direction[at] = int(row[DIRECTION])
-            residual[at], stability[at] = certify(
-                laws, pieces, now, level, alpha, beta, cells, on, offset
-            )
+            drive[at], travel[at], force[at] = u, now, level
+            branch[at], snap_after[at], direction[at] = number, 0, toward
+            residual[at], stability[at] = certify(problem, now, level, moving)
             at += 1
     return at
+
+
+@kernel
+def _movers(rows: Floats, stroke: float) -> Movers:
+    """The movers of a logged segment that begins at `stroke`."""
+    m = len(rows)
+    cell, piece, offset = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(m)
+    for j in range(m):
+        cell[j], piece[j] = int(rows[j, CELL]), int(rows[j, PIECE])
+        offset[j] = rows[j, OFFSET]
+        stroke -= rows[j, TRAVEL_0]
+    return Movers(cell, piece, offset, stroke)

@@ -1,12 +1,12 @@
-"""Smooth parts of a path, cut where the chain snaps or another set of cells moves."""
+"""The passages of a path along branches, from snap to snap, and their sections, one a state."""
 
 from dataclasses import dataclass, replace
 
-from stepwell.statics import Path, Stretch, StretchKind
+from stepwell.statics import Path, Segment, SegmentKind
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Section:
     """A run of equilibria with the same cells at 0, at 1 and in transit, from a to b."""
 
     state: str
@@ -15,12 +15,12 @@ class Part:
     travel: tuple[tuple[float, ...], tuple[float, ...]]
 
     @property
-    def reversed(self) -> "Part":
+    def reversed(self) -> "Section":
         """The same run from b to a."""
         (a, b), (f, g), (s, t) = self.drive, self.force, self.travel
-        return Part(self.state, (b, a), (g, f), (t, s))
+        return Section(self.state, (b, a), (g, f), (t, s))
 
-    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Part":
+    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Section":
         """The run with another end."""
         return replace(
             self,
@@ -31,11 +31,11 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class Passage:
     """Parts that follow each other smoothly, and the snap that ends them if one does."""
 
-    parts: tuple[Part, ...]
-    snap: Stretch | None
+    sections: tuple[Section, ...]
+    snap: Segment | None
 
 
 def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
@@ -45,49 +45,49 @@ def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
     )
 
 
-def legs_of(path: Path) -> list[Leg]:
-    """The smooth parts of a path between its snaps."""
+def passages_of(path: Path) -> list[Passage]:
+    """The passages of a path between its snaps."""
     full = tuple(cell.full_travel for cell in path.chain.cells)
     travels = path.start
-    legs: list[Leg] = []
+    passages: list[Passage] = []
 
-    def resting(drive: float, force: float) -> Part:
-        return Part(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
+    def resting(drive: float, force: float) -> Section:
+        return Section(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
 
-    parts = [resting(path.turning_points[0], path.start_force)]
-    landed: Stretch | None = None
-    for stretch in path.stretches():
-        drive, force = stretch.drive[1], stretch.force[1]
-        if stretch.kind is StretchKind.SNAP:
+    sections = [resting(path.turning_points[0], path.start_force)]
+    landed: Segment | None = None
+    for segment in path.segments():
+        drive, force = segment.drive[1], segment.force[1]
+        if segment.kind is SegmentKind.SNAP:
             if landed is None:
-                landed = stretch
-                legs.append(Leg(tuple(parts), landed))
+                landed = segment
+                passages.append(Passage(tuple(sections), landed))
             else:
                 # At a fold rounding may find the fold itself again, and then the way on.
-                landed = _joined(landed, stretch)
-                legs[-1] = replace(legs[-1], snap=landed)
-            travels = _after(travels, stretch)
-            parts = [resting(drive, force)]
+                landed = _joined(landed, segment)
+                passages[-1] = replace(passages[-1], snap=landed)
+            travels = _after(travels, segment)
+            sections = [resting(drive, force)]
             continue
         landed = None
-        if stretch.kind is StretchKind.MOVE:
+        if segment.kind is SegmentKind.MOVE:
             moving = list(state_of(travels, full))
-            for cell, a, b in zip(stretch.cells, stretch.before, stretch.after, strict=True):
+            for cell, a, b in zip(segment.cells, segment.before, segment.after, strict=True):
                 if a != b:
                     moving[cell] = "-"
             state = "".join(moving)
-            if state != parts[-1].state:
-                at, pull = stretch.drive[0], stretch.force[0]
-                parts.append(Part(state, (at, at), (pull, pull), (travels, travels)))
-            travels = _after(travels, stretch)
-        parts[-1] = parts[-1].until(drive, force, travels)
-        if state_of(travels, full) != parts[-1].state:
-            parts.append(resting(drive, force))
-    legs.append(Leg(tuple(parts), None))
-    return legs
+            if state != sections[-1].state:
+                at, pull = segment.drive[0], segment.force[0]
+                sections.append(Section(state, (at, at), (pull, pull), (travels, travels)))
+            travels = _after(travels, segment)
+        sections[-1] = sections[-1].until(drive, force, travels)
+        if state_of(travels, full) != sections[-1].state:
+            sections.append(resting(drive, force))
+    passages.append(Passage(tuple(sections), None))
+    return passages
 
 
-def _joined(first: Stretch, second: Stretch) -> Stretch:
+def _joined(first: Segment, second: Segment) -> Segment:
     """Two snaps at one drive as one."""
     before = dict(zip(second.cells, second.before, strict=True))
     before |= dict(zip(first.cells, first.before, strict=True))
@@ -105,8 +105,8 @@ def _joined(first: Stretch, second: Stretch) -> Stretch:
     )
 
 
-def _after(travels: tuple[float, ...], stretch: Stretch) -> tuple[float, ...]:
+def _after(travels: tuple[float, ...], segment: Segment) -> tuple[float, ...]:
     moved = list(travels)
-    for cell, travel in zip(stretch.cells, stretch.after, strict=True):
+    for cell, travel in zip(segment.cells, segment.after, strict=True):
         moved[cell] = travel
     return tuple(moved)

@@ -2,7 +2,7 @@
 
 With friction a chain that turns back stays where it is until the force has crossed the band of
 friction, and so every turning point leads to a place of its own. The search turns in the
-middle of every smooth part of every run and goes on from there. What it finds is followed by
+middle of every smooth section of every run and goes on from there. What it finds is followed by
 the engine and is right; what it does not find may exist.
 """
 
@@ -14,7 +14,7 @@ from functools import partial
 
 from stepwell.base import bisected
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches import Branches, Part, Travels, legs_of
+from stepwell.sequences.branches import Branches, Section, Travels, passages_of
 from stepwell.sequences.programs.program import Program, Turn, Unreachable
 from stepwell.statics import StaticsError, path
 
@@ -28,11 +28,11 @@ _METHOD = (
 )
 
 
-def grope(
+def search_with_friction(
     branches: Branches,
     start: str,
     to: str,
-    place: tuple[Travels, float],
+    origin: tuple[Travels, float],
     progress: Callable[[int, int], None] | None,
 ) -> Program:
     """The first program found, fewest turns first; as `sequences.program`."""
@@ -40,7 +40,7 @@ def grope(
     least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
     waiting: deque[tuple[Travels, float, int, tuple[float, ...]]] = deque()
     for direction in (+1, -1):
-        waiting.append((*place, direction, ()))
+        waiting.append((*origin, direction, ()))
     seen: set[tuple[int, ...]] = set()
     while waiting and len(seen) < _MOST_PLACES:
         travels, drive, direction, turns = waiting.popleft()
@@ -50,12 +50,12 @@ def grope(
         seen.add(key)
         if progress is not None:
             progress(len(seen), _MOST_PLACES)
-        for part in _parts(chain, travels, drive, branches.range[direction > 0]):
-            if part.state == to:
-                low, high = sorted(part.drive)
-                return _widened(branches, start, to, place, turns, (low, high))
-            if len(turns) < _MOST_TURNS and part.drive[0] != part.drive[1]:
-                middle = sum(part.drive) / 2
+        for section in _sections(chain, travels, drive, branches.range[direction > 0]):
+            if section.state == to:
+                low, high = sorted(section.drive)
+                return _widened(branches, start, to, origin, turns, (low, high))
+            if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
+                middle = sum(section.drive) / 2
                 stopped = _stopped(chain, travels, drive, middle)
                 waiting.append((*stopped, -direction, (*turns, middle)))
     raise Unreachable(
@@ -66,9 +66,13 @@ def grope(
     )
 
 
-def _parts(chain: Chain, travels: Travels, drive: float, end: float) -> list[Part]:
+def _sections(chain: Chain, travels: Travels, drive: float, end: float) -> list[Section]:
     try:
-        return [p for leg in legs_of(path(chain, [drive, end], start=travels)) for p in leg.parts]
+        return [
+            p
+            for passage in passages_of(path(chain, [drive, end], start=travels))
+            for p in passage.sections
+        ]
     except (StaticsError, ValueError):
         # A place between two events that balance to the last digit: others are near by.
         return []
@@ -82,7 +86,7 @@ def _widened(
     branches: Branches,
     start: str,
     to: str,
-    place: tuple[Travels, float],
+    origin: tuple[Travels, float],
     turns: tuple[float, ...],
     ends: tuple[float, float],
 ) -> Program:
@@ -90,11 +94,11 @@ def _widened(
     chain = branches.chain
     full = [cell.full_travel for cell in chain.cells]
     wanted = [f if c == "1" else 0.0 for f, c in zip(full, to, strict=True)]
-    points = [place[1], *turns, sum(ends) / 2]
+    points = [origin[1], *turns, sum(ends) / 2]
 
     def works(k: int, drive: float) -> bool:
         try:
-            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=place[0])
+            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=origin[0])
         except (StaticsError, ValueError):
             return False
         return found.end.tolist() == wanted
@@ -108,7 +112,7 @@ def _widened(
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
     return Program(
-        chain, start, to, place[1], points[-1], tuple(windows), *ends, _METHOD, False, place[0]
+        chain, start, to, origin[1], points[-1], tuple(windows), *ends, _METHOD, False, origin[0]
     )
 
 

@@ -1,0 +1,48 @@
+"""What the follower writes down: one row a segment, and a row for every cell that moved in it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.mechanism import Floats, Ints
+
+# What happens on a segment; on a drift, cells of constant force move.
+HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
+# Why a snap happened.
+FOLD, RELEASE, KINK = 1, 2, 3
+
+SEGMENT_COLUMNS = 11
+KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
+RELEASED, RUBBED, CAUSE, TIE_A, TIE_B = range(6, SEGMENT_COLUMNS)
+MOVER_COLUMNS = 5
+CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1 = range(MOVER_COLUMNS)
+
+
+class Log(NamedTuple):
+    """K segments (one row each) and, per segment, the cells that moved in it."""
+
+    segments: Floats  # (K, SEGMENT_COLUMNS)
+    first: Ints  # (K + 1,) movers of segment k are first[k] .. first[k + 1]
+    movers: Floats  # (M, MOVER_COLUMNS)
+    used: Ints  # (2,) segments and movers written
+
+
+def empty_log(segments: int, movers: int) -> Log:
+    """A log with room for so many segments and movers."""
+    return Log(
+        np.zeros((segments, SEGMENT_COLUMNS)),
+        np.zeros(segments + 1, np.int64),
+        np.zeros((movers, MOVER_COLUMNS)),
+        np.zeros(2, np.int64),
+    )
+
+
+def written(log: Log) -> Log:
+    """A log without the room that was not used, so that two logs of one motion are equal."""
+    segments, movers = log.used.tolist()
+    return Log(
+        log.segments[:segments].copy(),
+        log.first[: segments + 1].copy(),
+        log.movers[:movers].copy(),
+        log.used,
+    )

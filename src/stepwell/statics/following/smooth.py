@@ -1,0 +1,448 @@
+"""Smooth motion: which cells can go on, and how far they go until something happens."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.kernels import kernel
+from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
+from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
+from stepwell.statics.following.pieces import Pieces, find_piece, invert
+from stepwell.statics.following.state import (
+    DONE,
+    DUE,
+    FREE,
+    GOES_ON,
+    HELD,
+    LETS_GO,
+    RUNS_AWAY,
+    SLIDES,
+    TIE,
+    TRIGGER,
+    WHY,
+    Movers,
+    Problem,
+    State,
+    begin,
+    drive_of,
+    drive_slack,
+    end_piece,
+    hold,
+    movers_of,
+    set_snap,
+    set_tie,
+    write,
+)
+
+# How the chain can go on: λ moves with the drive, every moving κ > 0; λ moves against it, exactly
+# one κ < 0 and α Σ 1/κ + β < 0; cells of constant force take all the motion; or nothing of the
+# kind is stable, so the chain snaps.
+WITH, AGAINST, FLAT, LOST = 1, -1, 0, 2
+# Where two forces turn together both 1/κ are without bound and the sum of them is rounding. It is
+# looked at this share of the largest force further on.
+BLUNT = 1e-7
+_NOTHING = 0
+
+
+class Event(NamedTuple):
+    """What comes first on a branch."""
+
+    why: int  # RELEASE, KINK (the end of a piece), FOLD or _NOTHING
+    level: float  # λ there
+    cell: int  # that lets go, arrives or leads
+    heading: int  # the sense in which it moves
+    arrives: int  # which mover comes to the end of its piece
+    within: float  # movers whose λ is this near to the end of their pieces come there too
+
+
+@kernel
+def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[int, int]:
+    """How the chain can go on, and the falling cell that leads it or -1.
+
+    `goes` (N,) becomes 1 for the cells that move.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    goes[:] = 0
+    flat, falling, leader, blocked = 0, 0, -1, False
+    for i in range(len(goes)):
+        if state.mode[i] == HELD:
+            continue
+        sign = pieces.sign[state.piece[i]]
+        follows = state.mode[i] == FREE or state.sense[i] == direction
+        if sign == 0 and follows:
+            flat += 1
+            goes[i] = 1
+        elif sign < 0 and follows:
+            falling += 1
+            leader = i
+        elif sign <= 0:
+            # Pushed off its place by a falling λ and unable to follow it.
+            blocked = True
+    if falling == 0 and flat > 0 and not blocked:
+        return FLAT, -1
+    goes[:] = 0
+    if falling == 0 and not blocked:
+        for i in range(len(goes)):
+            if state.mode[i] != HELD and (state.mode[i] == FREE or state.sense[i] == direction):
+                goes[i] = 1
+        return WITH, -1
+    if falling != 1 or flat > 0 or blocked:
+        return LOST, leader
+    total = problem.beta
+    for i in range(len(goes)):
+        rising = i != leader and state.mode[i] != HELD
+        if i == leader or (rising and (state.mode[i] == FREE or state.sense[i] == -direction)):
+            goes[i] = 1
+            inverse = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+            total += problem.alpha * inverse
+    if _turn_here(problem, state, np.flatnonzero(goes)):
+        level = state.force[0] - direction * BLUNT * problem.scale
+        total = compliance(problem, movers_of(problem, state, goes), level)
+    if total < 0.0:
+        return AGAINST, leader
+    goes[:] = 0
+    return LOST, leader
+
+
+@kernel
+def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
+    """Whether the leader and another moving cell stand where their forces turn."""
+    laws, pieces = problem.laws, problem.pieces
+    others, leads = 0, False
+    for i in cells:
+        piece, travel = state.piece[i], float(state.travel[i])
+        if travel == pieces.left[piece] or travel == pieces.right[piece]:
+            slope = law(laws, i, pieces.picked[piece], travel)[1]
+            if abs(slope) * laws.full[i] < 1e-5 * problem.scale:
+                if pieces.sign[piece] < 0:
+                    leads = True
+                else:
+                    others += 1
+    return leads and others > 0
+
+
+@kernel
+def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
+    """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
+    for i in range(len(goes)):
+        if state.mode[i] != HELD and state.mode[i] != FREE:
+            if not goes[i]:
+                hold(problem, state, i)
+            elif problem.laws.friction[i] == 0.0:
+                state.mode[i], state.sense[i] = FREE, 0
+            else:
+                state.mode[i] = SLIDES
+    state.next_snap[TRIGGER] = -1
+    return movers_of(problem, state, goes)
+
+
+@kernel
+def join_flat(problem: Problem, state: State, direction: int) -> bool:
+    """Bring in the cells that offer the same constant force; whether there are any.
+
+    They are held ones that let go at it, and moving ones that have just reached it.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    tie_force = TIE * problem.scale
+    any_joined = False
+    for i in range(len(state.mode)):
+        held = state.mode[i] == HELD
+        if held and _until_letting_go(laws, state, i, direction) > tie_force:
+            continue
+        piece = find_piece(pieces, i, state.travel[i], direction)
+        if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
+            continue
+        offset = state.sense[i] * laws.friction[i]
+        if not held and abs(pieces.force_left[piece] + offset - state.force[0]) > tie_force:
+            continue
+        state.piece[i] = piece
+        if held:
+            state.mode[i], state.sense[i] = LETS_GO, direction
+        any_joined = True
+    return any_joined
+
+
+@kernel
+def share(problem: Problem, state: State, goes: Ints) -> None:
+    """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
+    cells = np.flatnonzero(goes)
+    if len(cells) < 2:
+        return
+    # Nothing but friction decides how they share.
+    set_tie(state, cells[0], cells[1])
+    first = np.min(problem.rank[cells])
+    for i in cells:
+        if problem.rank[i] > first:
+            goes[i] = 0
+
+
+@kernel
+def drift(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
+    """Cells of constant force take the motion, equally, until one of them leaves its piece."""
+    laws, pieces, alpha = problem.laws, problem.pieces, problem.alpha
+    begun = begin(problem, state, direction)
+    count = len(movers.cell)
+    ends = pieces.right[movers.piece] if direction > 0 else pieces.left[movers.piece]
+    room = np.min(np.abs(ends - begun.travel[movers.cell]))
+    # A target within rounding of the end of the piece is that end.
+    span = alpha * (count * room - 1e-13 * summed(laws.full))
+    reached = alpha > 0.0 and direction * (target - begun.drive) < span
+    if reached:
+        room = direction * (target - begun.drive) / (alpha * count)
+    friction_work = 0.0
+    for m in range(count):
+        i = movers.cell[m]
+        left = abs(ends[m] - begun.travel[i]) - room
+        arrives = not reached and left <= 1e-15 * laws.full[i]
+        state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * room
+        friction_work += float(laws.friction[i]) * room
+    drive = drive_of(problem, state.travel, begun.force)
+    status = write(state, DRIFT, begun, movers, drive, (0.0, friction_work))
+    for m in range(count):
+        i = movers.cell[m]
+        if not reached and state.travel[i] == ends[m]:
+            set_snap(state, i, direction, KINK)
+            end_piece(problem, state, i, direction)
+    return DONE if reached and status == GOES_ON else status
+
+
+@kernel
+def _until_letting_go(laws: Laws, state: State, i: int, toward: int) -> float:
+    """How far λ has to go `toward` until held cell i lets go; inf where it never does."""
+    stop = laws.full[i] if toward > 0 else 0.0
+    if state.mode[i] != HELD or state.travel[i] == stop:
+        return np.inf
+    return max(0.0, toward * (state.at_rest[i] - state.force[0]) + laws.friction[i])
+
+
+@kernel
+def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float, int]:
+    """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
+    laws, pieces, rank = problem.laws, problem.pieces, problem.rank
+    tie_force = TIE * problem.scale
+    nearest = np.inf
+    for i in range(len(rank)):
+        nearest = min(nearest, _until_letting_go(laws, state, i, toward))
+    first, rival, falls = -1, -1, False
+    if nearest == np.inf:
+        return nearest, first
+    for i in range(len(rank)):
+        if _until_letting_go(laws, state, i, toward) <= nearest + tie_force:
+            piece = find_piece(pieces, i, state.travel[i], toward)
+            falls = falls or pieces.sign[piece] < 0
+            if first < 0 or rank[i] < rank[first]:
+                first, rival = i, first
+            else:
+                rival = i
+    if rival >= 0 and falls:
+        # Cells of rising force would share the motion; of these, only one can have it.
+        set_tie(state, first, rival)
+    return nearest, first
+
+
+@kernel
+def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int) -> float:
+    """How far λ has to go `toward` until mover m is at the end of its piece."""
+    piece = movers.piece[m]
+    outwards = toward * pieces.sign[piece] > 0
+    end = pieces.force_right[piece] if outwards else pieces.force_left[piece]
+    return max(0.0, toward * (end + movers.offset[m] - force))
+
+
+@kernel
+def _turns_over(laws: Laws, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
+    """Sign of a cell's κ past the end of its piece; 2 where that is a stop."""
+    end = pieces.right[piece] if heading > 0 else pieces.left[piece]
+    stop = laws.full[cell] if heading > 0 else 0.0
+    return 2 if end == stop else pieces.sign[piece + heading]
+
+
+@kernel
+def _first_to_arrive(
+    problem: Problem, state: State, movers: Movers, toward: int, direction: int
+) -> tuple[float, int, bool]:
+    """Distance of λ to the first end of a piece, which mover comes there, and whether in company.
+
+    Cells whose forces reach their tops together tie, for only one of them can go on. A leader
+    and one that gives way can reach the bottoms of theirs together, as alike cells do: from
+    there both forces rise with the drive, with the leader on its next piece and the other one
+    turned back on its own.
+    """
+    laws, pieces, rank, force = problem.laws, problem.pieces, problem.rank, state.force[0]
+    scale = problem.scale
+    cell, on = movers.cell, movers.piece
+    arrival, who, rival = np.inf, -1, -1
+    for m in range(len(cell)):
+        distance = _until_end(pieces, movers, m, force, toward)
+        if distance < arrival:
+            arrival, who = distance, m
+    if who < 0:
+        return arrival, who, False
+    if toward == direction:
+        first = -1
+        for m in range(len(cell)):
+            distance = _until_end(pieces, movers, m, force, toward)
+            over = _turns_over(laws, pieces, cell[m], on[m], direction) == -1
+            if not over or distance > arrival + TIE * scale:
+                continue
+            if first < 0 or rank[cell[m]] < rank[cell[first]]:
+                first, rival = m, first
+            else:
+                rival = m
+        if rival >= 0:
+            set_tie(state, cell[first], cell[rival])
+            return _until_end(pieces, movers, first, force, toward), first, True
+        return arrival, who, False
+    leads = -1
+    for m in range(len(cell)):
+        if _until_end(pieces, movers, m, force, toward) <= arrival + 1e-13 * scale:
+            if pieces.sign[on[m]] < 0:
+                leads = m
+            else:
+                rival = m
+    if leads < 0 or rival < 0 or _turns_over(laws, pieces, cell[leads], on[leads], direction) != 1:
+        return arrival, who, False
+    set_tie(state, cell[leads], cell[rival])
+    return arrival, leads, True
+
+
+@kernel
+def _first_event(
+    problem: Problem, state: State, movers: Movers, toward: int, direction: int
+) -> Event:
+    """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
+    laws, pieces = problem.laws, problem.pieces
+    force, tie_force = state.force[0], TIE * problem.scale
+    arrival, who, company = _first_to_arrive(problem, state, movers, toward, direction)
+    release, cell = _first_to_let_go(problem, state, toward)
+    releases = release < arrival - tie_force
+    if releases:
+        return Event(RELEASE, force + toward * release, cell, toward, -1, -1.0)
+    if who < 0:
+        return Event(_NOTHING, force, -1, toward, -1, -1.0)
+    arrives, on = movers.cell[who], movers.piece[who]
+    heading = toward * int(pieces.sign[on])
+    if release <= arrival + tie_force:
+        # A force that turns just where another cell lets go: it may or may not. Against the
+        # drive an arrival at a stop is one too: a snap of no size or none at all.
+        past = _turns_over(laws, pieces, arrives, on, heading)
+        if past == -1 if toward == direction else past != pieces.sign[on]:
+            set_tie(state, arrives, cell)
+    end = pieces.force_right[on] if heading > 0 else pieces.force_left[on]
+    level = end + movers.offset[who] if arrival > 0.0 else force
+    return Event(KINK, level, arrives, heading, who, arrival if company else -1.0)
+
+
+@kernel
+def _or_fold(problem: Problem, state: State, movers: Movers, event: Event, toward: int) -> Event:
+    """The event, or the fold that comes before it."""
+    blunt = toward * BLUNT * problem.scale
+    begins, ends = state.force[0], event.level
+    if _turn_here(problem, state, movers.cell):
+        begins += blunt
+    if event.within >= 0.0:
+        ends -= blunt
+    if toward * (ends - begins) > 0.0:
+        fold = first_fold(problem, movers, begins, ends)
+        if not np.isnan(fold) and abs(fold - event.level) > 1e-12 * problem.scale:
+            return Event(FOLD, fold, _leader(problem.pieces, movers), -toward, -1, -1.0)
+    return event
+
+
+@kernel
+def _places_at(
+    problem: Problem, state: State, movers: Movers, event: Event, toward: int, out: Floats
+) -> None:
+    """Travels of the movers at an event, into `out`; those that come to an end are there."""
+    laws, pieces, force = problem.laws, problem.pieces, state.force[0]
+    for m in range(len(out)):
+        out[m] = invert(
+            laws, pieces, movers.cell[m], movers.piece[m], event.level - movers.offset[m]
+        )
+    if event.why != KINK:
+        return
+    for m in range(len(out)):
+        on = movers.piece[m]
+        there = pieces.right[on] if toward * pieces.sign[on] > 0 else pieces.left[on]
+        # Alike cells arrive together, but for rounding.
+        alike = abs(out[m] - there) <= 1e-15 * laws.full[movers.cell[m]]
+        near = _until_end(pieces, movers, m, force, toward) <= event.within
+        if m == event.arrives or alike or near:
+            out[m] = there
+
+
+@kernel
+def _leader(pieces: Pieces, movers: Movers) -> int:
+    """The cell of falling force among the movers, or -1."""
+    for m in range(len(movers.cell)):
+        if pieces.sign[movers.piece[m]] < 0:
+            return movers.cell[m]
+    return -1
+
+
+@kernel
+def move(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
+    """Follow one branch to its first event or to the target."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    toward = direction if _leader(pieces, movers) < 0 else -direction
+    begun = begin(problem, state, direction)
+    event = _first_event(problem, state, movers, toward, direction)
+    if event.why == _NOTHING:
+        if beta == 0.0:
+            return RUNS_AWAY
+        # Nothing is left to happen: the drive only changes the force.
+        state.force[0] = (target - alpha * summed(begun.travel)) / beta
+        status = write(state, HOLD, begun, movers, target, (0.0, 0.0))
+        return DONE if status == GOES_ON else status
+    count = len(movers.cell)
+    if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
+        event = _or_fold(problem, state, movers, event, toward)
+    level = event.level
+    places = np.empty(count)
+    _places_at(problem, state, movers, event, toward, places)
+    drive = alpha * (movers.held + summed(places)) + beta * level
+    reached = direction * (drive - target) > drive_slack(problem)
+    if reached:
+        drive = target
+        if count == 1 and beta == 0.0:
+            places[0] = target - movers.held
+            picked = pieces.picked[movers.piece[0]]
+            level = law(laws, movers.cell[0], picked, places[0])[0] + movers.offset[0]
+        else:
+            level = point_at(problem, movers, begun.force, level, target, places)
+    friction_work = 0.0
+    moves = level != begun.force or drive != begun.drive
+    for m in range(count):
+        i = movers.cell[m]
+        moves = moves or places[m] != begun.travel[i]
+        friction_work += laws.friction[i] * abs(places[m] - begun.travel[i])
+        state.travel[i] = places[m]
+    state.force[0] = level
+    if moves:
+        kind = MOVE if count > 0 else HOLD
+        status = write(state, kind, begun, movers, drive, (0.0, friction_work))
+        if status != GOES_ON:
+            return status
+    if reached:
+        return DONE
+    _pass(problem, state, event)
+    return GOES_ON
+
+
+@kernel
+def _pass(problem: Problem, state: State, event: Event) -> None:
+    """What an event changes, and the snap that it would set off."""
+    cell, heading = event.cell, event.heading
+    if event.why == FOLD:
+        set_snap(state, cell, heading, FOLD)
+        state.next_snap[DUE] = 1
+    elif event.why == RELEASE:
+        state.mode[cell], state.sense[cell] = LETS_GO, heading
+        state.piece[cell] = find_piece(problem.pieces, cell, state.travel[cell], heading)
+        set_snap(state, cell, heading, RELEASE)
+    else:
+        set_snap(state, cell, heading, KINK)
+        end_piece(problem, state, cell, heading)
+        if state.mode[cell] == HELD:
+            state.next_snap[TRIGGER], state.next_snap[WHY] = -1, FOLD

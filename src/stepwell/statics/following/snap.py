@@ -1,0 +1,263 @@
+"""Snaps: from an equilibrium that is lost to the next one, at a fixed drive."""
+
+import numpy as np
+
+from stepwell.kernels import kernel
+from stepwell.mechanism import Floats, law, stored, summed
+from stepwell.statics.following.branch import inverse_slope
+from stepwell.statics.following.flow import flow, unstable_direction
+from stepwell.statics.following.landing import JOINED, STOPPED, UNDECIDED, Line, slide
+from stepwell.statics.following.log import FOLD, SNAP
+from stepwell.statics.following.pieces import find_piece
+from stepwell.statics.following.state import (
+    DUE,
+    FREE,
+    HELD,
+    NOT_SETTLED,
+    SENSE,
+    STALLED,
+    TRIGGER,
+    Movers,
+    Problem,
+    State,
+    begin,
+    held_range,
+    set_snap,
+    set_tie,
+    settle,
+    write,
+)
+
+
+@kernel
+def snap(problem: Problem, state: State, direction: int) -> int:
+    """Snap, and write down what moved and what was released."""
+    laws, pieces = problem.laws, problem.pieces
+    begun = begin(problem, state, direction)
+    before, trigger = begun.travel, state.next_snap[TRIGGER]
+    rubbed = np.zeros(len(before))
+    outcome, close = _along_line(problem, state, rubbed)
+    if outcome == JOINED:
+        settled, closer = _by_flow(problem, state, begun.drive, rubbed)
+        if not settled:
+            return NOT_SETTLED
+        close = close or closer
+    settle(problem, state)
+    # A snap at a prescribed stroke that does not keep it is no answer.
+    if problem.beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full):
+        return NOT_SETTLED
+    changed = state.travel != before
+    if not np.any(changed):
+        return STALLED
+    # The cell that let go belongs to the snap even where the flow brings it back to its stop.
+    changed[trigger] = True
+    moved = np.flatnonzero(changed)
+    released = 0.0
+    for m in range(len(moved)):
+        i = int(moved[m])
+        on = pieces.picked[find_piece(pieces, i, before[i], 0)]
+        to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
+        released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
+    # A cell that yields and comes back has rubbed as well.
+    friction_work = summed(laws.friction * rubbed)
+    if problem.beta > 0.0:
+        # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
+        # way no large numbers are subtracted.
+        released += 0.5 * (begun.force + state.force[0]) * summed(state.travel - before)
+    # Friction takes no more than there is, though the first step off a fold may say so.
+    friction_work = min(friction_work, max(released, 0.0))
+    if close and state.tie[0] < 0:
+        set_tie(state, trigger, trigger)
+    movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
+    heat = (released - friction_work, friction_work)
+    status = write(state, SNAP, begun, movers, begun.drive, heat)
+    set_snap(state, -1, direction, FOLD)
+    state.next_snap[DUE] = 0
+    return status
+
+
+@kernel
+def note_saddle(problem: Problem, state: State, leader: int) -> None:
+    """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
+    for i in range(len(state.mode)):
+        if i != leader and state.mode[i] != HELD and problem.pieces.sign[state.piece[i]] < 0:
+            set_tie(state, leader, i)
+
+
+@kernel
+def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bool]:
+    """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
+
+    JOINED where there is more than one degree of freedom, or from where on there is.
+    """
+    laws, scale = problem.laws, problem.scale
+    trigger, sense, partner, active = state.next_snap[TRIGGER], state.next_snap[SENSE], -1, 0
+    for i in range(len(state.mode)):
+        if state.mode[i] != HELD:
+            active += 1
+            if i != trigger and (state.mode[i] == FREE or state.sense[i] == -sense):
+                partner = i
+    rigid, dead = problem.beta == 0.0, problem.alpha == 0.0
+    if not (active == 2 and partner >= 0 if rigid else active == 1 or dead):
+        return JOINED, False
+    other = partner if rigid else -1
+    forth, back = (trigger, other) if sense > 0 else (other, trigger)
+    low, high = held_range(laws, state)
+    if dead:
+        # Under a dead load no cell feels the others.
+        low, high = -np.inf, np.inf
+    at_forth = state.travel[forth] if forth >= 0 else 0.0
+    at_back = state.travel[back] if back >= 0 else 0.0
+    softness = 0.0 if rigid else problem.alpha / problem.beta
+    line = Line(forth, back, at_forth, at_back, state.force[0], softness, low, high)
+    # The start is itself an equilibrium, at a fold a double one, and next to a double root
+    # the sign of the pull is rounding noise: no landing is looked for this near to it.
+    outcome, shift, level = slide(problem, line, 1e-7, 0.0)
+    # The same with a little more pull and a little less: where it then lands elsewhere, the
+    # choice between two landings hangs on less than any real mechanism can promise.
+    size = laws.full[forth] if forth >= 0 else laws.full[back]
+    tie = False
+    for bias in (1e-9 * scale, -1e-9 * scale):
+        if shift > 2e-3 * size and not tie:
+            other_outcome, other_shift, _ = slide(problem, line, 1e-3, bias)
+            tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != UNDECIDED
+    if outcome == UNDECIDED:
+        outcome, shift, level = JOINED, 0.0, line.force
+    if forth >= 0:
+        state.travel[forth] += shift
+        if laws.full[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
+            state.travel[forth] = laws.full[forth]
+        rubbed[forth] = shift
+    if back >= 0:
+        state.travel[back] -= shift
+        if state.travel[back] <= 1e-15 * laws.full[back]:
+            state.travel[back] = 0.0
+        rubbed[back] = shift
+    state.force[0] = level
+    if outcome == STOPPED and rigid:
+        # One of the two has stopped and no longer takes its part of the force: the other
+        # may now push a third one off its place, and the snap goes on.
+        settle(problem, state)
+        low, high = held_range(laws, state)
+        slip = 1e-12 * scale
+        if low > high + slip or not low - slip <= state.force[0] <= high + slip:
+            outcome = JOINED
+    return outcome, tie
+
+
+@kernel
+def _by_flow(problem: Problem, state: State, drive: float, rubbed: Floats) -> tuple[bool, bool]:
+    """Let the flow bring all cells to rest; whether it did, and whether by a tie."""
+    full, force = problem.laws.full, state.force[0]
+    start, worn = state.travel.copy(), rubbed.copy()
+    again, settled, level = start, False, force
+    on_its_way = worn[state.next_snap[TRIGGER]] != 0.0
+    # The place next to a fold can be too narrow for the flow to get out of; then the way
+    # out is begun further on, where the one unstable direction still holds.
+    for share in (1e-4, 1e-3, 1e-2):
+        state.travel[:] = start
+        rubbed[:] = worn
+        if not on_its_way:
+            _leave(problem, state, share)
+            rubbed += np.abs(state.travel - start)
+        again = state.travel.copy()
+        settled, level = flow(problem, state.travel, drive, force, 1e-6, rubbed)
+        if settled or on_its_way:
+            break
+    if not settled:
+        return False, False
+    # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
+    # between two landings hangs on less than any real mechanism can promise.
+    settled, _ = flow(problem, again, drive, force, 1e-4, worn)
+    state.force[0] = level
+    tie = not settled or _elsewhere(problem, state, again)
+    for i in range(len(full)):
+        if abs(state.travel[i]) <= 1e-13 * full[i]:
+            state.travel[i] = 0.0
+        elif abs(state.travel[i] - full[i]) <= 1e-13 * full[i]:
+            state.travel[i] = full[i]
+    return True, tie
+
+
+@kernel
+def _elsewhere(problem: Problem, state: State, there: Floats) -> bool:
+    """Whether two computed landings are two, and not one that is known less well.
+
+    Without friction places of rest stand apart. Friction makes a continuum of them, on which the
+    place depends smoothly on the way there: two places are one if the chain can rest anywhere
+    between them and they are no further apart than the coarser way may be off.
+    """
+    laws, pieces, here, level = problem.laws, problem.pieces, state.travel, state.force[0]
+    apart = 0.0
+    for i in range(len(here)):
+        apart = max(apart, abs(there[i] - here[i]) / laws.full[i])
+    if apart <= 1e-4:
+        return False
+    if apart > 1e-2 or np.max(laws.friction) == 0.0:
+        return True
+    for step in range(1, 9):
+        low, high = -np.inf, np.inf
+        for i in range(len(here)):
+            travel = here[i] + step / 8.0 * (there[i] - here[i])
+            value = law(laws, i, pieces.picked[find_piece(pieces, i, travel, 0)], travel)[0]
+            # A cell that slid all the way rests where its force and friction meet λ: between two
+            # such places it is off by the bend of its force.
+            slip = laws.friction[i] + 1e-4 * problem.scale
+            if travel > 0.0:
+                low = max(low, value - slip)
+            if travel < laws.full[i]:
+                high = min(high, value + slip)
+        if low > high or (problem.beta > 0.0 and not low <= level <= high):
+            return True
+    return False
+
+
+@kernel
+def _leave(problem: Problem, state: State, share: float) -> None:
+    """Step off an unstable equilibrium along its one unstable direction."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    trigger, sense = state.next_snap[TRIGGER], state.next_snap[SENSE]
+    n = len(state.mode)
+    movers = np.empty(n, np.int64)
+    count = 0
+    for needed in (True, False):
+        # At a fixed stroke no cell moves alone: then those that slide against friction join in.
+        if count > 1 or (count == 1 and beta > 0.0):
+            break
+        count = 0
+        for i in range(n):
+            falls = state.mode[i] != HELD and pieces.sign[state.piece[i]] < 0
+            slides = state.mode[i] != HELD and not needed
+            if state.mode[i] == FREE or i == trigger or falls or slides:
+                movers[count] = i
+                count += 1
+    slopes = np.empty(count)
+    mine = 0
+    for m in range(count):
+        i = int(movers[m])
+        if pieces.sign[state.piece[i]] == 0:
+            slopes[m] = 0.0
+        else:
+            slopes[m] = 1.0 / inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+        if i == trigger:
+            mine = m
+    if count > 1:
+        way = unstable_direction(slopes, alpha, beta)
+    else:
+        way = np.ones(1)
+    if beta == 0.0 and count > 1:
+        if abs(summed(way)) > 1e-6:
+            # Two slopes alike to the last digit have no direction of their own.
+            way[:] = -1.0 / (count - 1)
+            way[mine] = 1.0
+        # The stroke stays what it is, to rounding.
+        way[mine] -= summed(way)
+    step = share * np.min(laws.full) * (sense if way[mine] > 0.0 else -sense)
+    # One length for all cells, short of every stop, or the stroke would not stay what it is.
+    for m in range(count):
+        i = movers[m]
+        room = laws.full[i] - state.travel[i] if step * way[m] > 0.0 else state.travel[i]
+        if abs(step * way[m]) > 0.5 * room:
+            step *= 0.5 * room / abs(step * way[m])
+    for m in range(count):
+        state.travel[movers[m]] += step * way[m]

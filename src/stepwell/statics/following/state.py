@@ -1,0 +1,225 @@
+"""The two records that the follower hands on: what stays as it is, and where the chain is."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.kernels import kernel
+from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.statics.following.log import (
+    CAUSE,
+    CELL,
+    DIRECTION,
+    DRIVE_0,
+    DRIVE_1,
+    FORCE_0,
+    FORCE_1,
+    KIND,
+    OFFSET,
+    PIECE,
+    RELEASED,
+    RUBBED,
+    SNAP,
+    TIE_A,
+    TIE_B,
+    TRAVEL_0,
+    TRAVEL_1,
+    Log,
+)
+from stepwell.statics.following.pieces import Pieces, find_piece
+
+# What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
+# friction; has just reached the force at which it lets go.
+HELD, FREE, SLIDES, LETS_GO = 0, 1, 2, 3
+# How a run ended, or a part of it.
+DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 4, 5, 6
+# What the follower knows of the next snap: the cell that sets it off and in which sense, why, and
+# whether it is due although the cells could go on.
+TRIGGER, SENSE, WHY, DUE = range(4)
+# Two forces closer than this share of the largest force tie.
+TIE = 1e-9
+
+
+class Problem(NamedTuple):
+    """A chain and its actuator: what stays as it is while it is followed; N cells."""
+
+    laws: Laws
+    pieces: Pieces
+    alpha: float  # of the drive coordinate U = α Σ s_i + β λ
+    beta: float
+    scale: float  # [N] largest force of any cell
+    rank: Ints  # (N,) where cells tie the lowest goes first; equal ones share a drift
+    effort: Ints  # forces looked at, and how many may be: see kernels
+
+
+class State(NamedTuple):
+    """Where the chain is, and how it came there; N cells."""
+
+    travel: Floats  # (N,)
+    mode: Ints  # (N,) HELD, FREE, SLIDES or LETS_GO
+    sense: Ints  # (N,) in which a cell slides or lets go, else 0
+    piece: Ints  # (N,) of a cell that is not held
+    at_rest: Floats  # (N,) force of a held cell
+    force: Floats  # (1,) λ
+    next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
+    tie: Ints  # (2,) cells that tie on the present segment, or -1
+    log: Log
+
+
+class Movers(NamedTuple):
+    """The m cells that move on one branch, and what the others leave of the stroke."""
+
+    cell: Ints  # (m,)
+    piece: Ints  # (m,), -1 where it is not known
+    offset: Floats  # (m,) friction that λ bears besides the force of the cell
+    held: float  # Σ s of all other cells
+
+
+class Begin(NamedTuple):
+    """Where a segment begins."""
+
+    direction: int  # of the drive
+    drive: float
+    force: float
+    travel: Floats  # (N,)
+
+
+@kernel
+def drive_of(problem: Problem, travel: Floats, force: float) -> float:
+    """U = α Σ s_i + β λ."""
+    return problem.alpha * summed(travel) + problem.beta * force
+
+
+@kernel
+def drive_slack(problem: Problem) -> float:
+    """Drives closer than this differ by rounding."""
+    return problem.alpha * 1e-13 * summed(problem.laws.full) + problem.beta * 1e-13 * problem.scale
+
+
+@kernel
+def begin(problem: Problem, state: State, direction: int) -> Begin:
+    """The beginning of a segment: where the chain is now."""
+    travel, force = state.travel.copy(), state.force[0]
+    return Begin(direction, drive_of(problem, travel, force), force, travel)
+
+
+@kernel
+def movers_of(problem: Problem, state: State, goes: Ints) -> Movers:
+    """The cells marked in (N,) `goes` as movers."""
+    cell = np.flatnonzero(goes)
+    held = summed(state.travel)
+    for i in cell:
+        held -= state.travel[i]
+    offset = state.sense[cell] * problem.laws.friction[cell]
+    return Movers(cell, state.piece[cell], offset, held)
+
+
+@kernel
+def nobody() -> Movers:
+    """No movers."""
+    return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
+
+
+@kernel
+def write(
+    state: State, kind: int, begun: Begin, movers: Movers, drive: float, heat: tuple[float, float]
+) -> int:
+    """Append the segment that ends here at `drive`, and forget the tie that it tells of.
+
+    `heat` is what the snap released and what friction took [J].
+    """
+    log = state.log
+    k, m = log.used
+    if k >= len(log.segments) or m + len(movers.cell) > len(log.movers):
+        return LOG_FULL
+    row = log.segments[k]
+    row[KIND], row[DIRECTION] = kind, begun.direction
+    row[DRIVE_0], row[DRIVE_1] = begun.drive, drive
+    row[FORCE_0], row[FORCE_1] = begun.force, state.force[0]
+    row[RELEASED], row[RUBBED] = heat
+    row[CAUSE] = state.next_snap[WHY] if kind == SNAP else 0
+    row[TIE_A], row[TIE_B] = state.tie
+    state.tie[:] = -1
+    for j in range(len(movers.cell)):
+        i = movers.cell[j]
+        mover = log.movers[m + j]
+        mover[CELL], mover[PIECE], mover[OFFSET] = i, movers.piece[j], movers.offset[j]
+        mover[TRAVEL_0], mover[TRAVEL_1] = begun.travel[i], state.travel[i]
+    log.used[0] = k + 1
+    log.used[1] = m + len(movers.cell)
+    log.first[k + 1] = m + len(movers.cell)
+    return GOES_ON
+
+
+@kernel
+def set_snap(state: State, trigger: int, sense: int, why: int) -> None:
+    """Note what would set off a snap that comes next."""
+    state.next_snap[TRIGGER], state.next_snap[SENSE], state.next_snap[WHY] = trigger, sense, why
+
+
+@kernel
+def set_tie(state: State, one: int, two: int) -> None:
+    """Note that two cells tie."""
+    state.tie[0], state.tie[1] = one, two
+
+
+@kernel
+def hold(problem: Problem, state: State, i: int) -> None:
+    """Let cell i rest where it is."""
+    laws, pieces, travel = problem.laws, problem.pieces, state.travel[i]
+    state.mode[i], state.sense[i] = HELD, 0
+    piece = find_piece(pieces, i, travel, 0)
+    if travel == pieces.left[piece]:
+        state.at_rest[i] = pieces.force_left[piece]
+    elif travel == pieces.right[piece]:
+        state.at_rest[i] = pieces.force_right[piece]
+    else:
+        state.at_rest[i] = law(laws, i, pieces.picked[piece], travel)[0]
+
+
+@kernel
+def held_range(laws: Laws, state: State) -> tuple[float, float]:
+    """The forces λ at which every held cell stays."""
+    low, high = -np.inf, np.inf
+    for i in range(len(state.mode)):
+        if state.mode[i] == HELD:
+            if state.travel[i] > 0.0:
+                low = max(low, state.at_rest[i] - laws.friction[i])
+            if state.travel[i] < laws.full[i]:
+                high = min(high, state.at_rest[i] + laws.friction[i])
+    return low, high
+
+
+@kernel
+def settle(problem: Problem, state: State) -> None:
+    """Read modes and λ off a resting configuration, after a snap."""
+    laws, pieces = problem.laws, problem.pieces
+    free, total = 0, 0.0
+    for i in range(len(state.mode)):
+        inside = 0.0 < state.travel[i] < laws.full[i]
+        if inside and laws.friction[i] == 0.0:
+            state.mode[i], state.sense[i] = FREE, 0
+            piece = find_piece(pieces, i, state.travel[i], 0)
+            state.piece[i] = piece
+            total += law(laws, i, pieces.picked[piece], state.travel[i])[0]
+            free += 1
+        else:
+            hold(problem, state, i)
+    if problem.alpha > 0.0 and free > 0:
+        # Behind a stiff spring λ = K (U - Σ s) is rounding: the cells tell it better.
+        state.force[0] = total / free
+    elif problem.beta == 0.0:
+        low, high = held_range(laws, state)
+        state.force[0] = min(max(state.force[0], low), high)
+
+
+@kernel
+def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
+    """A cell has reached the end of its piece: it rests at a stop, or goes on to the next."""
+    stop = problem.laws.full[cell] if heading > 0 else 0.0
+    if state.travel[cell] == stop:
+        hold(problem, state, cell)
+        return
+    state.piece[cell] += heading
+    if state.mode[cell] == SLIDES:
+        state.mode[cell] = LETS_GO

@@ -1,0 +1,86 @@
+"""A chain and its actuator as a problem for the follower."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepwell.kernels import UNLIMITED
+from stepwell.mechanism import Chain, Ints, Laws, pack
+from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
+from stepwell.statics.outcome import StaticsError
+
+
+def drive_weights(chain: Chain) -> tuple[float, float]:
+    """(α, β) of the drive coordinate U = α Σ s_i + β λ."""
+    stiffness = chain.actuator_stiffness
+    if math.isinf(stiffness):
+        return 1.0, 0.0
+    return (0.0, 1.0) if stiffness == 0 else (1.0, 1.0 / stiffness)
+
+
+def problem_of(
+    chain: Chain, laws: Laws | None = None, prefer: Sequence[int] | None = None
+) -> Problem:
+    """The problem that a chain sets.
+
+    Args:
+        chain: the chain.
+        laws: its packed laws, where they are at hand.
+        prefer: cells by falling priority where two of them tie.
+
+    Raises:
+        ValueError: a `prefer` that does not name every cell once.
+        StaticsError: a force that turns too often to follow.
+    """
+    laws = pack(chain.cells) if laws is None else laws
+    pieces = cut(laws)
+    counts = np.diff(pieces.first)
+    worst = int(np.argmax(counts))
+    if counts[worst] > MOST_PIECES:
+        raise StaticsError(
+            f"the force of {chain.names[worst]} turns {counts[worst]} times over its travel, too "
+            f"often to follow: smooth its table, or look for a band whose ends nearly meet."
+        )
+    effort = np.array([0, UNLIMITED, 0])
+    rank = _ranks(len(chain), prefer)
+    return Problem(laws, pieces, *drive_weights(chain), force_scale(laws, pieces), rank, effort)
+
+
+def drive_range(chain: Chain) -> tuple[float, float]:
+    """Drives [m], or [N] under force control, that pull every cell to 0 and to 1.
+
+    Raises:
+        StaticsError: a force that turns too often to follow.
+    """
+    return range_of(problem_of(chain))
+
+
+def range_of(problem: Problem) -> tuple[float, float]:
+    """Drives that pull every cell to 0 and to 1."""
+    low, high = _force_range(problem) if problem.beta > 0 else (0.0, 0.0)
+    reach = problem.alpha * float(np.sum(problem.laws.full))
+    return problem.beta * low, reach + problem.beta * high
+
+
+def _force_range(problem: Problem) -> tuple[float, float]:
+    """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
+    forces = np.concatenate([problem.pieces.force_left, problem.pieces.force_right])
+    rub = float(np.max(problem.laws.friction))
+    margin = 0.01 * problem.scale
+    return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
+
+
+def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
+    if prefer is None:
+        # All alike: cells of constant force share the motion, else the innermost goes first.
+        return np.zeros(cells, np.int64)
+    order = [int(i) for i in prefer]
+    if sorted(order) != list(range(cells)):
+        raise ValueError(
+            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
+            f"that goes first."
+        )
+    ranks = np.empty(cells, np.int64)
+    ranks[order] = np.arange(cells)
+    return ranks
