@@ -324,7 +324,7 @@ WRONG = [
             "rum",
             "run",
             "run preset:paper-forward --jsn",
-            "map preset:three-wave",
+            "map preset:three-wave --cell 4",
             "map preset:paper-forward --x 0:20",
             "map preset:paper-forward --across outer.q.x=0:20:3",
             "map preset:paper-forward --across outer.q.z=0:20:3 --up inner.q.y=0:1:2",
