@@ -4,7 +4,6 @@ import ast
 import re
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import networkx
@@ -94,7 +93,9 @@ def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
             if not isinstance(node, ast.ImportFrom) or not node.module or node.level:
                 continue
             within = node.module.startswith(folder_of(file) + ".") and file.name == "__init__.py"
-            beside = node.module.rpartition(".")[0] == folder_of(file)
+            beside = (file.parent / f"{node.module.rpartition('.')[2]}.py").exists() and (
+                node.module.rpartition(".")[0] == folder_of(file)
+            )
             own = node.module == folder_of(file)
             if node.module.partition(".")[0] == "stepwell" and not (within or beside or own):
                 names = tuple(alias.name for alias in node.names)
@@ -102,13 +103,24 @@ def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
     return found
 
 
+def offers(folder: Path) -> set[str]:
+    """What a folder's `__init__` imports or lists; the house itself offers its rooms."""
+    tree = ast.parse((folder / "__init__.py").read_text("utf-8"))
+    names = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    return names | {one.parent.name for one in folder.glob("*/__init__.py") if folder == SOURCE}
+
+
 def test_a_file_takes_from_other_folders_only_what_they_offer_at_their_doors():
     """A folder offers what its `__init__` lists; files of other folders are nobody's business."""
     trespassers = []
     for file, module, names, _ in imports_between_folders():
         folder = SOURCE.joinpath(*module.split(".")[1:])
-        offered = getattr(import_module(module), "__all__", ()) if folder.is_dir() else ()
-        offered = {*offered, *(one.name for one in folder.glob("*/") if module == "stepwell")}
+        offered = offers(folder) if folder.is_dir() else set()
         if module in ("stepwell.cli.text", "stepwell.cli.chains", "stepwell.cli.robots"):
             continue  # these hold one module a command, and commands are opened one at a time
         trespassers += [
@@ -117,6 +129,23 @@ def test_a_file_takes_from_other_folders_only_what_they_offer_at_their_doors():
             if name not in offered or (name.startswith("_") and name != "__version__")
         ]
     assert trespassers == []
+
+
+def test_folders_offer_only_what_others_take():
+    """The rooms offer to users; a folder in a room, and the rooms below, to other folders."""
+    taken = {(module, name) for _, module, names, _ in imports_between_folders() for name in names}
+    for file in SOURCE.rglob("__init__.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                taken |= {(node.module, alias.name) for alias in node.names}
+    unwanted = [
+        f"{folder_of(file)} offers {name}"
+        for file in SOURCE.rglob("__init__.py")
+        if "__all__" not in file.read_text("utf-8")
+        for name in sorted(offers(file.parent))
+        if (folder_of(file), name) not in taken
+    ]
+    assert unwanted == []
 
 
 def test_no_two_folders_stand_on_each_other():

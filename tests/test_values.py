@@ -16,7 +16,7 @@ import stepwell as sw
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads
-from stepwell.kernels import Entry
+from stepwell.kernels.entry import Entry
 from stepwell.lab import LabError
 from stepwell.mechanism import SlipError
 from stepwell.sequences import Unreachable

@@ -17,7 +17,8 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.kernels import Entry, beside, compiler, entry, in_blocks, kernel, store
+from stepwell.kernels import beside, compiler, entry, in_blocks, kernel, store
+from stepwell.kernels.entry import Entry
 from stepwell.kernels.fingerprint import fingerprint
 from stepwell.statics.following.flow import Point, _smooth_rates
 from stepwell.statics.problem import problem_of

@@ -8,7 +8,7 @@ import pytest
 from lab.machine import recording, tension, there
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.bands.laws import BY_NAME
+from stepwell.lab.bands.laws import LAWS
 
 DRAWS = examples(80)
 OFTEN = 0.90
@@ -90,7 +90,7 @@ def test_numbers_of_every_law_are_found_again_inside_their_intervals(name):
             "Yeoh": (-0.002, 0.020, np.nan, [0.4, -0.03, 0.006]),
         }[name],
     )
-    law = BY_NAME[name]
+    law = next(law for law in LAWS if law.name == name)
     onset, length, exponent, coefficients = truth
     u = np.linspace(0.005, 0.035, 61)
     basis = law.basis(u - onset, length, exponent)

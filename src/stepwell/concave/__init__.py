@@ -11,24 +11,16 @@ from stepwell.concave.cell import (
     simple_rows,
     travel_at,
 )
-from stepwell.concave.certificate import (
-    certified,
-    certified_within,
-    certify,
-    closed,
-    concave_disc,
-    concave_line,
-)
+from stepwell.concave.certificate import certified, certify, closed, concave_disc, concave_line
 from stepwell.concave.ends import (
     end_force,
     end_force_field,
     end_forces,
-    end_forces_at,
     proved_ends,
     slopes_by_sizes,
     steepest,
 )
-from stepwell.concave.relays import Plan, Relays, fewest_strokes, relays
+from stepwell.concave.relays import Relays, fewest_strokes, relays
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sorting import (
     TIED,
@@ -37,49 +29,4 @@ from stepwell.concave.sorting import (
     one_travel,
     proved_cells,
     same_travel,
-    smallest_gap,
-    snaps_of,
 )
-
-__all__ = [
-    "ASK",
-    "DOES",
-    "OTHER",
-    "TIE",
-    "TIED",
-    "Judge",
-    "Plan",
-    "Relays",
-    "Simple",
-    "SortedChain",
-    "certified",
-    "certified_within",
-    "certify",
-    "closed",
-    "concave_disc",
-    "concave_line",
-    "end_force",
-    "end_force_field",
-    "end_forces",
-    "end_forces_at",
-    "energy_at",
-    "fewest_strokes",
-    "force_at",
-    "full_travel",
-    "in_disc",
-    "most_bend",
-    "motion_orders",
-    "of_row",
-    "one_travel",
-    "proved_cells",
-    "proved_ends",
-    "relays",
-    "same_travel",
-    "simple",
-    "simple_rows",
-    "slopes_by_sizes",
-    "smallest_gap",
-    "snaps_of",
-    "steepest",
-    "travel_at",
-]

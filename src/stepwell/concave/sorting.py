@@ -53,23 +53,6 @@ def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
     return loading, np.argsort(-ends[..., 1], axis=-1, kind="stable")
 
 
-def snaps_of(ends: Floats, loading: Ints, unloading: Ints) -> Ints:
-    """(..., 2) how many steps snap while loading and while unloading, by (..., N, 2) end forces.
-
-    The cell that loads snaps where a full one lets go first, which has a larger F1; unloading is
-    the same in a mirror.
-    """
-    release = np.take_along_axis(ends[..., 1], loading, axis=-1)
-    return_ = np.take_along_axis(-ends[..., 0], unloading, axis=-1)
-    return np.stack([_overtaken(release), _overtaken(return_)], axis=-1)
-
-
-def _overtaken(force: Floats) -> Ints:
-    """How many in each row are smaller than one before them."""
-    before = np.maximum.accumulate(force, axis=-1)[..., :-1]
-    return np.sum(force[..., 1:] < before, axis=-1)
-
-
 def smallest_gap(ends: Floats) -> Floats:
     """Smallest difference of two F0 or of two F1 [N], by (..., N, 2); infinite for one cell."""
     gaps = np.diff(np.sort(ends, axis=-2), axis=-2)

@@ -9,37 +9,3 @@ from stepwell.cli.options.parameter import EXAMPLE, ParameterRange, parameter_ra
 from stepwell.cli.options.programs import From, To, own, planned
 from stepwell.cli.options.robots import NoVideo, Robot, named, usable
 from stepwell.cli.options.wishes import Span, span, stock, wish
-
-__all__ = [
-    "EXAMPLE",
-    "Design",
-    "Drive",
-    "Force",
-    "ForceFile",
-    "From",
-    "Grid",
-    "Json",
-    "NewDrive",
-    "NoVideo",
-    "Out",
-    "ParameterRange",
-    "Robot",
-    "Span",
-    "To",
-    "cell_of",
-    "free",
-    "free_file",
-    "grid",
-    "marks",
-    "named",
-    "own",
-    "parameter_range",
-    "planned",
-    "ranges",
-    "span",
-    "stiffness_of",
-    "stock",
-    "tolerances",
-    "usable",
-    "wish",
-]

@@ -16,25 +16,3 @@ from stepwell.cli.screen.show import (
     warn,
     wrapped,
 )
-
-__all__ = [
-    "EXIT_CODES",
-    "Commands",
-    "answered",
-    "number",
-    "progress",
-    "show_facts",
-    "show_json",
-    "show_lines",
-    "show_records",
-    "show_result",
-    "show_table",
-    "show_text",
-    "show_written",
-    "signed",
-    "stopped",
-    "styled",
-    "usable",
-    "warn",
-    "wrapped",
-]

@@ -2,5 +2,3 @@
 
 from stepwell.design.maps.boundaries import boundaries, parameter_boundaries
 from stepwell.design.maps.parameter_map import parameter_map, transition_map
-
-__all__ = ["boundaries", "parameter_boundaries", "parameter_map", "transition_map"]

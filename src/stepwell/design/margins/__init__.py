@@ -6,19 +6,3 @@ from stepwell.design.margins.reprogramming import WAY, Reprogramming, reprogram
 from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest
-
-__all__ = [
-    "SIDES",
-    "WAY",
-    "Change",
-    "Margin",
-    "Proof",
-    "Reprogramming",
-    "Resistance",
-    "Robustness",
-    "extremes",
-    "farthest",
-    "margin",
-    "reprogram",
-    "robustness",
-]

@@ -16,30 +16,3 @@ from stepwell.design.placement.region import (
     usual_box,
 )
 from stepwell.design.placement.stock import PAPER_BAND, Stock
-
-__all__ = [
-    "PAPER_BAND",
-    "PAPER_BOX",
-    "PAPER_LEVER",
-    "AnchorBox",
-    "AnchorPolygon",
-    "Candidates",
-    "Kind",
-    "Placement",
-    "Region",
-    "Rule",
-    "Search",
-    "Stock",
-    "all_proved",
-    "best_choice",
-    "choose",
-    "differences",
-    "fits",
-    "joined",
-    "lattice",
-    "measured",
-    "outlines",
-    "shared",
-    "told",
-    "usual_box",
-]

@@ -6,19 +6,4 @@ from stepwell.design.plane.box import Box
 from stepwell.design.plane.implicit import Level, curves
 from stepwell.design.plane.polyline import parted, smoothed
 from stepwell.design.plane.search import searched
-from stepwell.design.plane.trace import Line, trace
-
-__all__ = [
-    "RESOLVED",
-    "Boundary",
-    "BoundaryKind",
-    "Box",
-    "Level",
-    "Line",
-    "bisected",
-    "curves",
-    "parted",
-    "searched",
-    "smoothed",
-    "trace",
-]
+from stepwell.design.plane.trace import trace

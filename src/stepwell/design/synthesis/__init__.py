@@ -3,9 +3,3 @@
 from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.impossible import Impossible
 from stepwell.design.synthesis.inverse import design
-
-__all__ = [
-    "Design",
-    "Impossible",
-    "design",
-]

@@ -1,19 +1,5 @@
 """Mechanisms as a workshop makes them: tolerances, yields, the survival of programs."""
 
 from stepwell.design.tolerances.survival import Survival, survival
-from stepwell.design.tolerances.tolerances import USUAL, WAY, Tolerances, refuse_reach, refuse_slips
+from stepwell.design.tolerances.tolerances import USUAL, Tolerances, refuse_reach, refuse_slips
 from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
-
-__all__ = [
-    "USUAL",
-    "WAY",
-    "Critical",
-    "Sensitivities",
-    "Survival",
-    "Tolerances",
-    "Yield",
-    "refuse_reach",
-    "refuse_slips",
-    "survival",
-    "yields",
-]

@@ -12,17 +12,3 @@ from stepwell.figures.cells.mechanism import (
     mechanism,
 )
 from stepwell.figures.cells.unit_cell import unit_cell_energy, unit_cell_force
-
-__all__ = [
-    "MOST_CELLS",
-    "MOST_STATES",
-    "Drawing",
-    "Linkage",
-    "arrange",
-    "draw",
-    "force_plane",
-    "ground",
-    "mechanism",
-    "unit_cell_energy",
-    "unit_cell_force",
-]

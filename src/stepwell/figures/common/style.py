@@ -127,17 +127,6 @@ def keep_inside(ax: Axes, least: float = 1.0) -> None:
         ax.set_position((place.x0 + share, place.y0, place.width - share, place.height))
 
 
-def trim_above(ax: Axes, least: float = 1.0) -> None:
-    """Cut the page off `least` mm above the legend, leaving the axes as large as they are."""
-    legend, figure = ax.get_legend(), root(ax)
-    box = (ax if legend is None else legend).get_window_extent()
-    old, new = figure.bbox.height, box.y1 + least / 25.4 * figure.dpi
-    place = ax.get_position()
-    figure.set_size_inches(figure.get_size_inches()[0], new / figure.dpi)
-    ratio = old / new
-    ax.set_position((place.x0, place.y0 * ratio, place.width, place.height * ratio))
-
-
 def canvas(
     ax: Axes | None,
     size: tuple[float, float],

@@ -1,7 +1,3 @@
 """Transition graphs, drawn."""
 
 from stepwell.figures.graphs.transition_graph import transition_graph
-
-__all__ = [
-    "transition_graph",
-]

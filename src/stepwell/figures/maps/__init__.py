@@ -3,11 +3,3 @@
 from stepwell.figures.maps.tornado import Effect, Sensitivity, tornado
 from stepwell.figures.maps.transition_map import transition_map
 from stepwell.figures.maps.yield_bars import yield_bars
-
-__all__ = [
-    "Effect",
-    "Sensitivity",
-    "tornado",
-    "transition_map",
-    "yield_bars",
-]

@@ -8,15 +8,3 @@ from stepwell.figures.motion.side_by_side import landscapes, strokes
 from stepwell.figures.motion.standard import standard
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.travel_stroke import travel_stroke
-
-__all__ = [
-    "animation",
-    "force_stroke",
-    "landscape",
-    "landscapes",
-    "overview",
-    "standard",
-    "stroke_program",
-    "strokes",
-    "travel_stroke",
-]

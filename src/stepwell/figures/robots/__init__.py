@@ -3,16 +3,3 @@
 from stepwell.figures.robots.arena import OBSTACLE, TOUCHED, draw_arena, outlines
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
 from stepwell.figures.robots.robot_parts import bracket, frame, in_world
-
-__all__ = [
-    "OBSTACLE",
-    "TOUCHED",
-    "bracket",
-    "draw_arena",
-    "frame",
-    "in_world",
-    "outlines",
-    "robot_above",
-    "robot_drawing",
-    "robot_side",
-]

@@ -7,14 +7,3 @@ from stepwell.figures.runs.maze_timeline import maze_timeline
 from stepwell.figures.runs.prediction import prediction
 from stepwell.figures.runs.sweep import sweep
 from stepwell.figures.runs.trajectory import trajectories, trajectory
-
-__all__ = [
-    "contacts",
-    "gait",
-    "maze",
-    "maze_timeline",
-    "prediction",
-    "sweep",
-    "trajectories",
-    "trajectory",
-]

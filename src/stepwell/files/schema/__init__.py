@@ -4,17 +4,3 @@ from stepwell.files.schema import arena, chain, robot
 from stepwell.files.schema.keys import fields, slip_lines, slips_text, table_lines, told, unit_of
 from stepwell.files.schema.robot import ASSUMED
 from stepwell.files.schema.wording import worded
-
-__all__ = [
-    "ASSUMED",
-    "arena",
-    "chain",
-    "fields",
-    "robot",
-    "slip_lines",
-    "slips_text",
-    "table_lines",
-    "told",
-    "unit_of",
-    "worded",
-]

@@ -9,20 +9,3 @@ from stepwell.files.tables.robot import robot
 from stepwell.files.tables.robot_text import robot_text
 from stepwell.files.tables.sources import sources
 from stepwell.files.tables.tree import is_number, leaves, put, tree_of
-
-__all__ = [
-    "Shared",
-    "WrittenProgram",
-    "arena_text_of",
-    "cell",
-    "chain_text",
-    "drawn",
-    "is_number",
-    "leaves",
-    "put",
-    "robot",
-    "robot_text",
-    "sources",
-    "tree_of",
-    "written",
-]

@@ -11,24 +11,3 @@ from stepwell.files.text.errors import (
 from stepwell.files.text.paths import Item, Steps, find, spelled
 from stepwell.files.text.toml import parsed
 from stepwell.files.text.toml_text import Written, array, inline, lines, mm, number, quoted
-
-__all__ = [
-    "MOST_LINES",
-    "DesignError",
-    "Item",
-    "Steps",
-    "Written",
-    "array",
-    "did_you_mean",
-    "find",
-    "inline",
-    "key_path",
-    "lines",
-    "mm",
-    "number",
-    "parsed",
-    "quoted",
-    "spelled",
-    "units",
-    "value_text",
-]

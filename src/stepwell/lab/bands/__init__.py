@@ -13,23 +13,3 @@ from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.record import band_record
 from stepwell.lab.bands.spread import Estimate, student
 from stepwell.lab.bands.table import band_table
-
-__all__ = [
-    "LAWS",
-    "BandTest",
-    "Candidate",
-    "Choice",
-    "Estimate",
-    "Fitted",
-    "ForceLaw",
-    "Loop",
-    "band_record",
-    "band_table",
-    "band_test",
-    "choose_law",
-    "fit",
-    "hysteresis",
-    "stiffness",
-    "stiffness_by_window",
-    "student",
-]

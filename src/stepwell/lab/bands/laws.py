@@ -211,4 +211,3 @@ LAWS: tuple[ForceLaw, ...] = (
         source="Yeoh 1993",
     ),
 )
-BY_NAME = {law.name: law for law in LAWS}

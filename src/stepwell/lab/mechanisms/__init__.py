@@ -16,30 +16,3 @@ from stepwell.lab.mechanisms.schema import CELL_TEST, ERROR, PAIR_TEST, PARAMETE
 from stepwell.lab.mechanisms.series import Series, Sorted, sort_series
 from stepwell.lab.mechanisms.snaps import Snap, find_snaps
 from stepwell.lab.mechanisms.table import calibrated_table
-
-__all__ = [
-    "CELL_TEST",
-    "ERROR",
-    "PAIR_TEST",
-    "PAPER_RIG",
-    "PARAMETER",
-    "Calibration",
-    "CellTest",
-    "Comparison",
-    "PairTest",
-    "Parameter",
-    "Reading",
-    "Rig",
-    "Sample",
-    "Series",
-    "Snap",
-    "Sorted",
-    "calibrate",
-    "calibrated_table",
-    "compare",
-    "comparison_record",
-    "find_snaps",
-    "fit_record",
-    "prepare",
-    "sort_series",
-]

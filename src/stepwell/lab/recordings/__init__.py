@@ -14,30 +14,3 @@ from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, 
 from stepwell.lab.recordings.read import Batch, natural, read, read_all
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.table import SUMMARY, hashes, summary, table, to_csv
-
-__all__ = [
-    "SUMMARY",
-    "Batch",
-    "Curve",
-    "LabError",
-    "Recording",
-    "Setup",
-    "batch_oddities",
-    "from_zero",
-    "hashes",
-    "is_baseline",
-    "mean_curve",
-    "missing",
-    "natural",
-    "oddities",
-    "read",
-    "read_all",
-    "run_number",
-    "sample_number",
-    "setup_of",
-    "stem_of",
-    "summary",
-    "table",
-    "to_csv",
-    "unlike",
-]

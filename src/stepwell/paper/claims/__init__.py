@@ -2,13 +2,3 @@
 
 from stepwell.paper.claims.claim import Claim, Finding, Judgement, Verdict, judged
 from stepwell.paper.claims.table import markdown, replaced
-
-__all__ = [
-    "Claim",
-    "Finding",
-    "Judgement",
-    "Verdict",
-    "judged",
-    "markdown",
-    "replaced",
-]

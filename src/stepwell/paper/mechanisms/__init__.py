@@ -15,22 +15,3 @@ from stepwell.paper.mechanisms.more_cells import CLAIMS as MORE_CELLS, SPREAD, W
 from stepwell.paper.mechanisms.order import CLAIMS as ORDER
 from stepwell.paper.mechanisms.pathways import CLAIMS as PATHWAYS
 from stepwell.paper.mechanisms.wells import CLAIMS as WELLS
-
-__all__ = [
-    "CELLS",
-    "IDS",
-    "MAP",
-    "MISPRINTS",
-    "MORE_CELLS",
-    "ORDER",
-    "PAIRS",
-    "PATHWAYS",
-    "SPREAD",
-    "WANTED",
-    "WELLS",
-    "measured_claims",
-    "monostable_pair",
-    "outer_anchor",
-    "pair_cycle",
-    "six_cells",
-]

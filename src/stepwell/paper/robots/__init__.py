@@ -5,14 +5,3 @@ from stepwell.paper.robots.loss import CLAIMS as LOSS
 from stepwell.paper.robots.robot import CLAIMS as ROBOT, robot, walk_of
 from stepwell.paper.robots.sensitivity import sensitivities
 from stepwell.paper.robots.steering import CLAIMS as STEERING, MANY_RUNS
-
-__all__ = [
-    "ANTENNAS",
-    "LOSS",
-    "MANY_RUNS",
-    "ROBOT",
-    "STEERING",
-    "robot",
-    "sensitivities",
-    "walk_of",
-]

@@ -11,17 +11,3 @@ from stepwell.robot.gait.predict import (
     predict,
 )
 from stepwell.robot.gait.states import TOLERANCE, gait, states
-
-__all__ = [
-    "TOLERANCE",
-    "Flip",
-    "LegPrediction",
-    "Limit",
-    "Motion",
-    "Prediction",
-    "Push",
-    "depths",
-    "gait",
-    "predict",
-    "states",
-]

@@ -11,23 +11,3 @@ from stepwell.robot.parts.jitter import other_layout, other_start
 from stepwell.robot.parts.leg import Leg
 from stepwell.robot.parts.robot import Robot
 from stepwell.robot.parts.slips import of_arena, of_robot
-
-__all__ = [
-    "Antenna",
-    "Arena",
-    "Blocks",
-    "Body",
-    "Cylinder",
-    "Drive",
-    "Floor",
-    "Foot",
-    "Goal",
-    "Leg",
-    "Profile",
-    "Robot",
-    "Wall",
-    "of_arena",
-    "of_robot",
-    "other_layout",
-    "other_start",
-]

@@ -5,19 +5,3 @@ from stepwell.sequences.branches.checks import Drive, checked_state, driven, ref
 from stepwell.sequences.branches.passages import Section, passages_of, state_of
 from stepwell.sequences.branches.relays import Order, order_kept
 from stepwell.sequences.branches.windows import windows
-
-__all__ = [
-    "Branches",
-    "Drive",
-    "Order",
-    "Section",
-    "Travels",
-    "checked_state",
-    "drive_slip",
-    "driven",
-    "order_kept",
-    "passages_of",
-    "refuse_friction",
-    "state_of",
-    "windows",
-]

@@ -4,12 +4,3 @@ from stepwell.sequences.cycles.cycle import Cycle, cycle
 from stepwell.sequences.cycles.pathway import Pathway
 from stepwell.sequences.cycles.sequence import Sequence
 from stepwell.sequences.cycles.vertices import arrival, sequence_of
-
-__all__ = [
-    "Cycle",
-    "Pathway",
-    "Sequence",
-    "arrival",
-    "cycle",
-    "sequence_of",
-]

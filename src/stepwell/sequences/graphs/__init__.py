@@ -14,26 +14,3 @@ from stepwell.sequences.graphs.mesostates import (
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
-
-__all__ = [
-    "Atlas",
-    "Floats",
-    "Ints",
-    "Mask",
-    "Mesostates",
-    "Node",
-    "Routes",
-    "Transition",
-    "TransitionGraph",
-    "TransitionKind",
-    "atlas",
-    "from_dot",
-    "from_graphml",
-    "from_json",
-    "from_switching_fields",
-    "graph",
-    "switching_fields",
-    "to_dot",
-    "to_graphml",
-    "to_json",
-]

@@ -6,15 +6,3 @@ from stepwell.sequences.memory.loops import Loop
 from stepwell.sequences.memory.reading import Reading, read
 from stepwell.sequences.memory.return_point import Forgetting, ReturnPointMemory
 from stepwell.sequences.memory.scrambling import Scrambling
-
-__all__ = [
-    "Accumulator",
-    "Counting",
-    "Forgetting",
-    "Latch",
-    "Loop",
-    "Reading",
-    "ReturnPointMemory",
-    "Scrambling",
-    "read",
-]

@@ -2,11 +2,3 @@
 
 from stepwell.sequences.programs.plan import program
 from stepwell.sequences.programs.program import Program, Turn, Unreachable, turn_schema
-
-__all__ = [
-    "Program",
-    "Turn",
-    "Unreachable",
-    "program",
-    "turn_schema",
-]

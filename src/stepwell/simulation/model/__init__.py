@@ -5,20 +5,3 @@ from stepwell.simulation.model.model import mjcf, spec, start_position
 from stepwell.simulation.model.sensors import columns, contacts, rod_names, sampled
 from stepwell.simulation.model.settings import Integrator, Linkage, Settings
 from stepwell.simulation.model.simulator import mujoco, quietly, rollout
-
-__all__ = [
-    "Integrator",
-    "Linkage",
-    "Settings",
-    "columns",
-    "contacts",
-    "mjcf",
-    "mujoco",
-    "obstacle_names",
-    "quietly",
-    "rod_names",
-    "rollout",
-    "sampled",
-    "spec",
-    "start_position",
-]

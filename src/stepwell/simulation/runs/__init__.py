@@ -5,25 +5,3 @@ from stepwell.simulation.runs.maze import TOUCHED, Change, Contact, Maze, Outcom
 from stepwell.simulation.runs.sweep import TRIAL, Sweep, Trial, sweep
 from stepwell.simulation.runs.video import VideoError, video
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
-
-__all__ = [
-    "LOADED",
-    "TOUCHED",
-    "TRIAL",
-    "Change",
-    "Contact",
-    "Convergence",
-    "Maze",
-    "Outcome",
-    "Resolution",
-    "Sweep",
-    "Trial",
-    "VideoError",
-    "Walk",
-    "convergence",
-    "maze",
-    "mazes",
-    "sweep",
-    "video",
-    "walk",
-]

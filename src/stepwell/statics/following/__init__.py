@@ -10,14 +10,7 @@ from stepwell.statics.following.certificate import (
     audit,
 )
 from stepwell.statics.following.follow import follow
-from stepwell.statics.following.pieces import (
-    MOST_PIECES,
-    NO_FORCE,
-    Pieces,
-    cut,
-    find_piece,
-    force_scale,
-)
+from stepwell.statics.following.pieces import MOST_PIECES, NO_FORCE, cut, find_piece, force_scale
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.state import (
     DONE,
@@ -33,35 +26,3 @@ from stepwell.statics.following.state import (
     drive_of,
     held_range,
 )
-
-__all__ = [
-    "DONE",
-    "ENERGY",
-    "EQUILIBRIUM",
-    "FORCE_SLACK",
-    "FREE",
-    "GAVE_UP",
-    "HELD",
-    "KEPT",
-    "LOG_FULL",
-    "MOST_PIECES",
-    "NOT_SETTLED",
-    "NO_FORCE",
-    "RUNS_AWAY",
-    "STABILITY",
-    "STALLED",
-    "Pieces",
-    "Problem",
-    "Samples",
-    "State",
-    "audit",
-    "count_samples",
-    "cut",
-    "drive_of",
-    "find_piece",
-    "follow",
-    "force_scale",
-    "held_range",
-    "inverse_slope",
-    "sample",
-]
