@@ -106,10 +106,11 @@ def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
 def offers(folder: Path) -> set[str]:
     """What a folder's `__init__` imports or lists; the house itself offers its rooms."""
     tree = ast.parse((folder / "__init__.py").read_text("utf-8"))
+    house = folder_of(folder / "__init__.py")
     names = {
         alias.asname or alias.name
         for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom)
+        if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(f"{house}.")
         for alias in node.names
     }
     return names | {one.parent.name for one in folder.glob("*/__init__.py") if folder == SOURCE}

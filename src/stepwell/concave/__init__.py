@@ -1,5 +1,7 @@
 """The closed form of concave cells, where it is proved: certificates, end forces, sorting."""
 
+# pyright: reportUnusedImport=false
+
 from stepwell.concave.cell import (
     Simple,
     energy_at,

@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-from stepwell.files import write_atomic
+from stepwell.base import write_atomic
 from stepwell.paper.claims import markdown, replaced
 from stepwell.paper.mechanisms import IDS
 from stepwell.paper.robots import MANY_RUNS

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from stepwell.base import write_atomic
 from stepwell.design import Tolerances, design
-from stepwell.files import write_atomic
 from stepwell.paper.claims import replaced as between
 from stepwell.paper.mechanisms import SPREAD, WANTED
 from stepwell.sequences import Sequence

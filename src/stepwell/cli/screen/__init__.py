@@ -1,6 +1,5 @@
 """What all commands do on the screen: tables, progress, errors."""
 
-from stepwell.base import number, signed
 from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
 from stepwell.cli.screen.progress import progress
 from stepwell.cli.screen.show import (

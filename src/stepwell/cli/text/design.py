@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_records, show_text, wrapped
+from stepwell.base import number
+from stepwell.cli.screen import show_lines, show_records, show_text, wrapped
 from stepwell.cli.text import yields
 from stepwell.results import BUILT
 

@@ -6,8 +6,8 @@ from collections import Counter
 from pathlib import PurePath
 from typing import Any
 
-from stepwell.base import Column, Quantity
-from stepwell.cli.screen import number, show_lines, show_records, show_table
+from stepwell.base import Column, Quantity, number
+from stepwell.cli.screen import show_lines, show_records, show_table
 from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 

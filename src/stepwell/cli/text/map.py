@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_lines, show_table
+from stepwell.base import number
+from stepwell.cli.screen import show_lines, show_table
 from stepwell.sequences import Pathway
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.base import Column
-from stepwell.cli.screen import number, show_facts, show_records
+from stepwell.base import Column, number
+from stepwell.cli.screen import show_facts, show_records
 from stepwell.cli.text.sources import show_sources
 from stepwell.results import CHANGE, CONTACT, TOUCHED
 

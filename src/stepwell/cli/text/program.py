@@ -2,15 +2,8 @@
 
 from typing import Any
 
-from stepwell.base import Quantity
-from stepwell.cli.screen import (
-    number,
-    show_facts,
-    show_lines,
-    show_records,
-    show_text,
-    wrapped,
-)
+from stepwell.base import Quantity, number
+from stepwell.cli.screen import show_facts, show_lines, show_records, show_text, wrapped
 from stepwell.cli.text.run import MOST_CELLS, show_events
 from stepwell.sequences.programs import turn_schema
 

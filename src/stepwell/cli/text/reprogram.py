@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from stepwell.base import Quantity
-from stepwell.cli.screen import number, show_facts, show_lines, show_records, show_text, signed
+from stepwell.base import Quantity, number, signed
+from stepwell.cli.screen import show_facts, show_lines, show_records, show_text
 from stepwell.design.margins import WAY
 
 # Of the places on the way every so manieth is printed; --json and --out have all.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.base import Column, Quantity
-from stepwell.cli.screen import number, show_facts, show_lines, show_records
+from stepwell.base import Column, Quantity, number
+from stepwell.cli.screen import show_facts, show_lines, show_records
 from stepwell.cli.text.sources import value_text
 from stepwell.results import FLIP, PREDICTED, PUSH, RESOLUTION
 from stepwell.simulation import TRIAL

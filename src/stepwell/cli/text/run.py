@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from stepwell.cli.screen import number, show_facts, show_lines, show_records
+from stepwell.base import number
+from stepwell.cli.screen import show_facts, show_lines, show_records
 from stepwell.results import CELL, change_columns, event_columns
 
 # The states of a longer chain are too long to be read.

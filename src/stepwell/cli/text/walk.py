@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import groupby
 from typing import Any
 
-from stepwell.base import Quantity
-from stepwell.cli.screen import number, show_facts, show_lines, show_records
+from stepwell.base import Quantity, number
+from stepwell.cli.screen import show_facts, show_lines, show_records
 from stepwell.cli.text.sources import show_sources
 from stepwell.results import CYCLES, PREDICTED
 

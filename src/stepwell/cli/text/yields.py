@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from stepwell.base import Column
-from stepwell.cli.screen import number, show_facts, show_lines, show_records, show_text
+from stepwell.base import Column, number
+from stepwell.cli.screen import show_facts, show_lines, show_records, show_text
 from stepwell.results import SENSITIVITY, TOLERANCES
 
 MOST_ROWS = 12

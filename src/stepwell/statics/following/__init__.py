@@ -1,5 +1,8 @@
 """Following the local minimum event by event: compiled kernels, and what they keep."""
 
+# pyright: reportUnusedImport=false
+
+from stepwell.statics.following import log
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.certificate import (
     ENERGY,
