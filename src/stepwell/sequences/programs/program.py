@@ -145,8 +145,8 @@ class Program(ByValue):
             *((f"turn {k}", t.drive, t.low, t.high) for k, t in enumerate(self.turns, 1)),
             ("end", self.end, self.low, self.high),
         ]
-        told = ([what, *(f"{value * factor:.9g}" for value in values)] for what, *values in rows)
-        write_atomic(file, csv_text(head, told))
+        lines = ([what, *(f"{value * factor:.9g}" for value in values)] for what, *values in rows)
+        write_atomic(file, csv_text(head, lines))
 
     def __str__(self):
         unit, factor = ("N", 1.0) if self.chain.actuator_stiffness == 0 else ("mm", 1e3)
