@@ -109,7 +109,7 @@ def _surroundings() -> str:
 def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text("utf-8", errors="replace").splitlines()
-        told = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
-        return f"{machine()} {sorted(set(told))}"
+        traits = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
+        return f"{machine()} {sorted(set(traits))}"
     except OSError:
         return f"{machine()} {processor()}"

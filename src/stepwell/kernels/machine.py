@@ -43,8 +43,8 @@ class _Kept:
         self.function = function
 
     def _name(self, sig: Any, context: Any) -> str:
-        told = f"{_kinds(sig)} {context.codegen().magic_tuple()}".encode()
-        return f"{stem(self.function)}-{hashlib.sha256(told).hexdigest()[:16]}"
+        key = f"{_kinds(sig)} {context.codegen().magic_tuple()}".encode()
+        return f"{stem(self.function)}-{hashlib.sha256(key).hexdigest()[:16]}"
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         target_context.refresh()

@@ -48,14 +48,14 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
     cos = np.sqrt(1.0 - sin * sin)
     slot = 0
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
-        dx, dy, _, rest = laws.band[b]
+        dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
         extension = band_length(sin, cos, dx, dy, laws.lever[cell]) - rest
         row = laws.band_rows[b]
         while row + 1 < laws.band_rows[b + 1] and laws.rows[row + 1, 0] <= extension:
             row += 1
         out[slot] = row if laws.two_sided[b] or extension > 0.0 else -1
         slot += 1
-    first, last = laws.load_rows[cell]
+    first, last = laws.load_rows[cell, 0], laws.load_rows[cell, 1]
     row = first
     while row + 1 < last and laws.rows[row + 1, 0] <= travel:
         row += 1
@@ -65,31 +65,32 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
 @kernel
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
-    r = laws.lever[cell]
-    sin = sine_at(travel, r, laws.sin_limit[cell])
+    # Taken out once, here: compiled, every later look into the record would count references.
+    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
+    band, rows = laws.band, laws.rows
+    r = lever[cell]
+    sin = sine_at(travel, r, sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     force, slope, bend = 0.0, 0.0, 0.0
     slot = 0
-    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+    for b in range(band_first[cell], band_first[cell + 1]):
         row = picked[slot]
         slot += 1
         if row < 0:
             continue
-        dx, dy, k, rest = laws.band[b]
+        dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
         length = band_length(sin, cos, dx, dy, r)
         l1, l2, l3 = length_slopes(sin, cos, length, dx, dy, r)
-        x = length - rest - laws.rows[row, 0]
-        c0, c1, c2, c3 = laws.rows[row, 1:5]
-        t0, t1, t2 = cubic(x, c0, c1, c2, c3)
+        x = length - rest - rows[row, 0]
+        t0, t1, t2 = cubic(x, rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4])
         f0, f1, f2 = force_slopes(k * t0, k * t1, k * t2, l1, l2, l3)
         force += f0
         slope += f1
         bend += f2
     row = picked[slot]
     if row >= 0:
-        x = travel - laws.rows[row, 0]
-        c0, c1, c2, c3 = laws.rows[row, 1:5]
-        f0, f1, f2 = cubic(x, c0, c1, c2, c3)
+        x = travel - rows[row, 0]
+        f0, f1, f2 = cubic(x, rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4])
         force += f0
         slope += f1
         bend += f2
@@ -99,23 +100,26 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
 @kernel
 def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
-    r = laws.lever[cell]
-    sin = sine_at(travel, r, laws.sin_limit[cell])
+    # Taken out once, here: compiled, every later look into the record would count references.
+    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
+    band, rows = laws.band, laws.rows
+    r = lever[cell]
+    sin = sine_at(travel, r, sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
     energy = 0.0
     slot = 0
-    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
+    for b in range(band_first[cell], band_first[cell + 1]):
         row = picked[slot]
         slot += 1
         if row < 0:
             continue
-        dx, dy, k, rest = laws.band[b]
-        x = band_length(sin, cos, dx, dy, r) - rest - laws.rows[row, 0]
-        c0, c1, c2, c3, area = laws.rows[row, 1:6]
-        energy += k * cubic_area(x, c0, c1, c2, c3, area)
+        dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
+        x = band_length(sin, cos, dx, dy, r) - rest - rows[row, 0]
+        c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        energy += k * cubic_area(x, c0, c1, c2, c3, rows[row, 5])
     row = picked[slot]
     if row >= 0:
-        x = travel - laws.rows[row, 0]
-        c0, c1, c2, c3, area = laws.rows[row, 1:6]
-        energy += cubic_area(x, c0, c1, c2, c3, area)
+        x = travel - rows[row, 0]
+        c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
+        energy += cubic_area(x, c0, c1, c2, c3, rows[row, 5])
     return energy

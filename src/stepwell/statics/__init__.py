@@ -1,4 +1,18 @@
-"""How a chain moves with the stroke: equilibria, paths, snaps, certificates."""
+"""How a chain moves with the stroke: equilibria, paths, snaps, certificates.
+
+One word for one thing, here and in all rooms above:
+
+- *stroke*: the displacement of the outermost block; a stroke of the actuator leads from one of its
+  turning points to the next;
+- *path*: a chain's way through its equilibria while the actuator visits its turning points;
+- *segment*: a part of a path on which the same cells move; it holds, moves, or snaps;
+- *event*: a switch, where a cell arrives at a stop, or a snap;
+- *branch*: a connected family of stable equilibria, from snap to snap;
+- *passage*: what a path sees of one branch;
+- *section*: a part of a branch in one state;
+- *state*: for each cell 0 or 1, at its stops, or - between them;
+- *piece*: a part of a cell's travel on which its force and its stiffness are monotone.
+"""
 
 from stepwell.statics.events import Cause, Event, EventKind, Tie
 from stepwell.statics.outcome import StaticsError

@@ -26,21 +26,14 @@ from stepwell.statics.following import (
 )
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.problem import drive_weights, problem_of
-from stepwell.statics.reading import read_events
-from stepwell.statics.segment import Segment, SegmentKind
+from stepwell.statics.reading import events_of, segments_of
+from stepwell.statics.segment import Segment
 
 if TYPE_CHECKING:
     import xarray
 
-# A drift moves cells of constant force.
 # So many samples are drawn beside this thread, for Ctrl-C's sake.
 _MANY = 20_000
-_KINDS = {
-    logged.HOLD: SegmentKind.HOLD,
-    logged.MOVE: SegmentKind.MOVE,
-    logged.DRIFT: SegmentKind.MOVE,
-    logged.SNAP: SegmentKind.SNAP,
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +164,8 @@ class Path(ByValue):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        full = np.array([cell.full_travel for cell in self.chain.cells])
-        return tuple(read_events(self._log, full, np.array(self.start)))
+        stops = np.array([cell.full_travel for cell in self.chain.cells])
+        return tuple(events_of(self.segments(), np.array(self.start), stops))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
@@ -217,27 +210,7 @@ class Path(ByValue):
 
     def segments(self) -> Iterator[Segment]:
         """Every segment of the path in order: holds, smooth moves, snaps."""
-        movers = self._log.movers
-        for k, row in enumerate(self._rows.tolist()):
-            rows = movers[self._log.first[k] : self._log.first[k + 1]]
-            yield Segment(
-                _KINDS[int(row[logged.KIND])],
-                int(row[logged.DIRECTION]),
-                (row[logged.DRIVE_0], row[logged.DRIVE_1]),
-                (row[logged.FORCE_0], row[logged.FORCE_1]),
-                tuple(rows[:, logged.CELL].astype(int).tolist()),
-                tuple(rows[:, logged.TRAVEL_0].tolist()),
-                tuple(rows[:, logged.TRAVEL_1].tolist()),
-                row[logged.RELEASED],
-                row[logged.TIE_A] >= 0,
-            )
-
-    def moves(self) -> Iterator[list[tuple[int, float]]]:
-        """For every segment of the path the cells that moved and their travels after it [m]."""
-        movers = self._log.movers
-        for k in range(len(self._rows)):
-            rows = movers[self._log.first[k] : self._log.first[k + 1]]
-            yield [(int(row[logged.CELL]), float(row[logged.TRAVEL_1])) for row in rows]
+        return segments_of(self._log)
 
     @property
     def start_force(self) -> float:

@@ -1,65 +1,90 @@
-"""Reading switches and snaps off the log of the follower."""
+"""Reading segments off the log of the follower, and switches and snaps off segments."""
+
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from stepwell.mechanism import Floats
 from stepwell.statics.events import Cause, Event, EventKind
 from stepwell.statics.following import log as logged
+from stepwell.statics.segment import Segment, SegmentKind
+
+# A drift moves cells of constant force.
+_KINDS = {
+    logged.HOLD: SegmentKind.HOLD,
+    logged.MOVE: SegmentKind.MOVE,
+    logged.DRIFT: SegmentKind.MOVE,
+    logged.SNAP: SegmentKind.SNAP,
+}
 
 
-def read_events(log: logged.Log, stops: Floats, travels: Floats) -> list[Event]:
-    """Every switch and snap of a log that starts at `travels`, which are used up."""
-    events: list[Event] = []
-    for k, row in enumerate(log.segments[: log.used[0]]):
+def segments_of(log: logged.Log) -> Iterator[Segment]:
+    """Every segment of a log in order."""
+    for k, row in enumerate(log.segments[: log.used[0]].tolist()):
         movers = log.movers[log.first[k] : log.first[k + 1]]
-        cells = movers[:, logged.CELL].astype(int)
-        before, after = movers[:, logged.TRAVEL_0], movers[:, logged.TRAVEL_1]
-        full = stops[cells]
-        moved = before != after
-        arrives = moved & ((after == 0.0) | (after == full))
-        arrivals = [
-            (int(c), int(a > 0)) for c, a in zip(cells[arrives], after[arrives], strict=True)
-        ]
-        tie = bool(row[logged.TIE_A] >= 0)
-        direction = int(row[logged.DIRECTION])
-        if row[logged.KIND] == logged.SNAP:
-            events.append(
-                Event(
-                    EventKind.SNAP,
-                    Cause.RELEASE if row[logged.CAUSE] == logged.RELEASE else Cause.FOLD,
-                    float(row[logged.DRIVE_0]),
-                    float(np.sum(travels)),
-                    cells=tuple(int(c) for c in cells),
-                    before=tuple(float(s) for s in before),
-                    after=tuple(float(s) for s in after),
-                    force_before=float(row[logged.FORCE_0]),
-                    force_after=float(row[logged.FORCE_1]),
-                    released=float(row[logged.RELEASED]),
-                    arrivals=tuple(arrivals),
-                    direction=direction,
-                    tie=tie,
-                )
+        kind, cause = _KINDS[int(row[logged.KIND])], None
+        if kind is SegmentKind.SNAP:
+            cause = Cause.RELEASE if row[logged.CAUSE] == logged.RELEASE else Cause.FOLD
+        yield Segment(
+            kind,
+            int(row[logged.DIRECTION]),
+            (row[logged.DRIVE_0], row[logged.DRIVE_1]),
+            (row[logged.FORCE_0], row[logged.FORCE_1]),
+            tuple(movers[:, logged.CELL].astype(int).tolist()),
+            tuple(movers[:, logged.TRAVEL_0].tolist()),
+            tuple(movers[:, logged.TRAVEL_1].tolist()),
+            row[logged.RELEASED],
+            row[logged.TIE_A] >= 0,
+            cause,
+        )
+
+
+def events_of(segments: Iterable[Segment], start: Floats, stops: Floats) -> Iterator[Event]:
+    """Every switch and snap of a path.
+
+    Args:
+        segments: of the path, in order.
+        start: (N,) travels at its beginning [m].
+        stops: (N,) full travels [m].
+    """
+    travels = start.copy()
+    for segment in segments:
+        cells, after = segment.cells, segment.after
+        moved = list(zip(cells, segment.before, after, strict=True))
+        arrivals = [(c, a, b) for c, a, b in moved if a != b and (b == 0.0 or b == stops[c])]
+        stroke = float(np.sum(travels))
+        travels[list(cells)] = after
+        if segment.kind is SegmentKind.SNAP:
+            assert segment.cause is not None
+            yield Event(
+                EventKind.SNAP,
+                segment.cause,
+                segment.drive[0],
+                stroke,
+                segment.direction,
+                cells,
+                segment.before,
+                after,
+                *segment.force,
+                segment.released,
+                tuple((c, int(b > 0)) for c, _, b in arrivals),
+                segment.tie,
             )
-            travels[cells] = after
             continue
-        travels[cells] = after
-        for cell, state in arrivals:
-            j = int(np.flatnonzero(cells == cell)[0])
-            events.append(
-                Event(
-                    EventKind.SWITCH,
-                    Cause.STOP,
-                    float(row[logged.DRIVE_1]),
-                    float(np.sum(travels)),
-                    cells=(cell,),
-                    before=(float(before[j]),),
-                    after=(float(after[j]),),
-                    force_before=float(row[logged.FORCE_1]),
-                    force_after=float(row[logged.FORCE_1]),
-                    released=0.0,
-                    arrivals=((cell, state),),
-                    direction=direction,
-                    tie=tie,
-                )
+        drive, force, stroke = segment.drive[1], segment.force[1], float(np.sum(travels))
+        for c, a, b in arrivals:
+            yield Event(
+                EventKind.SWITCH,
+                Cause.STOP,
+                drive,
+                stroke,
+                segment.direction,
+                (c,),
+                (a,),
+                (b,),
+                force,
+                force,
+                0.0,
+                ((c, int(b > 0)),),
+                segment.tie,
             )
-    return events

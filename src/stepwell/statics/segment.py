@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from stepwell.base import ByValue
+from stepwell.statics.events import Cause
 
 
 class SegmentKind(Enum):
@@ -27,6 +28,7 @@ class Segment(ByValue):
         before, after: (m,) their travels [m].
         released: energy turned into heat by a snap [J].
         tie: whether another outcome was closer than the tolerance.
+        cause: why it snapped; None where it did not.
     """
 
     kind: SegmentKind
@@ -38,3 +40,4 @@ class Segment(ByValue):
     after: tuple[float, ...]
     released: float
     tie: bool
+    cause: Cause | None

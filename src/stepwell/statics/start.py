@@ -114,8 +114,8 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
         raise ValueError(_unbalanced(chain, problem, state, forces, force))
     _refuse_unstable(problem, state)
-    told = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
-    state.force[0] = min(max(told, force - rounding), force + rounding)
+    shown = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
+    state.force[0] = min(max(shown, force - rounding), force + rounding)
     return state
 
 

@@ -29,8 +29,8 @@ def sequence_of(path: Path) -> Sequence:
     first: str | None = None if between else "".join(map(str, at))
     flips: list[tuple[int, ...]] = []
     touched: set[int] = set()
-    for moves in path.moves():
-        for cell, travel in moves:
+    for segment in path.segments():
+        for cell, travel in zip(segment.cells, segment.after, strict=True):
             now = 0 if travel == 0 else 1 if travel == full[cell] else -1
             between += (now < 0) - (at[cell] < 0)
             at[cell] = now

@@ -23,7 +23,7 @@ def to_dot(graph: TransitionGraph) -> str:
     """
     shown, factor = ("mm", 1e3) if graph.unit == "m" else (graph.unit, 1.0)
 
-    def told(*drives: float) -> str:
+    def drives_text(*drives: float) -> str:
         return " to ".join(f"{drive * factor:.4g}" for drive in drives) + f" {shown}".rstrip()
 
     data = record(graph)
@@ -37,7 +37,7 @@ def to_dot(graph: TransitionGraph) -> str:
     for label, row in zip(graph, nodes, strict=True):
         node = graph.node(label)
         style = "solid" if node.is_vertex else "dotted"
-        text = _quoted(f"{label}\n{told(node.low, node.high)}")
+        text = _quoted(f"{label}\n{drives_text(node.low, node.high)}")
         kept = _kept(row)
         lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
     rows: dict[int, list[str]] = {}
@@ -48,7 +48,7 @@ def to_dot(graph: TransitionGraph) -> str:
         style = "solid" if t.direction > 0 else "dashed"
         if t.kind is TransitionKind.SNAP:
             style += ",bold"
-        text = _quoted(told(t.drive))
+        text = _quoted(drives_text(t.drive))
         way = f"{_quoted(a)} -> {_quoted(b)}"
         lines.append(f'  {way} [label={text}, style="{style}", stepwell={_kept(row)}];')
     return "\n".join([*lines, "}"]) + "\n"

@@ -115,9 +115,9 @@ class Atlas:
 
     def following(self, label: str, direction: int) -> list[str]:
         """All nodes from this one on, itself included, until the drive ends."""
-        ways = self.up if direction > 0 else self.down
+        steps = self.up if direction > 0 else self.down
         passed = [label]
-        while (label := ways.get(label, "")) and len(passed) <= len(ways):
+        while (label := steps.get(label, "")) and len(passed) <= len(steps):
             passed.append(label)
         return passed
 
@@ -167,10 +167,10 @@ class Routes:
         self.depth[start] = 0
         self._came: dict[int, tuple[int, int]] = {}
         waiting = deque([start])
-        ways = ((+1, mesostates.rise.tolist()), (-1, mesostates.fall.tolist()))
+        steps = ((+1, mesostates.rise.tolist()), (-1, mesostates.fall.tolist()))
         while waiting:
             number = waiting.popleft()
-            for direction, leads in ways:
+            for direction, leads in steps:
                 target = leads[number]
                 if target >= 0 and self.depth[target] < 0:
                     self.depth[target] = self.depth[number] + 1

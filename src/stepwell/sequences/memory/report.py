@@ -82,12 +82,12 @@ def _scrambling(reading: Reading) -> str:
 def _accumulators(reading: Reading) -> str:
     found = reading.counting.accumulators
     part = "" if reading.counting.exhaustive else " (searched in part)"
-    told = [
+    counts = [
         f"{'>'.join(a.states)} in cycles of {drives(reading.graph.unit, (a.low, a.high), ' to ')}"
         + (" (set by hand)" if a.by_hand else "")
         for a in found
     ]
-    return _listed(told) + part
+    return _listed(counts) + part
 
 
 def _latches(reading: Reading) -> str:

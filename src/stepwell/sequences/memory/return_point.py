@@ -164,19 +164,19 @@ def _simplest(
     sources: dict[int, list[int]] = {}
     for number in np.flatnonzero(routes.reached).tolist():
         sources.setdefault(int(branches.rise[number]), []).append(number)
-    ways: list[tuple[int, int, _Lapse]] = []
+    begins: list[tuple[int, int, _Lapse]] = []
     for lapse in lapses[:_COMPARED]:
         waiting = [lapse.left]
         while waiting:
             number = waiting.pop()
             waiting += sources.get(number, [])
             if branches.low[number] < lapse.entered - branches.slip:
-                ways.append((int(routes.depth[number]), number, lapse))
-    _, start, lapse = min(ways)
-    return _told(atlas, routes, branches, start, lapse, direction)
+                begins.append((int(routes.depth[number]), number, lapse))
+    _, start, lapse = min(begins)
+    return _forgetting(atlas, routes, branches, start, lapse, direction)
 
 
-def _told(
+def _forgetting(
     atlas: Atlas, routes: Routes, branches: Mesostates, start: int, lapse: _Lapse, direction: int
 ) -> Forgetting:
     low, high = branches.low, branches.high

@@ -48,7 +48,7 @@ def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...
     count = sum(label in reachable for label in vertices)
     found: list[Scrambling] = []
     for direction in (+1, -1):
-        flips, waits = _told(atlas, vertices, direction)
+        flips, waits = _flips_and_waits(atlas, vertices, direction)
         known = np.zeros((atlas.graph.cells,) * 2, bool)
         for part, reached in ((slice(count), True), (slice(None), False)):
             # before[i, j]: whether i flips before j somewhere.
@@ -62,15 +62,15 @@ def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...
     return tuple(found)
 
 
-def _told(atlas: Atlas, vertices: Sequence[str], direction: int) -> tuple[Mask, Mask]:
+def _flips_and_waits(atlas: Atlas, vertices: Sequence[str], direction: int) -> tuple[Mask, Mask]:
     """(V, N) which cells flip on the way from each vertex to the next, and which could but wait."""
-    ways = atlas.up if direction > 0 else atlas.down
+    steps = atlas.up if direction > 0 else atlas.down
     before, ahead = "01" if direction > 0 else "10"
     n = atlas.graph.cells
     following: list[str] = []
     for label in vertices:
-        for _ in range(len(ways)):
-            label = ways.get(label, "")
+        for _ in range(len(steps)):
+            label = steps.get(label, "")
             if "-" not in label:
                 break
         # With nothing more to come nothing flips.

@@ -16,8 +16,8 @@ from stepwell.statics.following.state import Movers, Problem
 @kernel
 def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
     """1/κ with the sign of the piece, so that rounding at an extremum cannot turn it over."""
-    slope = law(laws, cell, pieces.picked[piece], travel)[1]
-    return pieces.sign[piece] / max(abs(slope), 1e-300)
+    sign, picked = pieces.sign[piece], pieces.picked[piece]
+    return sign / max(abs(law(laws, cell, picked, travel)[1]), 1e-300)
 
 
 @kernel

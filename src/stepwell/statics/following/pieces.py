@@ -102,11 +102,6 @@ def cut_points(laws: Laws, cell: int) -> Floats:
 
 
 @kernel
-def _look(laws: Laws, cell: int, picked: Ints, order: int, travel: float) -> float:
-    return law(laws, cell, picked, travel)[order]
-
-
-@kernel
 def _verdict(
     laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float, noise: float
 ) -> int:
@@ -116,7 +111,7 @@ def _verdict(
     """
     values = np.empty(_NODES)
     for i in range(_NODES):
-        values[i] = _look(laws, cell, picked, order, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])
+        values[i] = law(laws, cell, picked, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])[order]
     series = np.zeros(_NODES)
     for k in range(_NODES):
         for i in range(_NODES):
@@ -160,8 +155,8 @@ def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[f
 @kernel
 def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -> float:
     """The sign change in [a, b], by bisection with a secant guess each time."""
-    fa = _look(laws, cell, picked, order, a)
-    fb = _look(laws, cell, picked, order, b)
+    fa = law(laws, cell, picked, a)[order]
+    fb = law(laws, cell, picked, b)[order]
     for step in range(200):
         middle = 0.5 * (a + b)
         if not a < middle < b:
@@ -169,7 +164,7 @@ def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -
         guess = b - fb * (b - a) / (fb - fa) if step % 2 == 0 and fb != fa else middle
         if not a < guess < b:
             guess = middle
-        value = _look(laws, cell, picked, order, guess)
+        value = law(laws, cell, picked, guess)[order]
         if value == 0.0:
             return guess
         if (value < 0.0) == (fa < 0.0):
@@ -203,8 +198,8 @@ def _roots(
         verdict = _verdict(laws, cell, picked, order, lo, hi, noise)
         if verdict == 0:
             continue
-        at_lo = _look(laws, cell, picked, order, lo)
-        at_hi = _look(laws, cell, picked, order, hi)
+        at_lo = law(laws, cell, picked, lo)[order]
+        at_hi = law(laws, cell, picked, hi)[order]
         if verdict == 1 and (at_lo < 0.0) == (at_hi < 0.0):
             continue
         if verdict == 1:
@@ -336,12 +331,11 @@ def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> f
     """The travel on `piece` at which the cell pushes back with `force`, clipped to the piece."""
     a, b = pieces.left[piece], pieces.right[piece]
     fa, fb = pieces.force_left[piece], pieces.force_right[piece]
-    rising = pieces.sign[piece] > 0
+    rising, picked = pieces.sign[piece] > 0, pieces.picked[piece]
     if (force <= fa) == rising or force == fa:
         return a
     if (force >= fb) == rising or force == fb:
         return b
-    picked = pieces.picked[piece]
     travel = a + (b - a) * (force - fa) / (fb - fa)
     for _ in range(200):
         value, slope, _ = law(laws, cell, picked, travel)
