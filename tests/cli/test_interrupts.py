@@ -90,8 +90,9 @@ def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     (tmp_path / "slack.toml").write_text(SLACK)
     code, told = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
-    # Before Python has read the first line of ours, Ctrl-C is Python's own.
-    assert code == 130 or (after <= 0.1 and code in (1, -signal.SIGINT))
+    # Before Python has read the first line of ours, Ctrl-C is Python's own; on a machine with much
+    # else to do that takes a while.
+    assert code in (130, -signal.SIGINT) or (after <= 0.1 and code == 1)
     if code == 130:
         assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
 

@@ -52,7 +52,7 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
         *(f"{name}{suffix}" for name in chosen for suffix in (".png", ".svg")),
     }
     with Image.open(tmp_path / "out" / "fig2c-map.png") as picture:
-        assert picture.size[0] == pytest.approx(85 / 25.4 * 300, abs=1)
+        assert picture.size[0] == pytest.approx(180 / 25.4 * 300, abs=1)
     assert told[-1] == (len(told), len(told))
     assert len(told) == len(paper.claims()) + len(chosen)
 

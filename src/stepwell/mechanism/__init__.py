@@ -1,5 +1,7 @@
 """What a mechanism is made of: bands, unit cells, loads, chains. Values only, no solving."""
 
+# pyright: reportUnusedImport=false
+
 from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
@@ -31,36 +33,11 @@ __all__ = [
     "Cell",
     "Chain",
     "Cubic",
-    "Floats",
-    "Ints",
     "Law",
-    "Laws",
     "Linear",
     "Load",
-    "Size",
     "Slip",
     "SlipError",
     "Table",
-    "band_direction",
-    "band_force",
-    "band_length",
-    "cubic",
-    "curves",
-    "force_by",
-    "force_slopes",
-    "hooke",
-    "law",
-    "length_slopes",
-    "pack",
-    "pick_rows",
-    "reach_along",
-    "sine_at",
-    "sizes",
     "slips",
-    "slopes_by_anchor",
-    "slopes_by_lever",
-    "stored",
-    "summed",
-    "travel_of",
-    "turn_at",
 ]

@@ -24,9 +24,6 @@ from stepwell.simulation.runs import (
 )
 
 __all__ = [
-    "LOADED",
-    "TOUCHED",
-    "TRIAL",
     "Change",
     "Contact",
     "Convergence",
