@@ -1,6 +1,7 @@
 """Promises about the house itself: what it imports, what it names, what it calls its version."""
 
 import ast
+import inspect
 import re
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import networkx
 import pytest
 
 import stepwell
+from stepwell import design, robot, sequences, simulation, statics
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "stepwell"
@@ -165,6 +167,20 @@ def test_no_folder_holds_more_files_than_one_can_see_at_once():
         if len(files := [*folder.glob("*.py")]) > 13
     }
     assert crowded == {}
+
+
+@pytest.mark.parametrize("value", [stepwell.Chain, stepwell.Robot])
+def test_what_a_door_leads_to_is_described_once(value):
+    """A method that opens a higher room has the description; the function there names the method."""
+    twice, doors = [], 0
+    for room in (statics, sequences, design, robot, simulation):
+        for name in set(room.__all__) & set(vars(value)):
+            doors += 1
+            told = inspect.getdoc(getattr(room, name)) or ""
+            if f"All else as for `{value.__name__}.{name}`." not in told or "Args:" in told:
+                twice.append(name)
+    assert twice == []
+    assert doors > 2
 
 
 def test_every_module_says_what_a_reader_finds_there():

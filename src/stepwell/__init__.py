@@ -7,8 +7,21 @@ from stepwell.base import __version__
 
 if TYPE_CHECKING:
     from stepwell.base import InputError, StepwellError
-    from stepwell.design import Margin, Tolerances, Yield, design, margin, transition_map
-    from stepwell.files import load, preset, presets, save
+    from stepwell.design import (
+        Margin,
+        Tolerances,
+        Yield,
+        boundaries,
+        design,
+        margin,
+        parameter_map,
+        reprogram,
+        robustness,
+        survival,
+        transition_map,
+        yields,
+    )
+    from stepwell.files import load, load_arena, load_chain, load_robot, preset, presets, save
     from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
@@ -24,8 +37,6 @@ if TYPE_CHECKING:
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
     "Arena": "robot",
-    "InputError": "base",
-    "StepwellError": "base",
     "Band": "mechanism",
     "Cell": "mechanism",
     "Chain": "mechanism",
@@ -33,6 +44,7 @@ _DOORS = {
     "Cycle": "sequences",
     "Event": "statics",
     "EventKind": "statics",
+    "InputError": "base",
     "Linear": "mechanism",
     "Load": "mechanism",
     "Margin": "design",
@@ -41,17 +53,27 @@ _DOORS = {
     "Program": "sequences",
     "Robot": "robot",
     "Sequence": "sequences",
-    "Tolerances": "design",
+    "StepwellError": "base",
     "Table": "mechanism",
+    "Tolerances": "design",
     "TransitionGraph": "sequences",
     "Unreachable": "sequences",
     "Yield": "design",
+    "boundaries": "design",
     "load": "files",
+    "load_arena": "files",
+    "load_chain": "files",
+    "load_robot": "files",
     "margin": "design",
+    "parameter_map": "design",
     "preset": "files",
     "presets": "files",
+    "reprogram": "design",
+    "robustness": "design",
     "save": "files",
+    "survival": "design",
     "transition_map": "design",
+    "yields": "design",
 }
 
 __all__ = [
@@ -79,13 +101,22 @@ __all__ = [
     "Unreachable",
     "Yield",
     "__version__",
+    "boundaries",
     "design",
     "load",
+    "load_arena",
+    "load_chain",
+    "load_robot",
     "margin",
+    "parameter_map",
     "preset",
     "presets",
+    "reprogram",
+    "robustness",
     "save",
+    "survival",
     "transition_map",
+    "yields",
 ]
 
 

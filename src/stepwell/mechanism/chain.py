@@ -13,7 +13,7 @@ from stepwell.mechanism.cell import Cell, as_cells
 from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
-    from stepwell.design import Margin, Reprogramming, Tolerances, Yield
+    from stepwell.design import Margin, Reprogramming, Robustness, Survival, Tolerances, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Path
 
@@ -92,23 +92,26 @@ class Chain(ByValue):
         prefer: Sequence[int] | None = None,
         progress: Callable[[float, float], None] | None = None,
     ) -> Path:
-        """How the chain moves while the actuator visits these turning points.
+        """Follow the chain's local energy minimum exactly while the actuator turns at these points.
 
         Args:
-            turning_points: (m,) positions of the actuator [m], or forces [N] where
-                `actuator_stiffness` is 0; the first one is where it starts.
-            start: the state there, as "010" or as (N,) travels [m]; all cells at 0 by default.
+            turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
+            start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
             prefer: cells by falling priority where two of them tie; by default the innermost
                 goes first, and cells of constant force share the motion.
             progress: called now and then with (done, total) of the way of the actuator.
 
         Returns:
-            The path: branches, switches and snaps, each with its certificate.
+            The path.
 
         Raises:
             ValueError: turning points out of range, or probably in another unit, or a start that
                 is no stable equilibrium.
-            StaticsError: the follower could not go on, or what it found breaks its certificate.
+            StaticsError: the follower could not go on, or what it found breaks its own
+                certificate; the text says where and what to do.
+
+        Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them
+        through snaps is ours (theory page).
         """
         from stepwell import statics
 
@@ -123,7 +126,10 @@ class Chain(ByValue):
         prefer: Sequence[int] | None = None,
         progress: Callable[[float, float], None] | None = None,
     ) -> Cycle:
-        """Load from all cells at 0 to all at 1 and unload again, once.
+        """Load a chain fully and unload it, once.
+
+        A rigid actuator goes 0 → Σ S_i → 0; a compliant one far enough to pull every cell to its
+        stop and back, a prescribed force likewise.
 
         Args:
             prefer: cells by falling priority where two of them tie; by default the innermost
@@ -131,10 +137,13 @@ class Chain(ByValue):
             progress: called now and then with (done, total) of the way of the actuator.
 
         Returns:
-            The cycle: its sequence, its snaps, what it dissipates.
+            The cycle.
 
         Raises:
-            StaticsError: the follower could not go on, or what it found breaks its certificate.
+            StaticsError: the follower could not go on, or what it found breaks its own
+                certificate; the text says what to do.
+
+        Source: Kamp et al. 2024, Fig. 2.
         """
         from stepwell import sequences
 
@@ -147,20 +156,22 @@ class Chain(ByValue):
         start: str | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> TransitionGraph:
-        """Everything that one actuator can do to the chain, as a networkx DiGraph.
+        """The transition graph of a chain.
 
         Args:
-            drive: "stroke", "force", or the stiffness of the actuator [N/m]; the chain's own by
-                default.
-            start: a state such as "000" to begin with; every state the chain can stand in by
-                default.
-            progress: called with (done, total) states.
+            drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain
+                by default.
+            start: a state such as "000", to see only what can be reached from it; by default
+                every state in which the chain can stand is a start, those set by hand included.
+            progress: called with (done, total) starts, then with (followed, known) branches.
 
         Returns:
-            The graph: nodes are stable equilibria with their strokes, edges are events.
+            The graph.
 
         Raises:
-            ValueError: friction, too many cells, or a start that is no equilibrium.
+            ValueError: friction, a start that is no equilibrium, too many cells to look at all
+                2^N states, or too many branches.
+            StaticsError: the engine could not go on; its text says what to do.
         """
         from stepwell import sequences
 
@@ -173,19 +184,22 @@ class Chain(ByValue):
         start: str | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Program:
-        """The shortest list of turning points of the actuator that brings the chain to a state.
+        """The shortest list of turning points of the actuator from one state to another.
 
         Args:
-            to: the state, such as "01", inner cell first.
+            to: the state wanted, such as "01", inner cell first.
             start: the state at the beginning; all cells at 0 by default.
             progress: called with (done, total) while a search goes on.
 
         Returns:
-            The program, every turn with the window that does the same.
+            The program. Among programs with equally few turns that were compared, the one whose
+            narrowest window is widest.
 
         Raises:
             Unreachable: no program does it; the text is the proof, or says what was searched.
-            ValueError: a state that this chain cannot have.
+            ValueError: a state that this chain cannot have, or in which it cannot stand.
+
+        Source: ours (theory page, "Stroke programs").
         """
         from stepwell import sequences
 
@@ -196,15 +210,24 @@ class Chain(ByValue):
     ) -> Margin:
         """How far each anchor and each stiffness may change before the sequence does.
 
+        One thing at a time. Where all cells are proved concave under a rigid actuator and share one
+        full travel, the sequence changes exactly when two neighbours in the order of F0 or of F1
+        change places: the nearest anchor that does it is found to rounding, and the ratio of
+        stiffness is a quotient of forces. Where that proof fails, on the way to the change or from
+        the start, the general engine is asked around the anchor and the answer says "search". The
+        anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
+
         Args:
             reach: farthest displacement of an anchor that is looked at [m].
             progress: called with (done, total) changes.
 
         Returns:
-            The margin: exact where the closed form is proved to hold, else searched.
+            The margin; a distance is infinite where no change within reach does it.
 
         Raises:
-            ValueError: `reach` is not above 0.
+            ValueError: `reach` is not above 0, or far beyond the chain.
+
+        Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
         """
         from stepwell.design import margin
 
@@ -220,24 +243,45 @@ class Chain(ByValue):
         sensitivity: bool = False,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
-        """Make the chain n times at random within its tolerances and count those that work.
+        """Make a mechanism n times at random within its tolerances and count those that work.
+
+        A mechanism whose cells are all proved taut with falling force does what the order of its F0
+        + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
+        equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
+        pushed through its whole travel in a snap. All other mechanisms are followed by the general
+        engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
+        takes milliseconds for each. So it is where states are wanted: then the engine follows every
+        branch of each, but where all 2^N states are wanted of cells of one travel and every two
+        loops are nested, which proves it.
+
+        The same seed gives the same mechanisms, and a larger n keeps the first ones.
 
         Args:
-            tolerances: how far the parts may be from the drawing; what a careful workshop can
-                do by default, anchors ±0.3 mm and stiffness ±5 %.
-            n: how many to make; by default 100,000 where end forces tell what they do, and 500
-                where the engine has to follow each.
+            tolerances: how far the parts may be from it; what a careful workshop can do by
+                default, anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is
+                exact.
+            n: how many mechanisms to make; by default 100,000 where end forces tell what they
+                do, and 500 where the engine has to follow each.
             seed: which ones.
-            wanted: the full cycle that counts as success, what the drawing does by default; or a
-                list of the states that shall be in reach, and no others.
-            sensitivity: also ask which part's tolerance counts.
+            wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default
+                what the drawing does; or a list of states, such as ["00", "10", "11"]: all that
+                shall be in reach from all cells at 0, and no others.
+            sensitivity: also ask which part's tolerance counts, by Sobol' indices of the
+                smallest gap between neighbours in the wanted order. Where the engine follows
+                every mechanism, they come with how well the gap tells what it finds.
             progress: called with (done, n).
 
         Returns:
             The share that works, its confidence interval, and what the others do.
 
         Raises:
-            ValueError: numbers out of range, or a sequence that is no full cycle of this chain.
+            ValueError: numbers out of range, a sequence that is no full cycle of this chain,
+                states where not all that can be reached can be looked at (friction, more than
+                eight cells), or sensitivities where the cycle has no two orders, or not all can
+                be built.
+            StaticsError: the drawing itself has no answer, and `wanted` was not given.
+
+        Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
         """
         from stepwell.design import USUAL, yields
 
@@ -259,25 +303,100 @@ class Chain(ByValue):
         along: Sequence[float] | None = None,
         one_way: bool = False,
         reach: float = REACH,
+        progress: Callable[[int, int], None] | None = None,
     ) -> Reprogramming:
-        """The smallest displacement of one anchor after which the chain does what is wanted.
+        """The smallest displacement of one anchor after which a chain does what is wanted.
+
+        Where all cells are proved concave under a rigid actuator and share one full travel, the
+        sequence is the order of the end forces: the wanted one is a region of the anchor's plane
+        between curves of constant F0 and F1, whose nearest point is found to rounding. That is the
+        answer where the proof holds for every displacement up to it; otherwise the engine is asked
+        as well, and the answer says "search".
 
         Args:
             target: a full cycle such as "00>01>11>10>00", or None for any other than now.
-            by: the anchor, such as "inner.p".
+            by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
+                bands of the cell; <cell> is a name or a number, 1 for the innermost.
             along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
             one_way: only in the sense of `along`, not against it.
             reach: largest displacement that is looked at [m].
+            progress: called with (done, total) places while the engine is asked.
 
         Returns:
-            The displacement, the design just past it, and what has to push the anchor.
+            The displacement, the design just past it, and what has to push the anchor on the
+            way. Infinite where nothing within reach does it.
 
         Raises:
-            ValueError: a target that is no full cycle of this chain, or no anchor of that name.
+            ValueError: a target that is no full cycle of this chain, no anchor of that name, no
+                direction, or no reach.
+            StaticsError: the chain as it is cannot be followed.
+
+        Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 4.
         """
         from stepwell.design import reprogram
 
-        return reprogram(self, target, by, along=along, one_way=one_way, reach=reach)
+        return reprogram(
+            self, target, by, along=along, one_way=one_way, reach=reach, progress=progress
+        )
+
+    def robustness(self) -> Robustness:
+        """The largest displacement that all anchors may have at once, whatever their directions.
+
+        `margin` moves one anchor at a time; here every other one moves to meet it.
+
+        Raises:
+            ValueError: a chain whose sequence is not the order of its F0 and F1, proved.
+
+        Source: sorting theorem, theory page.
+        """
+        from stepwell.design import robustness
+
+        return robustness(self)
+
+    def survival(
+        self,
+        turning_points: Sequence[float],
+        ends: str,
+        tolerances: Tolerances | None = None,
+        *,
+        start: str | None = None,
+        n: int | None = None,
+        seed: int = 0,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Survival:
+        """Make a mechanism n times at random and run the same stroke program on each.
+
+        Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
+        where the program says, or as far as the mechanism lets it.
+
+        Args:
+            turning_points: as for `Chain.path`; of a Program its `turning_points`.
+            ends: the state wanted at the end, such as "010".
+            tolerances: how far the parts may be from the drawing; as for `yields` by default.
+            start: the state at the beginning; all cells at 0 by default.
+            n: how many mechanisms to make; 500 by default.
+            seed: which ones; the same seed gives the same mechanisms as `yields`.
+            progress: called with (done, n).
+
+        Returns:
+            The share that ends right. One that cannot be built or followed does not.
+
+        Raises:
+            ValueError: a state that this chain cannot have, n below 1, or turning points or
+                tolerances that are probably in another unit.
+        """
+        from stepwell.design import USUAL, survival
+
+        return survival(
+            self,
+            turning_points,
+            ends,
+            USUAL if tolerances is None else tolerances,
+            start=start,
+            n=n,
+            seed=seed,
+            progress=progress,
+        )
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""

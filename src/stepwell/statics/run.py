@@ -53,24 +53,7 @@ def path(
 ) -> Path:
     """Follow the chain's local energy minimum exactly while the actuator turns at these points.
 
-    Args:
-        chain: the chain.
-        turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
-        start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
-        prefer: cells by falling priority where two of them tie; by default the innermost goes
-            first, and cells of constant force share the motion.
-        progress: called now and then with (done, total) of the way of the actuator.
-
-    Returns:
-        The path.
-
-    Raises:
-        ValueError: turning points out of range, or a start that is no stable equilibrium.
-        StaticsError: the follower could not go on, or what it found breaks its own certificate;
-            the text says where and what to do.
-
-    Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them through
-    snaps is ours (theory page).
+    All else as for `Chain.path`.
     """
     points = _checked_turns(chain, turning_points)
     problem = problem_of(chain, prefer=prefer)

@@ -88,25 +88,7 @@ def margin(
 ) -> Margin:
     """How far each anchor and each stiffness may change before the sequence does.
 
-    One thing at a time. Where all cells are proved concave under a rigid actuator and share
-    one full travel, the sequence changes exactly when two neighbours in the order of F0 or of
-    F1 change places: the nearest anchor that does it is found to rounding, and the ratio of
-    stiffness is a quotient of forces. Where that proof fails, on the way to the change or
-    from the start, the general engine is asked around the anchor and the answer says "search".
-    The anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
-
-    Args:
-        chain: any number of cells.
-        reach: farthest displacement of an anchor that is looked at [m].
-        progress: called with (done, total) changes.
-
-    Returns:
-        The margin; a distance is infinite where no change within reach does it.
-
-    Raises:
-        ValueError: `reach` is not above 0, or far beyond the chain.
-
-    Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
+    All else as for `Chain.margin`.
     """
     ways = Displacements.of(None, False, reach)
     refuse_reach(chain, reach)

@@ -176,32 +176,7 @@ def reprogram(
 ) -> Reprogramming:
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
-    Where all cells are proved concave under a rigid actuator and share one full travel, the
-    sequence is the order of the end forces: the wanted one is a region of the anchor's plane
-    between curves of constant F0 and F1, whose nearest point is found to rounding. That is the
-    answer where the proof holds for every displacement up to it; otherwise the engine is asked
-    as well, and the answer says "search".
-
-    Args:
-        chain: any number of cells.
-        target: a full cycle such as "00>01>11>10>00", or None for any other than now.
-        by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
-            bands of the cell; <cell> is a name or a number, 1 for the innermost.
-        along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
-        one_way: only in the sense of `along`, not against it.
-        reach: largest displacement that is looked at [m].
-        progress: called with (done, total) places while the engine is asked.
-
-    Returns:
-        The displacement, the design just past it, and what has to push the anchor on the way.
-        Infinite where nothing within reach does it.
-
-    Raises:
-        ValueError: a target that is no full cycle of this chain, no anchor of that name, no
-            direction, or no reach.
-        StaticsError: the chain as it is cannot be followed.
-
-    Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 4.
+    All else as for `Chain.reprogram`.
     """
     anchor = parameter(chain, by)
     if not anchor.is_anchor:

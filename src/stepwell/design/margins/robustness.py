@@ -78,12 +78,7 @@ class Robustness(ByValue):
 def robustness(chain: Chain) -> Robustness:
     """The largest displacement that all anchors may have at once, whatever their directions.
 
-    `margin` moves one anchor at a time; here every other one moves to meet it.
-
-    Raises:
-        ValueError: a chain whose sequence is not the order of its F0 and F1, proved.
-
-    Source: sorting theorem, theory page.
+    All else as for `Chain.robustness`.
     """
     forces = SortedChain.of(chain)
     if forces is None:

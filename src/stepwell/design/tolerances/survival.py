@@ -79,25 +79,7 @@ def survival(
 ) -> Survival:
     """Make a mechanism n times at random and run the same stroke program on each.
 
-    Every mechanism is followed by the engine, a millisecond or a few each. The actuator goes
-    where the program says, or as far as the mechanism lets it.
-
-    Args:
-        chain: the drawing.
-        turning_points: as for `Chain.path`; of a Program its `turning_points`.
-        ends: the state wanted at the end, such as "010".
-        tolerances: how far the parts may be from the drawing; as for `yields` by default.
-        start: the state at the beginning; all cells at 0 by default.
-        n: how many mechanisms to make; 500 by default.
-        seed: which ones; the same seed gives the same mechanisms as `yields`.
-        progress: called with (done, n).
-
-    Returns:
-        The share that ends right. One that cannot be built or followed does not.
-
-    Raises:
-        ValueError: a state that this chain cannot have, n below 1, or turning points or
-            tolerances that are probably in another unit.
+    All else as for `Chain.survival`.
     """
     start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
     checked_state(chain, "ends", ends)

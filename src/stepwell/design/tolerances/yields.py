@@ -221,42 +221,7 @@ def yields(
 ) -> Yield:
     """Make a mechanism n times at random within its tolerances and count those that work.
 
-    A mechanism whose cells are all proved taut with falling force does what the order of its
-    F0 + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
-    equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
-    pushed through its whole travel in a snap. All other mechanisms are followed by the general
-    engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-    takes milliseconds for each. So it is where states are wanted: then
-    the engine follows every branch of each, but where all 2^N states are wanted of cells of one
-    travel and every two loops are nested, which proves it.
-
-    The same seed gives the same mechanisms, and a larger n keeps the first ones.
-
-    Args:
-        chain: the drawing.
-        tolerances: how far the parts may be from it; what a careful workshop can do by default,
-            anchors ±0.3 mm and stiffness ±5 %. What a Tolerances does not name is exact.
-        n: how many mechanisms to make; by default 100,000 where end forces tell what they do,
-            and 500 where the engine has to follow each.
-        seed: which ones.
-        wanted: the full cycle that counts as success, such as "00>10>11>01>00", by default what
-            the drawing does; or a list of states, such as ["00", "10", "11"]: all that shall be
-            in reach from all cells at 0, and no others.
-        sensitivity: also ask which part's tolerance counts, by Sobol' indices of the smallest
-            gap between neighbours in the wanted order. Where the engine follows every mechanism,
-            they come with how well the gap tells what it finds.
-        progress: called with (done, n).
-
-    Returns:
-        The share that works, its confidence interval, and what the others do.
-
-    Raises:
-        ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
-            where not all that can be reached can be looked at (friction, more than eight cells),
-            or sensitivities where the cycle has no two orders, or not all can be built.
-        StaticsError: the drawing itself has no answer, and `wanted` was not given.
-
-    Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
+    All else as for `Chain.yields`.
     """
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
     states = _states(chain, tolerances, wanted)

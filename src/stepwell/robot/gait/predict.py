@@ -269,21 +269,7 @@ class Prediction(ByValue):
 
 
 def predict(robot: Robot) -> Prediction:
-    """Say what a robot will do in a cycle, without simulation.
-
-    Every leg is followed exactly through its equilibria, with the weight on its foot and the
-    floor's drag as loads; then friction decides how the body slides. The theory of the robot
-    derives both.
-
-    Args:
-        robot: any robot.
-
-    Returns:
-        Gait, advance, drag limits and antenna thresholds of every leg, and where it may be wrong.
-
-    Raises:
-        StaticsError: the engine could not go on; its text says what to do.
-    """
+    """Say what a robot will do in a cycle, without simulation. All else as for `Robot.predict`."""
     found = rounds(robot)
     moved = slide(robot, found)
     x, y, turn = moved.displacement()

@@ -169,10 +169,18 @@ class Robot(ByValue):
         return robot
 
     def predict(self) -> Prediction:
-        """What statics alone says about the gait, without simulation.
+        """Say what a robot will do in a cycle, without simulation.
+
+        Every leg is followed exactly through its equilibria, with the weight on its foot and the
+        floor's drag as loads; then friction decides how the body slides. The theory of the robot
+        derives both.
 
         Returns:
-            Gait, advance, drag limits and antenna thresholds of every leg.
+            Gait, advance, drag limits and antenna thresholds of every leg, and where it may be
+            wrong.
+
+        Raises:
+            StaticsError: the engine could not go on; its text says what to do.
         """
         from stepwell.robot.gait import predict
 
@@ -187,16 +195,24 @@ class Robot(ByValue):
         start: Walk | None = None,
         progress: Progress | None = None,
     ) -> Walk:
-        """Walk in simulation.
+        """Drive a robot's actuator out and back and let physics do the rest.
+
+        The position command is the only input. Nothing else is scripted.
 
         Args:
-            cycles, arena, settings, start, progress: as for `stepwell.simulation.walk`.
+            cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
+            arena: obstacles and where it starts; a bare floor by default.
+            settings: of the simulation.
+            start: an earlier walk to go on from, of this robot or of one whose numbers alone
+                have changed, an anchor say. The command goes on from where it was.
+            progress: called with (done, total) [s].
 
         Returns:
-            The walk.
+            The walk. The same robot, settings and machine give identical numbers.
 
         Raises:
-            ValueError: no cycles, or a robot that the simulator has no terms for.
+            ValueError: no cycles, a start that ended early, or a robot that the simulator has
+                no terms for.
             ModuleNotFoundError: MuJoCo is not installed.
         """
         from stepwell.simulation import walk
@@ -211,10 +227,15 @@ class Robot(ByValue):
         settings: Settings | None = None,
         progress: Progress | None = None,
     ) -> Maze:
-        """Find a way through an arena in simulation.
+        """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
+
+        The actuator goes out and back all the while and nothing steers but the antennas.
 
         Args:
-            arena, limit, settings, progress: as for `stepwell.simulation.maze`.
+            arena: obstacles, start and goal; without a goal it walks until the time is out.
+            limit: time that it is given [s], > 0.
+            settings: of the simulation.
+            progress: called with (done, total) [s].
 
         Returns:
             Its way.

@@ -107,24 +107,5 @@ def cycle(
     prefer: Sized[int] | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Cycle:
-    """Load a chain fully and unload it, once.
-
-    A rigid actuator goes 0 → Σ S_i → 0; a compliant one far enough to pull every cell to its
-    stop and back, a prescribed force likewise.
-
-    Args:
-        chain: the chain, which starts with all cells at 0.
-        prefer: cells by falling priority where two of them tie; by default the innermost goes
-            first, and cells of constant force share the motion.
-        progress: called now and then with (done, total) of the way of the actuator.
-
-    Returns:
-        The cycle.
-
-    Raises:
-        StaticsError: the follower could not go on, or what it found breaks its own certificate;
-            the text says what to do.
-
-    Source: Kamp et al. 2024, Fig. 2.
-    """
+    """Load a chain fully and unload it, once. All else as for `Chain.cycle`."""
     return Cycle(full_cycle(chain, prefer=prefer, progress=progress))

@@ -163,24 +163,7 @@ def graph(
     start: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> TransitionGraph:
-    """The transition graph of a chain.
-
-    Args:
-        chain: its cells have no friction.
-        drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain by
-            default.
-        start: a state such as "000", to see only what can be reached from it; by default every
-            state in which the chain can stand is a start, those set by hand included.
-        progress: called with (done, total) starts, then with (followed, known) branches.
-
-    Returns:
-        The graph.
-
-    Raises:
-        ValueError: friction, a start that is no equilibrium, too many cells to look at all 2^N
-            states, or too many branches.
-        StaticsError: the engine could not go on; its text says what to do.
-    """
+    """The transition graph of a chain. All else as for `Chain.graph`."""
     chain = driven(chain, drive)
     refuse_friction(chain)
     fields = relays(chain)

@@ -41,21 +41,7 @@ def program(
 ) -> Program:
     """The shortest list of turning points of the actuator from one state to another.
 
-    Args:
-        chain: any cells; the actuator is the chain's own.
-        to: the state wanted, such as "01", inner cell first.
-        start: the state at the beginning; all cells at 0 by default.
-        progress: called with (done, total) while a search goes on.
-
-    Returns:
-        The program. Among programs with equally few turns that were compared, the one whose
-        narrowest window is widest.
-
-    Raises:
-        Unreachable: no program does it; the text is the proof, or says what was searched.
-        ValueError: a state that this chain cannot have, or in which it cannot stand.
-
-    Source: ours (theory page, "Stroke programs").
+    All else as for `Chain.program`.
     """
     start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
     checked_state(chain, "to", to)

@@ -157,21 +157,7 @@ def maze(
 ) -> Maze:
     """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
 
-    The actuator goes out and back all the while and nothing steers but the antennas.
-
-    Args:
-        robot: any robot.
-        arena: obstacles, start and goal; without a goal it walks until the time is out.
-        limit: time that it is given [s], > 0.
-        settings: of the simulation.
-        progress: called with (done, total) [s].
-
-    Returns:
-        Its way.
-
-    Raises:
-        ValueError: no time, or a robot that the simulator has no terms for.
-        ModuleNotFoundError: MuJoCo is not installed.
+    All else as for `Robot.maze`.
     """
     if not limit > 0:
         raise ValueError(f"limit = {limit} s: must be > 0.")

@@ -241,24 +241,7 @@ def walk(
 ) -> Walk:
     """Drive a robot's actuator out and back and let physics do the rest.
 
-    The position command is the only input. Nothing else is scripted.
-
-    Args:
-        robot: any robot.
-        cycles: how often the actuator goes out and back, > 0; parts of a cycle are allowed.
-        arena: obstacles and where it starts; a bare floor by default.
-        settings: of the simulation.
-        start: an earlier walk to go on from, of this robot or of one whose numbers alone
-            have changed, an anchor say. The command goes on from where it was.
-        progress: called with (done, total) [s].
-
-    Returns:
-        The walk. The same robot, settings and machine give identical numbers.
-
-    Raises:
-        ValueError: no cycles, a start that ended early, or a robot that the simulator has no
-            terms for.
-        ModuleNotFoundError: MuJoCo is not installed.
+    All else as for `Robot.walk`.
     """
     if not cycles > 0:
         raise ValueError(f"cycles = {cycles}: must be > 0.")
