@@ -171,7 +171,7 @@ def test_no_folder_holds_more_files_than_one_can_see_at_once():
 
 @pytest.mark.parametrize("value", [stepwell.Chain, stepwell.Robot])
 def test_what_a_door_leads_to_is_described_once(value):
-    """A method that opens a higher room has the description; the function there names the method."""
+    """A method that opens a higher room has the description; the function there names it."""
     twice, doors = [], 0
     for room in (statics, sequences, design, robot, simulation):
         for name in set(room.__all__) & set(vars(value)):
@@ -181,6 +181,19 @@ def test_what_a_door_leads_to_is_described_once(value):
                 twice.append(name)
     assert twice == []
     assert doors > 2
+
+
+def test_what_is_refused_is_refused_by_an_error_of_ours():
+    """Whoever catches `StepwellError` catches all that is said to users on purpose."""
+    bare = [
+        f"{file.relative_to(SOURCE)}:{node.lineno}"
+        for file in SOURCE.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.Raise)
+        and isinstance(node.exc, ast.Call)
+        and ast.unparse(node.exc.func) in ("ValueError", "RuntimeError", "Exception")
+    ]
+    assert bare == []
 
 
 def test_every_module_says_what_a_reader_finds_there():

@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from stepwell.base.errors import InputError
+
 Vec2 = tuple[float, float]
 
 
@@ -12,9 +14,9 @@ def finite(name: str, value: float, unit: str) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} = {value!r}: must be a number [{unit}].") from None
+        raise InputError(f"{name} = {value!r}: must be a number [{unit}].") from None
     if not math.isfinite(number):
-        raise ValueError(f"{name} = {number}: must be finite [{unit}].")
+        raise InputError(f"{name} = {number}: must be finite [{unit}].")
     return number
 
 
@@ -22,7 +24,7 @@ def positive(name: str, value: float, unit: str) -> float:
     """`value` as a float; raises ValueError unless it is finite and above zero."""
     number = finite(name, value, unit)
     if number <= 0:
-        raise ValueError(f"{name} = {number} {unit}: must be > 0.")
+        raise InputError(f"{name} = {number} {unit}: must be > 0.")
     return number
 
 
@@ -30,7 +32,7 @@ def not_negative(name: str, value: float, unit: str) -> float:
     """`value` as a float; raises ValueError unless it is finite and at least zero."""
     number = finite(name, value, unit)
     if number < 0:
-        raise ValueError(f"{name} = {number} {unit}: must be >= 0.")
+        raise InputError(f"{name} = {number} {unit}: must be >= 0.")
     return number
 
 
@@ -44,7 +46,7 @@ def vector(name: str, value: Sequence[float]) -> Vec2:
     try:
         x, y = value
     except (TypeError, ValueError):
-        raise ValueError(f"{name} = {value!r}: must be two numbers (x, y) [m].") from None
+        raise InputError(f"{name} = {value!r}: must be two numbers (x, y) [m].") from None
     return finite(f"{name}[0]", x, "m"), finite(f"{name}[1]", y, "m")
 
 
@@ -52,10 +54,10 @@ def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[f
     """`values` as strictly rising floats, at least `least` of them; raises ValueError."""
     numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
     if len(numbers) < least:
-        raise ValueError(f"{name} has {len(numbers)} values: must have {least} or more [{unit}].")
+        raise InputError(f"{name} has {len(numbers)} values: must have {least} or more [{unit}].")
     for i, (low, high) in enumerate(pairwise(numbers)):
         if high <= low:
-            raise ValueError(
+            raise InputError(
                 f"{name}[{i + 1}] = {high} {unit} after {low}: values must rise; sort the table "
                 f"and drop repeated rows."
             )

@@ -6,7 +6,7 @@ import os
 from functools import lru_cache
 from typing import NamedTuple
 
-from stepwell.base.errors import SettingError
+from stepwell.base.errors import InputError, SettingError
 from stepwell.base.text import nearest_word
 
 VARIABLE = "STEPWELL_LIMITS"
@@ -69,7 +69,7 @@ def require(name: str, count: float, what: str = "") -> None:
         ValueError: too many; the text tells how many came and how to allow them.
     """
     if count > most(name):
-        raise ValueError(problem(name, count, what))
+        raise InputError(problem(name, count, what))
 
 
 def problem(name: str, count: float, what: str = "", *, so_far: bool = False) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads_robot
 from stepwell.files.schema import robot as schema, unit_of, worded
 from stepwell.files.tables import is_number, leaves, put, robot as robot_of, sources, tree_of
@@ -159,7 +159,7 @@ def _part(value: Any, rest: Steps, steps: Steps, sizes: Mapping[Steps, int]) -> 
     for i, step in enumerate(rest, above):
         several = not isinstance(value, str | Mapping) and hasattr(value, "__len__")
         if not isinstance(step, Item) or not several or len(value) != sizes[steps[:i]]:
-            raise ValueError(
+            raise InputError(
                 f"{value_text(value)} is not what {spelled(steps[:above])} holds: name one number "
                 f"of it, such as {spelled(steps)}, or give as many as it has."
             )
@@ -174,4 +174,4 @@ def _of_file(value: Any) -> Any:
     try:
         return Decimal(repr(float(value)))
     except (TypeError, ValueError):
-        raise ValueError(f"{value_text(value)} is no number.") from None
+        raise InputError(f"{value_text(value)} is no number.") from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 
-from stepwell.base import write_atomic
+from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import loads_arena
 from stepwell.files.design import loads, loads_chain, loads_program
 from stepwell.files.tables import WrittenProgram, arena_text_of, chain_text, robot_text
@@ -37,7 +37,7 @@ def save(
         OSError: the folder is missing or cannot be written.
     """
     if isinstance(design, Arena) and os.fspath(path).endswith(".txt"):
-        raise ValueError(f"{os.fspath(path)}: an arena is written as TOML: let it end in .toml.")
+        raise InputError(f"{os.fspath(path)}: an arena is written as TOML: let it end in .toml.")
     write_atomic(path, dumps(design, program=program))
 
 
@@ -56,7 +56,7 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
             or a lever of a thousand kilometres; or it is no chain and has a program.
     """
     if program is not None and not isinstance(design, Chain):
-        raise ValueError("program: only the design file of a chain holds one; leave it out.")
+        raise InputError("program: only the design file of a chain holds one; leave it out.")
     if isinstance(design, Arena):
         text = arena_text_of(design)
         again = loads_arena(text, "this arena, written as a file")
@@ -67,7 +67,7 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
         text = chain_text(design) + ("" if program is None else f"\n{program.text(design)}")
         again = loads(text, "this chain, written as a design file")
     if again != design:
-        raise ValueError(f"{design!r} did not survive being written: please report this design.")
+        raise InputError(f"{design!r} did not survive being written: please report this design.")
     return text
 
 

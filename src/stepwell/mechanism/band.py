@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, Vec2, check
+from stepwell.base import ByValue, InputError, Vec2, check
 from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
 from stepwell.mechanism.geometry import band_force, band_length, length_slopes
@@ -50,7 +50,7 @@ class Band(ByValue):
             self, "rest_length", check.not_negative("rest_length", self.rest_length, "m")
         )
         if self.two_sided and isinstance(self.law, Table):
-            raise ValueError(
+            raise InputError(
                 "two_sided = True with a Table: a table says nothing of compression; use Linear "
                 "or Cubic, or leave the band tension-only."
             )
@@ -78,7 +78,7 @@ class Band(ByValue):
         extension = check.rising("extension", extension, "m", 2)
         for i, pull in enumerate(tension):
             if pull < 0:
-                raise ValueError(
+                raise InputError(
                     f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
                 )
         stiffness = check.positive("tension[-1]", tension[-1], "N") / extension[-1]

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, Vec2, check, require
+from stepwell.base import ByValue, InputError, Vec2, check, require
 from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
@@ -66,7 +66,7 @@ class Cell(ByValue):
         if not isinstance(self.band, Band):
             bands = tuple(self.band)
             if not bands or any(type(band) is not Band for band in bands):
-                raise ValueError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
+                raise InputError(f"band = {self.band!r}: must be a Band or a sequence of Bands.")
             require("bands", len(bands), "the cell has")
             object.__setattr__(self, "band", bands[0] if len(bands) == 1 else bands)
         object.__setattr__(self, "lever", check.positive("lever", self.lever, "m"))
@@ -136,7 +136,7 @@ class Cell(ByValue):
         travel = np.asarray(travel, float)
         slip = 1e-9 * self.full_travel
         if np.any(~((travel >= -slip) & (travel <= self.full_travel + slip))):
-            raise ValueError(
+            raise InputError(
                 f"travel = {_worst(travel) * 1e3:.6g} mm: must be between 0 and "
                 f"{self.full_travel * 1e3:.6g} mm, the stops."
             )
@@ -224,7 +224,7 @@ class Cell(ByValue):
     def _within(self, theta: ArrayLike) -> Array:
         theta = np.asarray(theta, float)
         if np.any(~(np.abs(theta) <= self.limit * (1 + 1e-12))):
-            raise ValueError(
+            raise InputError(
                 f"theta = {math.degrees(_worst(theta)):.6g}°: must be between the stops, "
                 f"±{math.degrees(self.limit):.6g}° (angles are in rad)."
             )
@@ -241,7 +241,7 @@ def _refuse_limit(limit: float) -> None:
         if sizes.LEAST_LIMIT <= meant <= most
         else ""
     )
-    raise ValueError(
+    raise InputError(
         f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
         f"are in rad): below there is no travel to speak of, above the force at the stops is "
         f"without bound.{probably}"
@@ -257,7 +257,7 @@ def _refuse_steps(load: Load, full: float) -> None:
     # Within rounding of the travel a force has no value.
     for before, after in pairwise(load.travel):
         if after - before < 1e-9 * full:
-            raise ValueError(
+            raise InputError(
                 f"load: its points at {before!r} and {after!r} m are {after - before:.3g} m "
                 f"apart, must be {1e-9 * full:.3g} m or more: nothing tells the force of a cell "
                 f"within a billionth of its travel."
@@ -270,7 +270,7 @@ def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
     shortest = min(float(band.length(t, lever)) for t in (theta, -limit, limit))
     taut = band.two_sided or shortest >= band.rest_length
     if taut and shortest < 1e-6 * lever:
-        raise ValueError(
+        raise InputError(
             f"the ends of the band with q - p = ({band.d[0] * 1e3:.6g}, {band.d[1] * 1e3:.6g}) mm "
             f"meet at θ = {math.degrees(theta):.4g}°, where its force has no direction: move an "
             f"anchor, or give the band a rest length and let it go slack (two_sided=False)."
@@ -282,7 +282,7 @@ def as_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
     checked = tuple(cells)
     for i, cell in enumerate(checked):
         if type(cell) is not Cell:
-            raise ValueError(f"cells[{i}] = {cell!r}: must be a Cell.")
+            raise InputError(f"cells[{i}] = {cell!r}: must be a Cell.")
     if not checked:
-        raise ValueError("cells is empty: a chain has one cell or more, inner first.")
+        raise InputError("cells is empty: a chain has one cell or more, inner first.")
     return checked

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.base import REACH, ByValue, finite, require, short
+from stepwell.base import REACH, ByValue, InputError, finite, require, short
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell, as_cells
 from stepwell.mechanism.sizes import SlipError
@@ -50,7 +50,7 @@ class Chain(ByValue):
         if stiffness != math.inf:
             stiffness = finite("actuator_stiffness", stiffness, "N/m")
         if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
-            raise ValueError(
+            raise InputError(
                 f"actuator_stiffness = {stiffness:g} N/m: must be from {short(SOFTEST)} to "
                 f"{short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed "
                 f"force."

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, check
+from stepwell.base import ByValue, InputError, check
 from stepwell.kernels import kernel
 
 Array = NDArray[np.float64]
@@ -99,17 +99,17 @@ class Table(ByValue):
         extension = check.rising("extension", self.extension, "m", 2)
         shape = tuple(check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
         if len(shape) != len(extension):
-            raise ValueError(
+            raise InputError(
                 f"shape has {len(shape)} values, extension {len(extension)}: must be as many."
             )
         if extension[0] != 0 or shape[0] != 0:
-            raise ValueError(
+            raise InputError(
                 f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
                 f"carries nothing at its rest length."
             )
         for i, pull in enumerate(shape):
             if pull < 0:
-                raise ValueError(
+                raise InputError(
                     f"shape[{i}] = {pull} m: must be >= 0, a band pulls. Did you mean {-pull} m?"
                 )
         object.__setattr__(self, "extension", extension)
@@ -144,7 +144,7 @@ class Load(ByValue):
         travel = check.rising("travel", self.travel, "m", 1)
         force = tuple(check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
         if len(force) != len(travel):
-            raise ValueError(
+            raise InputError(
                 f"force has {len(force)} values, travel {len(travel)}: must be as many."
             )
         object.__setattr__(self, "travel", travel)

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base import write_atomic
+from stepwell.base import InputError, write_atomic
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph
@@ -23,7 +23,7 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
     """
     suffix = Path(file).suffix.lower()
     if suffix not in FIGURES + EXPORTS:
-        raise ValueError(
+        raise InputError(
             f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
             f"{', '.join(EXPORTS)} for other programs."
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Quantity, Schema, told_in, variables, write_csv
+from stepwell.base import ByValue, InputError, Quantity, Schema, told_in, variables, write_csv
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain, Floats, Ints
 from stepwell.statics.events import Event, Tie
@@ -243,7 +243,7 @@ class Path(ByValue):
     def resampled(self, points: int) -> Path:
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
-            raise ValueError(f"points = {points}: must be >= 2, both ends of a branch.")
+            raise InputError(f"points = {points}: must be >= 2, both ends of a branch.")
         return Path(
             self.chain,
             self.turning_points,

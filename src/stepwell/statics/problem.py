@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import Chain, Ints, Laws, pack
 from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
@@ -77,7 +78,7 @@ def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
         return np.zeros(cells, np.int64)
     order = [int(i) for i in prefer]
     if sorted(order) != list(range(cells)):
-        raise ValueError(
+        raise InputError(
             f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
             f"that goes first."
         )

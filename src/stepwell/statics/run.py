@@ -6,6 +6,7 @@ from time import monotonic
 
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
 from stepwell.mechanism import Chain, Floats, pack
 from stepwell.statics.following import (
@@ -172,7 +173,7 @@ def _as_path(
 def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:
     points = np.asarray(turning_points, float)
     if points.ndim != 1 or len(points) < 1 or not np.all(np.isfinite(points)):
-        raise ValueError(
+        raise InputError(
             f"turning_points = {turning_points!r}: must be one or more finite numbers, where the "
             f"actuator starts and where it turns."
         )
@@ -181,7 +182,7 @@ def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:
         outside = (points < -1e-9 * most) | (points > (1 + 1e-9) * most)
         if outside.any():
             worst = float(points[outside][0])
-            raise ValueError(
+            raise InputError(
                 f"turning_points: {worst * 1e3:.6g} mm is out of reach: must be between 0 and "
                 f"{most * 1e3:.6g} mm, the sum of all travels (strokes are in m)."
             )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.mechanism import Chain, Floats, law
 from stepwell.statics.following import (
     FREE,
@@ -34,17 +35,17 @@ def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
         return np.zeros(len(full))
     if isinstance(start, str):
         if len(start) != len(full) or set(start) - {"0", "1"}:
-            raise ValueError(
+            raise InputError(
                 f"start = {start!r}: must be {len(full)} characters 0 or 1, inner cell first; to "
                 f"start between the stops pass the travels in m."
             )
         return np.array([float(c == "1") for c in start]) * full
     travels = np.asarray(start, float)
     if travels.shape != full.shape:
-        raise ValueError(f"start has shape {travels.shape}: must be ({len(full)},) travels [m].")
+        raise InputError(f"start has shape {travels.shape}: must be ({len(full)},) travels [m].")
     for name, s, most in zip(chain.names, travels, full, strict=True):
         if not -1e-9 * most <= s <= (1 + 1e-9) * most:
-            raise ValueError(
+            raise InputError(
                 f"start: {name} at {s * 1e3:.6g} mm: must be between 0 and {most * 1e3:.6g} mm."
             )
     near = np.where(travels < 1e-9 * full, 0.0, travels)
@@ -61,11 +62,11 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
     laws, pieces, alpha, beta, scale, *_ = problem
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
-            raise ValueError(
+            raise InputError(
                 "no cell has any force, so nothing tells where they stand behind a spring: tighten "
                 "a band, or prescribe the stroke (math.inf, or 'rigid')."
             )
-        raise ValueError(
+        raise InputError(
             f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
             f"at most {scale:.3g} N on {chain.full_stroke:.3g} m: the last digit of its position "
             f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
@@ -99,7 +100,7 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
     stroke = float(np.sum(travels))
     if beta == 0:
         if abs(stroke - drive) > 1e-9 * chain.full_stroke:
-            raise ValueError(
+            raise InputError(
                 f"turning_points[0] = {drive * 1e3:.9g} mm: the start has its cells at a stroke of "
                 f"{stroke * 1e3:.9g} mm; begin there, or pass another start."
             )
@@ -112,7 +113,7 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
     slip = 1e-9 * scale + rounding
     worst = float(np.max(np.abs(forces[free] - force))) if free.any() else 0.0
     if worst > slip or low > high + slip or not low - slip <= force <= high + slip:
-        raise ValueError(_unbalanced(chain, problem, state, forces, force))
+        raise InputError(_unbalanced(chain, problem, state, forces, force))
     _refuse_unstable(problem, state)
     shown = float(np.mean(forces[free])) if free.any() else min(max(force, low), high)
     state.force[0] = min(max(shown, force - rounding), force + rounding)
@@ -141,7 +142,7 @@ def _refuse_unstable(problem: Problem, state: State) -> None:
         falling += int(pieces.sign[state.piece[i]] < 0)
         total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
     if falling > 1 or (falling == 1 and total >= 0):
-        raise ValueError(
+        raise InputError(
             f"start is an unstable equilibrium: {falling} cells between their stops push back less "
             f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
         )

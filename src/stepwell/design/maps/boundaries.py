@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell.base import InputError
 from stepwell.concave import Simple, end_forces
 from stepwell.design.maps.between import between
 from stepwell.design.maps.bistable import Stability
@@ -101,7 +102,7 @@ def parameter_boundaries(
     """
     (first, xs), (second, ys) = both(chain, x, y, 2)
     if search < 2:
-        raise ValueError(f"search = {search}: must be 2 or more nodes each way.")
+        raise InputError(f"search = {search}: must be 2 or more nodes each way.")
     require_places(search, search)
     outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
     names, units = (first.name, second.name), (first.unit, second.unit)

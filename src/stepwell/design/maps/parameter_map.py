@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import __version__, require
+from stepwell.base import InputError, __version__, require
 from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
@@ -130,7 +130,7 @@ def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
         try:
             name, numbers = given
         except (TypeError, ValueError):
-            raise ValueError(
+            raise InputError(
                 f"{letter} = {given!r}: must be the name of a parameter and its values, such as "
                 f"('{chain.names[0]}.stiffness', np.linspace(20, 40, 50))."
             ) from None
@@ -145,7 +145,7 @@ def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
                 one.changed(chain, value)
         found.append((one, values))
     if found[0][0] == found[1][0]:
-        raise ValueError(f"x and y are both {found[0][0].name!r}: take two parameters.")
+        raise InputError(f"x and y are both {found[0][0].name!r}: take two parameters.")
     return found[0], found[1]
 
 
@@ -162,7 +162,7 @@ def _which(chain: Chain, cell: int | str) -> int:
         return int(cell)
     known = ", ".join(f"{i} or {name!r}" for i, name in enumerate(chain.names[:8]))
     more = f" and {len(chain) - 8} more" if len(chain) > 8 else ""
-    raise ValueError(f"cell = {cell!r}: must be {known}{more}.")
+    raise InputError(f"cell = {cell!r}: must be {known}{more}.")
 
 
 def _scale(outcomes: Outcomes) -> tuple[float, str]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.concave import Simple, concave_disc, concave_line
 
 Floats = NDArray[np.float64]
@@ -36,17 +37,17 @@ class Displacements:
             ValueError: no direction, one way without a direction, or no reach.
         """
         if not 0 < reach < math.inf:
-            raise ValueError(f"reach = {reach} m: must be > 0 and finite.")
+            raise InputError(f"reach = {reach} m: must be > 0 and finite.")
         if along is None:
             if one_way:
-                raise ValueError(
+                raise InputError(
                     "one_way = True in the plane: give the direction as well, along = (dx, dy)."
                 )
             return cls(np.eye(2), False, reach)
         direction = np.array(along, float)
         length = float(np.linalg.norm(direction))
         if direction.shape != (2,) or not 0 < length < math.inf:
-            raise ValueError(
+            raise InputError(
                 f"along = {along!r}: must be a direction (dx, dy) other than (0, 0), of any "
                 f"length; (-1, 0) pushes the anchor inwards."
             )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import REACH, ByValue, Quantity, Schema, variables, write_csv
+from stepwell.base import REACH, ByValue, InputError, Quantity, Schema, variables, write_csv
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
@@ -180,7 +180,7 @@ def reprogram(
     """
     anchor = parameter(chain, by)
     if not anchor.is_anchor:
-        raise ValueError(
+        raise InputError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
         )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, bisected
+from stepwell.base import ByValue, InputError, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
@@ -82,7 +82,7 @@ def robustness(chain: Chain) -> Robustness:
     """
     forces = SortedChain.of(chain)
     if forces is None:
-        raise ValueError(
+        raise InputError(
             "robustness is for chains of cells proved taut and concave, with one full travel and "
             "a rigid actuator, whose sequence is the order of F0 and F1. For others: "
             "chain.margin(), one anchor at a time, or chain.yields(tolerances)."

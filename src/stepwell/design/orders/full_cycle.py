@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.sequences import Sequence
 
 Ints = NDArray[np.int64]
@@ -21,17 +22,17 @@ def full_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
     example = f"for example {short(sorted_cycle(one_by_one, one_by_one))!r}"
     for state in states:
         if len(state) != cells or not set(state) <= {"0", "1"}:
-            raise ValueError(
+            raise InputError(
                 f"{name} = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
                 f"or 1, one a cell, inner first, with > between states; {example}."
             )
     if states[0] != "0" * cells or states[-1] != "0" * cells or "1" * cells not in states:
-        raise ValueError(
+        raise InputError(
             f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
             f"passes the state with all at 1; {example}."
         )
     if any(a == b for a, b in pairwise(states)):
-        raise ValueError(
+        raise InputError(
             f"{name} = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
             f"{example}."
         )

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
+from stepwell.base import InputError
 from stepwell.design.orders.full_cycle import full_cycle, short
 from stepwell.sequences import Sequence
 
@@ -87,11 +88,11 @@ def of_sequence(text: str) -> Orders:
     """
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
-        raise ValueError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
+        raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
     text = full_cycle(str(text), cells, "sequence")
     found = Sequence.parse(text).orders
     if found is None:
-        raise ValueError(
+        raise InputError(
             f"sequence = {short(text)!r}: chains of concave cells load one cell at a time until "
             f"all are at 1, then unload one at a time, as in 00>10>11>01>00. For states beside "
             f"such a cycle, design(states=[...])."
@@ -191,24 +192,24 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wis
 
 def _antichain(cells: int | None) -> "Below":
     if cells is None or cells < 1:
-        raise ValueError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
+        raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
     return [[i == j for j in range(cells)] for i in range(cells)]
 
 
 def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
     if isinstance(states, str):
-        raise ValueError(
+        raise InputError(
             f'states = {states!r}: must be "all" or a list such as ["00", "10", "11"].'
         )
     wanted = {str(state) for state in states}
     n = len(next(iter(wanted), ""))
     if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in wanted):
-        raise ValueError(
+        raise InputError(
             f"states = {sorted(wanted)}: must be states of 0 and 1, one a cell, inner first, and "
             f"as long as each other."
         )
     if cells not in (None, n):
-        raise ValueError(f"cells = {cells}, but the states have {n} cells: leave `cells` out.")
+        raise InputError(f"cells = {cells}, but the states have {n} cells: leave `cells` out.")
     return wanted, n
 
 

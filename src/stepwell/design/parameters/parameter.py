@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, nearest_word
+from stepwell.base import ByValue, InputError, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
@@ -101,16 +101,16 @@ class Parameter(ByValue):
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
         array = np.array(values, float)
         if self.is_anchor:
-            raise ValueError(
+            raise InputError(
                 f"{self.name} is a place, not a number: take {self.name}.x or {self.name}.y."
             )
         if array.ndim != 1 or len(array) < least or not np.all(np.isfinite(array)):
-            raise ValueError(
+            raise InputError(
                 f"values of {self.name} have shape {array.shape}: must be {least} or more finite "
                 f"numbers in a row [{self.unit}], for example from np.linspace or np.geomspace."
             )
         if np.any(np.diff(array) <= 0):
-            raise ValueError(
+            raise InputError(
                 f"values of {self.name} must rise from one to the next [{self.unit}]: sort them, "
                 f"drop repeats."
             )
@@ -162,7 +162,7 @@ def parameter(chain: Chain, name: str) -> Parameter:
         if label == name:
             continue
         if names.count(label) > 1:
-            raise ValueError(
+            raise InputError(
                 f"parameter {name!r}: {names.count(label)} cells are called {label!r}; take a "
                 f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
             )
@@ -170,7 +170,7 @@ def parameter(chain: Chain, name: str) -> Parameter:
             return of_cell(chain, names.index(label), part)
         if label.isdecimal() and 1 <= int(label) <= len(names):
             return of_cell(chain, int(label) - 1, part)
-    raise ValueError(_unknown(chain, name))
+    raise InputError(_unknown(chain, name))
 
 
 def parameters(chain: Chain) -> tuple[Parameter, ...]:
@@ -204,9 +204,9 @@ def _number(of: Parameter, value: float | Vec2) -> float:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise ValueError(f"{of.name} = {value!r}: must be a number [{of.unit}].") from None
+        raise InputError(f"{of.name} = {value!r}: must be a number [{of.unit}].") from None
     if math.isnan(number):
-        raise ValueError(f"{of.name} = {number}: must be a number [{of.unit}].")
+        raise InputError(f"{of.name} = {number}: must be a number [{of.unit}].")
     return number
 
 
@@ -215,7 +215,7 @@ def _place(of: Parameter, value: float | Vec2) -> Vec2:
         x, y = value  # type: ignore[misc]
         return float(x), float(y)
     except (TypeError, ValueError):
-        raise ValueError(f"{of.name} = {value!r}: must be a place (x, y) [m].") from None
+        raise InputError(f"{of.name} = {value!r}: must be a place (x, y) [m].") from None
 
 
 def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
@@ -231,7 +231,7 @@ def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
 def _scaled(bands: tuple[Band, ...], of: Parameter, value: float) -> list[Band]:
     olds = [float(getattr(band, of.part)) for band in bands]
     if olds[0] == 0 and any(olds):
-        raise ValueError(
+        raise InputError(
             f"{of.name} = {value}: the first band has none, so the others cannot be scaled "
             f"with it; put a band with a rest length first."
         )

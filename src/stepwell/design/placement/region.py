@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.design.plane import Box
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class AnchorBox(Box):
         for low, high in sides:
             a, b = getattr(self, low), getattr(self, high)
             if not (math.isfinite(a) and math.isfinite(b) and a < b):
-                raise ValueError(
+                raise InputError(
                     f"{low} = {a} m, {high} = {b} m: must be finite, and {low} < {high}."
                 )
 
@@ -72,16 +72,16 @@ class AnchorPolygon(ByValue):
         try:
             corners = tuple((float(x), float(y)) for x, y in self.corners)
         except (TypeError, ValueError):
-            raise ValueError(
+            raise InputError(
                 f"corners = {self.corners!r}: must be pairs of numbers (x, y) [m]."
             ) from None
         if len(corners) < 3 or not np.all(np.isfinite(corners)):
-            raise ValueError(f"corners = {corners}: must be three or more, all finite [m].")
+            raise InputError(f"corners = {corners}: must be three or more, all finite [m].")
         out = np.array(corners) - corners[0]
         if np.linalg.matrix_rank(out, 1e-9) < 2:
-            raise ValueError(f"corners = {corners} m: lie in a line; must enclose an area.")
+            raise InputError(f"corners = {corners} m: lie in a line; must enclose an area.")
         if any(a == b for a, b in zip(corners, corners[1:] + corners[:1], strict=True)):
-            raise ValueError(
+            raise InputError(
                 f"corners = {corners} m: no corner must follow itself; leave it out once."
             )
         object.__setattr__(self, "corners", corners)
@@ -156,12 +156,12 @@ def lattice(region: Region, pitch: float) -> Floats:
         ValueError: a pitch that is no distance, or so small that it makes a million places.
     """
     if not 0 < pitch < math.inf:
-        raise ValueError(f"pitch = {pitch} m: must be > 0 and finite.")
+        raise InputError(f"pitch = {pitch} m: must be > 0 and finite.")
     box = region.bounds
     nx = math.floor((box.right - box.left + _EDGE) / pitch) + 1
     ny = math.floor((box.top - box.bottom + _EDGE) / pitch) + 1
     if nx * ny > _MOST_PLACES:
-        raise ValueError(
+        raise InputError(
             f"pitch = {pitch * 1e3:.4g} mm makes {nx} x {ny} places: must make at most "
             f"{_MOST_PLACES:,}."
         )

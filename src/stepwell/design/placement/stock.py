@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,11 +30,11 @@ class Stock(ByValue):
 
     def __post_init__(self):
         if not 0 < self.stiffness < math.inf:
-            raise ValueError(f"stiffness = {self.stiffness} N/m: must be > 0 and finite.")
+            raise InputError(f"stiffness = {self.stiffness} N/m: must be > 0 and finite.")
         if not 0 <= self.rest_length < math.inf:
-            raise ValueError(f"rest_length = {self.rest_length} m: must be >= 0 and finite.")
+            raise InputError(f"rest_length = {self.rest_length} m: must be >= 0 and finite.")
         if self.spread is not None and not 0 <= self.spread < 0.25:
-            raise ValueError(
+            raise InputError(
                 f"spread = {self.spread}: must be at least 0 and below 0.25; it is a fraction, so "
                 f"5 % is 0.05."
             )

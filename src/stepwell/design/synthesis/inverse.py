@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base import ONE_BY_ONE, QUICKLY
+from stepwell.base import ONE_BY_ONE, QUICKLY, InputError
 from stepwell.design.orders import (
     Goal,
     Wish,
@@ -175,13 +175,13 @@ def _wanted(
 ) -> tuple[Goal, tuple[Region, ...]]:
     """What is wanted, and the region of every cell."""
     if (sequence is None) == (states is None):
-        raise ValueError(
+        raise InputError(
             'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
             'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
         )
     some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
-        raise ValueError(
+        raise InputError(
             f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
         )
     alike = len(set(some)) == 1
@@ -194,7 +194,7 @@ def _wanted(
         text = every if states == "all" else f"states {' '.join(states)}"
         goal = Goal(short(text), of_states(states, cells, alike), by_states=True)
     if len(some) not in (1, goal.cells):
-        raise ValueError(
+        raise InputError(
             f"within has {len(some)} regions for {goal.cells} cells: must be one for all, or one "
             f"each."
         )
@@ -229,21 +229,21 @@ def _refuse(
     n: int | None,
 ) -> None:
     if len(p) != 2 or not all(math.isfinite(x) for x in p):
-        raise ValueError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
+        raise InputError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
     if not bands or not all(isinstance(band, Stock) for band in bands):
-        raise ValueError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
+        raise InputError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
     if not levers or not all(0 < r < math.inf for r in levers):
-        raise ValueError(f"lever = {levers}: must be > 0 and finite [m].")
+        raise InputError(f"lever = {levers}: must be > 0 and finite [m].")
     if not 0 < limit < math.pi / 2:
-        raise ValueError(f"limit = {limit} rad: must be between 0 and π/2.")
+        raise InputError(f"limit = {limit} rad: must be between 0 and π/2.")
     if not isinstance(tolerances, Tolerances):
-        raise ValueError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
+        raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
     if objective not in _OBJECTIVES:
-        raise ValueError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
+        raise InputError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
     if not most_force > 0:
-        raise ValueError(f"most_force = {most_force} N: must be > 0.")
+        raise InputError(f"most_force = {most_force} N: must be > 0.")
     if n is not None and n < 1:
-        raise ValueError(f"n = {n}: must be 1 mechanism or more.")
+        raise InputError(f"n = {n}: must be 1 mechanism or more.")
 
 
 def _refuse_slips(

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from stepwell.base import ONE_BY_ONE, ByValue, require
+from stepwell.base import ONE_BY_ONE, ByValue, InputError, require
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
@@ -85,7 +85,7 @@ def survival(
     checked_state(chain, "ends", ends)
     n = ONE_BY_ONE if n is None else n
     if n < 1:
-        raise ValueError(f"n = {n}: must be 1 or more.")
+        raise InputError(f"n = {n}: must be 1 or more.")
     require("samples", n, "n =")
     meet(tolerances, chain)
     slips = sizes.drives(chain, turning_points)

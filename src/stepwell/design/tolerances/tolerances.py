@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, fields
 
-from stepwell.base import ByValue, usual
+from stepwell.base import ByValue, InputError, usual
 from stepwell.design.parameters import WAY
 from stepwell.mechanism import Chain, SlipError, sizes
 
@@ -37,9 +37,9 @@ class Tolerances(ByValue):
             value = float(getattr(self, field.name))
             if not 0 <= value < math.inf:
                 unit = _UNITS[field.name]
-                raise ValueError(f"{field.name} = {value} [{unit}]: must be >= 0 and finite.")
+                raise InputError(f"{field.name} = {value} [{unit}]: must be >= 0 and finite.")
             if _UNITS[field.name] == "1" and value >= 0.25:
-                raise ValueError(
+                raise InputError(
                     f"{field.name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
                 )
             object.__setattr__(self, field.name, value)

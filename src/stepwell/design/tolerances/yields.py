@@ -15,6 +15,7 @@ from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    InputError,
     Quantity,
     ReadOnly,
     __version__,
@@ -123,7 +124,7 @@ class Yield(ByValue):
             ValueError: no such number, or one that cannot be built.
         """
         if not 0 <= number < self.n:
-            raise ValueError(f"number = {number}: must be between 0 and {self.n - 1}.")
+            raise InputError(f"number = {number}: must be between 0 and {self.n - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
 
     def end_forces(self, n: int = 1000) -> Floats:
@@ -229,7 +230,7 @@ def yields(
     target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
     tally = Tally(Draws(chain, tolerances, seed), target, states)
     if sensitivity and tally.orders is None:
-        raise ValueError(
+        raise InputError(
             f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
             f"none, since not every step moves one cell; leave it out, or ask for another cycle."
         )
@@ -261,13 +262,13 @@ def _states(
         return None
     states = frozenset(str(state) for state in wanted)
     if not states or any(len(s) != len(chain) or set(s) - {"0", "1"} for s in states):
-        raise ValueError(
+        raise InputError(
             f"wanted = {sorted(states)}: must be states of {len(chain)} characters 0 or 1, one a "
             f"cell, inner first."
         )
     why = unsearchable(chain, tolerances.friction)
     if why:
-        raise ValueError(
+        raise InputError(
             f"wanted = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
         )
     return states
@@ -275,17 +276,17 @@ def _states(
 
 def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
     if not isinstance(tolerances, Tolerances):
-        raise ValueError(
+        raise InputError(
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
         )
     for name, value, least in (("n", n, 1), ("seed", seed, 0)):
         if int(value) != value or value < least:
-            raise ValueError(f"{name} = {value!r}: must be a whole number >= {least}.")
+            raise InputError(f"{name} = {value!r}: must be a whole number >= {least}.")
     require("samples", n, "n =")
     shortest = min(cell.lever for cell in chain.cells)
     if tolerances.lever >= shortest:
-        raise ValueError(
+        raise InputError(
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )

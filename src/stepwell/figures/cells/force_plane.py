@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
@@ -90,7 +91,7 @@ def force_plane(
     """
     count = len(chain)
     if count > MOST_CELLS:
-        raise ValueError(f"the chain has {count} cells: at most {MOST_CELLS} can be told apart.")
+        raise InputError(f"the chain has {count} cells: at most {MOST_CELLS} can be told apart.")
     forces = np.array([(c.force_0 + c.friction, c.force_1 - c.friction) for c in chain.cells])
     orders = (
         _order("loading", loading, np.argsort(forces[:, 0], kind="stable")),
@@ -150,7 +151,7 @@ def force_plane(
 def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tuple[int, ...]:
     order = tuple(int(i) for i in (own if wanted is None else wanted))
     if sorted(order) != list(range(len(own))):
-        raise ValueError(
+        raise InputError(
             f"{name} = {wanted!r}: must name each of the cells 0..{len(own) - 1} once, first the "
             f"one that moves first."
         )

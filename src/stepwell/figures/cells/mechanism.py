@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
 from stepwell.figures.cells.linkage import Linkage, Pose
 from stepwell.figures.common import (
@@ -94,12 +95,12 @@ def arrange(
     """Lay the drawings out in rows."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
-        raise ValueError(
+        raise InputError(
             f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen on a page; "
             f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
         )
     if not 0 < len(wanted) <= MOST_STATES:
-        raise ValueError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
+        raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     travels = [_travels(chain, state) for state in wanted]
     linkage = Linkage(chain)
     bounds = _union([linkage.pose(t) for t in travels], linkage)
@@ -237,7 +238,7 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
 def _travels(chain: Chain, state: State) -> tuple[float, ...]:
     if isinstance(state, str):
         if len(state) != len(chain) or set(state) - {"0", "1"}:
-            raise ValueError(
+            raise InputError(
                 f"state {state!r}: must be {len(chain)} characters, each 0 or 1, innermost first."
             )
         return tuple(
@@ -246,7 +247,7 @@ def _travels(chain: Chain, state: State) -> tuple[float, ...]:
         )
     travels = tuple(float(s) for s in state)
     if len(travels) != len(chain):
-        raise ValueError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
+        raise InputError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
     return travels
 
 

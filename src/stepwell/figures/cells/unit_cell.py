@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     INK,
@@ -84,7 +85,7 @@ def _curves(
     cells: Sequence[Cell], curve: Curve, ax: Axes | None, *, ends: bool
 ) -> tuple[Figure, Axes]:
     if not cells:
-        raise ValueError("cells is empty: give one cell or more.")
+        raise InputError("cells is empty: give one cell or more.")
     # Names in rows of two, the marks in a row of their own.
     rows = math.ceil(len(cells) / 2)
     top = 6.5 + 3.6 * rows

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.mechanism import Chain
 from stepwell.statics import Path
 
@@ -114,7 +115,7 @@ def _resting(path: Path) -> NDArray[np.bool_]:
 def require_two_cells(chain: Chain, what: str) -> None:
     """Refuse a chain that a picture in two travels cannot show."""
     if len(chain) != 2:
-        raise ValueError(
+        raise InputError(
             f"the chain has {len(chain)} cells: {what} shows exactly 2; "
             f"use force_stroke or travel_stroke."
         )

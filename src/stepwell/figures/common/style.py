@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 
+from stepwell.base import InputError
 from stepwell.figures.common.names import families
 
 # Widths of one and of two columns of a journal page [mm].
@@ -152,7 +153,7 @@ def root(ax: Axes) -> Figure:
     while isinstance(parent, SubFigure):
         parent = parent.figure
     if parent is None:
-        raise ValueError("ax belongs to no figure: make it with figure.add_subplot().")
+        raise InputError("ax belongs to no figure: make it with figure.add_subplot().")
     return parent
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from stepwell.base import write_atomic
+from stepwell.base import InputError, write_atomic
 
 _VECTOR: dict[Any, Any] = {
     # The same figure gives the same file, so that a diff of results shows what changed.
@@ -37,7 +37,7 @@ def save(figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0) ->
     suffix = Path(file).suffix.lower()
     kinds = figure.canvas.get_supported_filetypes()
     if suffix.removeprefix(".") not in kinds:
-        raise ValueError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
+        raise InputError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
     buffer = io.BytesIO()
     with mpl.rc_context(_VECTOR):
         figure.savefig(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from stepwell.base import InputError
 from stepwell.sequences.graphs import TransitionKind
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
     """
     another = graph.chain is not None and graph.chain != program.chain
     if another or program.start not in graph:
-        raise ValueError(
+        raise InputError(
             f"program: leads from {program.start} to {program.to} in another chain, or begins in a "
             f"state that this graph does not have. Draw the graph of its own chain: "
             f"program.chain.graph()."

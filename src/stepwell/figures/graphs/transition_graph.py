@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
@@ -63,7 +64,7 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
     """
     count = len(graph.vertices)
     if count > MOST_STATES:
-        raise ValueError(
+        raise InputError(
             f"the graph has {count} states: at most {MOST_STATES} can be read in a figure. Export "
             f"it for Graphviz, or pass start= to graph() to see only what is reached from there."
         )

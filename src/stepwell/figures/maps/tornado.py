@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.figures.common import (
     FAINT,
     GREEN,
@@ -87,7 +87,7 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
     """
     shown = [results] if isinstance(results, Sensitivity) else list(results)
     if not shown or not all(one.effects for one in shown):
-        raise ValueError("results is empty: give one Sensitivity or more, each with effects.")
+        raise InputError("results is empty: give one Sensitivity or more, each with effects.")
     columns = min(len(shown), 2)
     rows = [shown[i : i + columns] for i in range(0, len(shown), columns)]
     tall = [_ROW * max(len(one.effects) for one in row) for row in rows]

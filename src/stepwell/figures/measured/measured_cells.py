@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     BLUE,
     GREEN,
@@ -93,7 +94,7 @@ def _panels(
     label: str,
 ) -> Figure:
     if not tests:
-        raise ValueError("tests is empty: give one unit cell or more.")
+        raise InputError("tests is empty: give one unit cell or more.")
     groups: dict[tuple[str, bool], list[CellTest]] = {}
     for test in tests:
         groups.setdefault((test.series.code, test.series.unloading), []).append(test)

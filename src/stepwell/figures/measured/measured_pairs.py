@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     FAINT,
     INK,
@@ -48,7 +49,7 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     Source: after Kamp et al. 2024, Fig. 2D to 2G.
     """
     if not tests:
-        raise ValueError("tests is empty: give one pair or more.")
+        raise InputError("tests is empty: give one pair or more.")
     rows = math.ceil(len(tests) / _COLUMNS)
     wide, tall, key = PAGE / _COLUMNS, 52.0, 8.0
     height = rows * tall + key

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.base import require, write_atomic
+from stepwell.base import InputError, require, write_atomic
 from stepwell.figures.cells import MOST_CELLS, Drawing, Linkage, ground
 from stepwell.figures.common import (
     BLACK,
@@ -87,15 +87,15 @@ def animation(
 
     path = path_of(result)
     if len(path.chain) > MOST_CELLS:
-        raise ValueError(
+        raise InputError(
             f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
         )
     if not 0 < seconds < float("inf"):
-        raise ValueError(f"seconds = {seconds}: must be > 0.")
+        raise InputError(f"seconds = {seconds}: must be > 0.")
     if not 0 < fps <= 50:
-        raise ValueError(f"fps = {fps}: must be > 0 and at most 50.")
+        raise InputError(f"fps = {fps}: must be > 0 and at most 50.")
     if File(file).suffix.lower() != ".gif":
-        raise ValueError(f"{file}: an animation's name must end in .gif.")
+        raise InputError(f"{file}: an animation's name must end in .gif.")
     require("frames", seconds * fps, f"{seconds:g} s are")
     hundredths = max(2, round(100 / fps))
     count = max(2, round(100 * seconds / hundredths))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
+from stepwell.base import InputError
 from stepwell.figures.common import PAGE, blank, keep_inside, literal, name_panel, place, styled
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
@@ -89,4 +90,4 @@ def strokes(cycles: Mapping[str, Cycle]) -> Figure:
 
 def _refuse_none(cycles: Mapping[str, Cycle]) -> None:
     if not cycles:
-        raise ValueError("cycles is empty: give one cycle or more, by name.")
+        raise InputError("cycles is empty: give one cycle or more, by name.")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
@@ -56,7 +57,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     path = path_of(result)
     cells = path.chain.cells
     if len(cells) > MOST_LANES:
-        raise ValueError(
+        raise InputError(
             f"the chain has {len(cells)} cells: at most {MOST_LANES} lanes can be told apart; "
             f"path.travel has the numbers."
         )

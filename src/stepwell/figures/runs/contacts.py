@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     FAINT,
     INK,
@@ -53,7 +54,7 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
         ValueError: no cycles asked for, or a walk without samples.
     """
     if not cycles > 0:
-        raise ValueError(f"cycles = {cycles}: must be > 0.")
+        raise InputError(f"cycles = {cycles}: must be > 0.")
     refuse_empty(walk)
     lanes = _LANE * (len(walk.robot.legs) + 1)
     height = _TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + 10.0

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     FAINT,
     INK,
@@ -51,7 +52,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     Source: Kamp et al. 2024, Fig. 3.
     """
     if not cycles > 0:
-        raise ValueError(f"cycles = {cycles}: must be > 0.")
+        raise InputError(f"cycles = {cycles}: must be > 0.")
     refuse_empty(walk)
     some = window(walk, cycles)
     time, robot = walk.time[some], walk.robot
@@ -102,7 +103,7 @@ def refuse_empty(walk: Walk) -> None:
     """Refuse a walk that ended before its first sample."""
     if len(walk.time) == 0:
         why = f" {walk.stopped}" if walk.stopped else ""
-        raise ValueError(f"the walk has no samples, so there is nothing to draw.{why}")
+        raise InputError(f"the walk has no samples, so there is nothing to draw.{why}")
 
 
 def _states(ax: Axes, found: list[Interval]) -> None:

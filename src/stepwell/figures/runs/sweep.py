@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -59,7 +60,7 @@ def sweep(found: Sweep) -> Figure:
     """
     keys = list(found.values)[:MOST_KEYS]
     if not found.trials or not keys:
-        raise ValueError("the sweep is empty: give one robot or more, and one key or more.")
+        raise InputError("the sweep is empty: give one robot or more, and one key or more.")
     gaits = _gaits(found)
     colours = _coloured(gaits)
     values = {key: np.asarray(found.values[key], float) for key in keys}

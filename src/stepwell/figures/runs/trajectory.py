@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -75,7 +76,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     Source: Kamp et al. 2024, Figs. 3C to 3E.
     """
     if not walks:
-        raise ValueError("walks is empty: give one walk or more, by name.")
+        raise InputError("walks is empty: give one walk or more, by name.")
     for walk in walks.values():
         refuse_empty(walk)
     boxes = [_extent(walk) for walk in walks.values()]

@@ -19,7 +19,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stepwell.base import nearest_word
+from stepwell.base import InputError, nearest_word
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
     tokens = _tokens(path)
     found = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
     if not found:
-        raise ValueError(_advice(tokens, known))
+        raise InputError(_advice(tokens, known))
     return found
 
 
@@ -88,7 +88,7 @@ def _tokens(path: str) -> list[Token]:
         match = _TOKEN.match(path, place)
         first_dot = place == 0 and path.startswith(".")
         if match is None or first_dot or (match[0][0] not in ".[" and place > 0):
-            raise ValueError(_NO_PATH)
+            raise InputError(_NO_PATH)
         if match["quoted"] is not None:
             tokens.append(_unquoted(match["quoted"]))
         elif match["key"] is not None:
@@ -97,7 +97,7 @@ def _tokens(path: str) -> list[Token]:
             tokens.append(int(match["index"]) if match["index"] else ALL)
         place = match.end()
     if not tokens:
-        raise ValueError(_NO_PATH)
+        raise InputError(_NO_PATH)
     if tokens[:1] == ["chain"]:
         tokens = ["leg", ALL, *tokens]
     in_chain = tokens[:1] == ["leg"] and tokens[2:3] == ["chain"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
@@ -140,7 +140,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     Source: one-standard-error rule, Breiman et al. 1984.
     """
     if gauge is not None and not 0 < gauge < math.inf:
-        raise ValueError(f"gauge = {gauge} m: must be > 0, the length of the band at stroke 0.")
+        raise InputError(f"gauge = {gauge} m: must be > 0, the length of the band at stroke 0.")
     folds, curves = _curves(test)
     stroke = curves[0][0]
     forces = [np.interp(stroke, u, force) for u, force in curves]

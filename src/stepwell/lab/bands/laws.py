@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 
 Array = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
 
     stroke, force = np.asarray(stroke, float), np.asarray(force, float)
     if len(stroke) < law.count(gauge):
-        raise ValueError(
+        raise InputError(
             f"{len(stroke)} samples for the {law.count(gauge)} numbers of the {law.name} law: "
             f"must be as many or more."
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepwell.base import __version__
+from stepwell.base import InputError, __version__
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.choice import NOTHING, Candidate, Choice
 from stepwell.lab.bands.spread import Estimate
@@ -33,7 +33,7 @@ def band_table(
     """
     known = [candidate.law.name for candidate in choice.candidates]
     if law is not None and law not in known:
-        raise ValueError(f"law = {law!r}: must be one of {', '.join(known)}.")
+        raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
     candidate = choice.chosen if law is None else choice.named(law)
     keys = _keys(candidate, test, estimate)
     if choice.gauge is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.mechanism import Cell
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Rig(ByValue):
 
     def __post_init__(self):
         if not self.bar > 0:
-            raise ValueError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
+            raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
 
     def tilt(self, cell: Cell, theta: ArrayLike) -> Array:
         """b = tan φ [1] of the bar at lever angles θ [rad] of any shape."""

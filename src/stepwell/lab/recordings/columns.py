@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+from stepwell.base import InputError
+
 # In the order in which they are looked for: "Time" in "Load time" is a time.
 ROLES = {
     "time": ("time", "zeit"),
@@ -56,7 +58,7 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, C
     for role in NEEDED:
         if role not in found:
             shown = ", ".join(name for name in names if name) or "none"
-            raise ValueError(
+            raise InputError(
                 f"no column for the {role} (columns: {shown}): name the columns and their units, "
                 f"as in {EXAMPLE}."
             )
@@ -67,7 +69,7 @@ def _named(header: list[str], delimiter: str | None, count: int) -> tuple[list[s
     """Names and units, from one line that holds both or from a line of each."""
     rows = [row for line in header if len(row := _fields(line, delimiter)) == count]
     if not rows:
-        raise ValueError(
+        raise InputError(
             f"no line above the numbers names its {count} columns: put one there, as in {EXAMPLE}."
         )
     below = rows[-1]
@@ -108,7 +110,7 @@ def _factor(role: str, name: str, unit: str) -> float:
     if unit in allowed:
         return allowed[unit]
     came = f"is in {unit[:30]!r}" if unit else "has no unit"
-    raise ValueError(
+    raise InputError(
         f"column {name[:40]!r} {came}: must be one of {', '.join(allowed)}; write it into the "
         f"header or export the data again."
     )

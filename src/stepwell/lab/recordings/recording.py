@@ -10,7 +10,7 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ class Recording(ByValue):
     def __post_init__(self):
         lengths = len(self.time), len(self.stroke), len(self.force)
         if len(set(lengths)) > 1 or lengths[0] < 2:
-            raise ValueError(
+            raise InputError(
                 f"time, stroke and force have {lengths} samples: must be as many each, 2 or more."
             )
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import InputError
 from stepwell.lab.recordings.columns import columns, split
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ def parse(data: bytes) -> Export:
     body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
     rows, remarks = _rows(body, delimiter, count)
     if len(rows) < 2:
-        raise ValueError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
+        raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
     values = {role: rows[:, column.place] * column.factor for role, column in found.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
@@ -56,7 +57,7 @@ def parse(data: bytes) -> Export:
 
 def _decoded(data: bytes) -> str:
     if not data.strip():
-        raise ValueError("is empty: export it again.")
+        raise InputError("is empty: export it again.")
     try:
         if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
             return data.decode("utf-16")
@@ -68,7 +69,7 @@ def _decoded(data: bytes) -> str:
         return data.decode("latin-1")
     except ValueError:
         problem = "is binary, not text: export the raw data as text or CSV."
-        raise ValueError(problem) from None
+        raise InputError(problem) from None
 
 
 def _first_row(lines: list[str]) -> tuple[int, str | None]:
@@ -77,7 +78,7 @@ def _first_row(lines: list[str]) -> tuple[int, str | None]:
             fields = split(line, delimiter)
             if len(fields) >= 2 and all(map(_NUMBER.fullmatch, fields)):
                 return at, delimiter
-    raise ValueError(
+    raise InputError(
         "holds no row of two or more numbers: a recording is rows of time, displacement and force."
     )
 
@@ -98,7 +99,7 @@ def _rows(
     good = np.concatenate(pieces)
     if len(bad) > len(good):
         number, line = bad[0]
-        raise ValueError(
+        raise InputError(
             f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
             f"{line[:_TELL]!r}): export it again."
         )

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 
 
 class Judgement(StrEnum):
@@ -38,7 +38,7 @@ class Finding(ByValue):
 
     def __post_init__(self):
         if self.verdict is not Judgement.AGREES and not self.reason:
-            raise ValueError(f"verdict = {self.verdict}: must come with a reason.")
+            raise InputError(f"verdict = {self.verdict}: must come with a reason.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from stepwell.base import InputError
 from stepwell.paper.claims.claim import Judgement, Verdict
 
 BEGIN = "<!-- claims: written by `python -m stepwell.paper`, not by hand -->"
@@ -36,7 +37,7 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
     before, first, rest = page.partition(begin)
     _, last, after = rest.partition(end)
     if not (first and last):
-        raise ValueError(f"the page has no place for the {what}: put in {begin} and {end}.")
+        raise InputError(f"the page has no place for the {what}: put in {begin} and {end}.")
     return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 

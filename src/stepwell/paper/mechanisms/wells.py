@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from stepwell.base import InputError
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell, Chain
 from stepwell.paper.claims import Claim, Finding, judged
@@ -45,7 +46,7 @@ def stable_states(chain: Chain) -> list[str]:
 def _held(cell: Cell) -> str:
     plain = simple(cell)
     if plain is None or not certify(plain, 0.0):
-        raise ValueError(f"{cell!r}: must be a cell whose force is proved to fall.")
+        raise InputError(f"{cell!r}: must be a cell whose force is proved to fall.")
     return "0" * (cell.force_0 > 0) + "1" * (cell.force_1 < 0)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from stepwell.base import ByValue, Vec2, check
+from stepwell.base import ByValue, InputError, Vec2, check
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,12 +66,12 @@ class Antenna(ByValue):
         object.__setattr__(self, "angle", check.finite("angle", self.angle, "rad"))
         object.__setattr__(self, "hook_angle", check.finite("hook_angle", self.hook_angle, "rad"))
         if not 0 < abs(self.angle) < math.pi:
-            raise ValueError(
+            raise InputError(
                 f"angle = {math.degrees(self.angle):.6g} deg of antenna {self.name!r}: must be "
                 f"between 0 and 180 deg to the left, or their negatives to the right."
             )
         if math.hypot(*self.moves) == 0:
-            raise ValueError(
+            raise InputError(
                 f"moves = (0, 0) of antenna {self.name!r}: must be a displacement; to take the "
                 f"lever off, set connected = False."
             )

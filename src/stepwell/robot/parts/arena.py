@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import ByValue, Vec2, check, require
+from stepwell.base import ByValue, InputError, Vec2, check, require
 from stepwell.mechanism import SlipError
 from stepwell.robot.parts.slips import WAY, of_arena
 
@@ -34,7 +34,7 @@ class Wall(ByValue):
         object.__setattr__(self, "end", check.vector("end", self.end))
         object.__setattr__(self, "thickness", check.positive("thickness", self.thickness, "m"))
         if self.start == self.end:
-            raise ValueError(f"start = end = {self.start}: a wall needs two different ends.")
+            raise InputError(f"start = end = {self.start}: a wall needs two different ends.")
 
     @property
     def length(self) -> float:
@@ -131,7 +131,7 @@ class Arena(ByValue):
         object.__setattr__(self, "_asked", True)
         gap = self.clearance(*self.start)
         if gap <= 0:
-            raise ValueError(
+            raise InputError(
                 f"start = ({self.start[0] * 1e3:.6g}, {self.start[1] * 1e3:.6g}) mm lies "
                 f"{-gap * 1e3:.3g} mm inside an obstacle; move it."
             )

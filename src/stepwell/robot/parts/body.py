@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stepwell.base import ByValue, Vec2, check, require
+from stepwell.base import ByValue, InputError, Vec2, check, require
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +46,7 @@ class Body(ByValue):
         object.__setattr__(self, "supports", supports)
         require("supports", len(supports), "the body has")
         if len(supports) < 3:
-            raise ValueError(
+            raise InputError(
                 f"supports has {len(supports)} points: must have 3 or more, or the body falls over "
                 f"when the feet lift."
             )

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, check
+from stepwell.base import ByValue, InputError, check
 
 
 class Profile(StrEnum):
@@ -52,7 +52,7 @@ class Drive(ByValue):
             object.__setattr__(self, "profile", Profile(self.profile))
         except ValueError:
             allowed = ", ".join(repr(str(profile)) for profile in Profile)
-            raise ValueError(f"profile = {self.profile!r}: must be one of {allowed}.") from None
+            raise InputError(f"profile = {self.profile!r}: must be one of {allowed}.") from None
 
     def stroke(self, time: ArrayLike) -> NDArray[np.float64]:
         """The commanded stroke [m] at times [s] of any shape; 0 before time 0.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, check
+from stepwell.base import ByValue, InputError, check
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,12 +44,12 @@ class Foot(ByValue):
             object.__setattr__(self, name, check.positive(name, getattr(self, name), unit))
         object.__setattr__(self, "below", check.finite("below", self.below, "m"))
         if self.below < 0:
-            raise ValueError(
+            raise InputError(
                 f"below = {self.below * 1e3:.6g} mm: must be >= 0; feet above the plane of the "
                 f"supports never touch the floor."
             )
         if self.span >= 2 * self.link:
-            raise ValueError(
+            raise InputError(
                 f"span = {self.span * 1e3:.6g} mm: must be < {2e3 * self.link:.6g} mm, the two "
                 f"links stretched out; use longer links."
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from stepwell.base import ByValue, Vec2, check
+from stepwell.base import ByValue, InputError, Vec2, check
 from stepwell.mechanism import Chain
 
 
@@ -33,12 +33,12 @@ class Leg(ByValue):
     def __post_init__(self):
         object.__setattr__(self, "at", check.vector("at", self.at))
         if len(self.chain) < 2:
-            raise ValueError(
+            raise InputError(
                 f"leg {self.name!r} has {len(self.chain)} cell: must have 2 or more; the last "
                 f"one lifts the foot and those before it make the step."
             )
         if self.chain.actuator_stiffness != float("inf"):
-            raise ValueError(
+            raise InputError(
                 f"leg {self.name!r}: actuator_stiffness = {self.chain.actuator_stiffness:g} N/m: "
                 f"must be infinite; the stiffness that a robot's legs share is the drive's."
             )
@@ -83,7 +83,7 @@ class Leg(ByValue):
         if isinstance(cell, int) and 0 <= cell < len(names):
             return cell
         told = f"{cell + 1} (index {cell} in Python)" if isinstance(cell, int) else repr(cell)
-        raise ValueError(
+        raise InputError(
             f"leg {self.name!r} has no cell {told}: must be one of {', '.join(map(repr, names))}, "
             f"or a number up to {len(names)} (index {len(names) - 1} in Python)."
         )

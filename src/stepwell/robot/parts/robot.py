@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue, Vec2, require
+from stepwell.base import ByValue, InputError, Vec2, require
 from stepwell.mechanism import SlipError
 from stepwell.robot.parts.antenna import Antenna
 from stepwell.robot.parts.arena import Arena
@@ -79,7 +79,7 @@ class Robot(ByValue):
         object.__setattr__(self, "_asked", True)
         found = problems(self)
         if found:
-            raise ValueError("\n".join(found))
+            raise InputError("\n".join(found))
 
     @property
     def mass(self) -> float:
@@ -113,7 +113,7 @@ class Robot(ByValue):
             if leg.name == name:
                 return leg
         names = ", ".join(repr(leg.name) for leg in self.legs)
-        raise ValueError(f"leg = {name!r}: must be one of {names}.")
+        raise InputError(f"leg = {name!r}: must be one of {names}.")
 
     def with_anchors(
         self, leg: str, cell: int | str, p: Vec2 | None = None, q: Vec2 | None = None
@@ -151,10 +151,10 @@ class Robot(ByValue):
         for name, swing in swings.items():
             if name not in names:
                 allowed = ", ".join(map(repr, names)) or "none: this robot has no antennas"
-                raise ValueError(f"antenna = {name!r}: must be one of {allowed}.")
+                raise InputError(f"antenna = {name!r}: must be one of {allowed}.")
             antenna = self.antennas[names.index(name)]
             if not 0 <= swing <= antenna.swing:
-                raise ValueError(
+                raise InputError(
                     f"swing = {math.degrees(swing):.6g} deg of antenna {name!r}: must be from 0 "
                     f"to {math.degrees(antenna.swing):.6g} deg."
                 )

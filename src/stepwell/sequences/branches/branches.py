@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stepwell.base import most, problem
+from stepwell.base import InputError, most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.passages import Passage, Section, passages_of, state_of
 from stepwell.statics import Path, Segment, Tie, drive_range, path
@@ -179,7 +179,7 @@ class Branches:
         while waiting:
             if len(seen) > limit:
                 found = problem("branches", len(seen), "there are", so_far=True)
-                raise ValueError(
+                raise InputError(
                     f"{found} Or look at a shorter chain, or ask chain.program(to=...) for one way."
                 )
             if progress is not None:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+from stepwell.base import InputError
 from stepwell.mechanism import Chain
 
 Drive = str | float | None
@@ -14,7 +15,7 @@ def driven(chain: Chain, drive: Drive) -> Chain:
         return chain
     if isinstance(drive, str):
         if drive not in ("stroke", "force"):
-            raise ValueError(
+            raise InputError(
                 f"drive = {drive!r}: must be 'stroke', 'force', or the stiffness of the actuator "
                 f"[N/m]."
             )
@@ -26,7 +27,7 @@ def refuse_friction(chain: Chain) -> None:
     """Raise ValueError where a cell has friction."""
     for name, cell in zip(chain.names, chain.cells, strict=True):
         if cell.friction > 0:
-            raise ValueError(
+            raise InputError(
                 f"{name} has friction {cell.friction:.4g} N: a chain with friction stops wherever "
                 f"it is turned back, so it has no finite graph. Leave friction out to see the "
                 f"graph, and ask chain.program() for a program, which searches with friction."
@@ -36,7 +37,7 @@ def refuse_friction(chain: Chain) -> None:
 def checked_state(chain: Chain, name: str, state: str) -> str:
     """The state, if it has one character 0 or 1 a cell; raises ValueError otherwise."""
     if len(state) != len(chain) or set(state) - {"0", "1"}:
-        raise ValueError(
+        raise InputError(
             f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
         )
     return state

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Sequence(ByValue):
         """
         states = text.replace(" ", "").split(">")
         if any(len(s) != len(states[0]) or not s or set(s) - {"0", "1"} for s in states):
-            raise ValueError(
+            raise InputError(
                 f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
                 f"are cells, as in 00>10>11>01>00."
             )

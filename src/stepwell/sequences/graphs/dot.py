@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 
+from stepwell.base import InputError
 from stepwell.sequences.graphs.exchange import graph_of_record, record
 from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.rows import Row, transitions
@@ -68,9 +69,9 @@ def from_dot(text: str) -> TransitionGraph:
     try:
         rows = [json.loads(_unquoted(kept)) for kept in _KEPT.findall(text)]
     except json.JSONDecodeError as error:
-        raise ValueError(f"graph: is not DOT as to_dot writes it: {error}.") from None
+        raise InputError(f"graph: is not DOT as to_dot writes it: {error}.") from None
     if not rows:
-        raise ValueError(
+        raise InputError(
             "graph: is not DOT as to_dot writes it, with an attribute `stepwell` on every node and "
             "edge; DOT of other programs says nothing of drives and travels."
         )

@@ -8,6 +8,7 @@ from typing import Any
 
 import networkx as nx
 
+from stepwell.base import InputError
 from stepwell.sequences.graphs.rows import (
     Row,
     edge_row,
@@ -74,7 +75,7 @@ def from_json(text: str) -> TransitionGraph:
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:
-        raise ValueError(f"graph: is not JSON: {error}.") from None
+        raise InputError(f"graph: is not JSON: {error}.") from None
     return graph_of_record(data, "to_json")
 
 
@@ -86,7 +87,7 @@ def graph_of_record(data: Any, writer: str) -> TransitionGraph:
     """
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise ValueError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
+        raise InputError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
     return graph_of(data)
 
 
@@ -126,9 +127,9 @@ def from_graphml(text: str) -> TransitionGraph:
     try:
         found = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
-        raise ValueError(f"graph: is not GraphML: {error}.") from None
+        raise InputError(f"graph: is not GraphML: {error}.") from None
     if found.graph.get("format") != _FORMAT:
-        raise ValueError(
+        raise InputError(
             f"graph: format = {found.graph.get('format')!r}: must be {_FORMAT!r}, as to_graphml "
             f"writes it."
         )

@@ -9,6 +9,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stepwell.base import InputError
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.preisach import every_state, labels_of
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
@@ -50,20 +51,20 @@ def switching_fields(graph: TransitionGraph) -> Floats:
         return known.copy()
     chain = graph.chain
     if chain is None:
-        raise ValueError(
+        raise InputError(
             "graph: was read from a file that tells what its cells do and not what they are. "
             "Take the fields of the graph of the chain itself."
         )
     stiffness = chain.actuator_stiffness
     if math.isinf(stiffness):
-        raise ValueError(
+        raise InputError(
             "graph: under a prescribed stroke every cell of a vertex lets go at the same stroke, "
             "so there are no switching fields. Ask for chain.graph('force'), or for "
             "chain.graph(K) with a soft spring K [N/m] between actuator and chain."
         )
     resting = next((label for label in graph if "-" in label), None)
     if resting is not None:
-        raise ValueError(
+        raise InputError(
             f"graph: cells rest between their stops ({resting}), so they are no hysterons with "
             f"two fields. Ask for chain.graph('force') or a softer spring than "
             f"{stiffness:.4g} N/m; where they still do, no switching fields describe them."
@@ -101,7 +102,7 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
     """
     fields = _checked(fields)
     if unit not in ("", "N", "m"):
-        raise ValueError(f"unit = {unit!r}: must be 'N', 'm', or '' for bare numbers.")
+        raise InputError(f"unit = {unit!r}: must be 'N', 'm', or '' for bare numbers.")
     at_1 = every_state(fields.shape[1])
     opens, shuts = np.where(at_1, np.inf, fields), np.where(at_1, fields, -np.inf)
     low, high = np.max(shuts, axis=1), np.min(opens, axis=1)
@@ -140,12 +141,12 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
 def _checked(fields: ArrayLike) -> Floats:
     fields = np.array(fields, float)
     if fields.ndim != 2 or fields.shape[0] != 1 << fields.shape[1] or not fields.shape[1]:
-        raise ValueError(
+        raise InputError(
             f"fields has shape {fields.shape}: must be (2^N, N), one row for each state of N cells."
         )
     if not np.all(np.isfinite(fields)):
         row, cell = np.argwhere(~np.isfinite(fields))[0].tolist()
-        raise ValueError(f"fields[{row}][{cell}] = {fields[row, cell]}: must be a finite number.")
+        raise InputError(f"fields[{row}][{cell}] = {fields[row, cell]}: must be a finite number.")
     return fields
 
 
@@ -189,7 +190,7 @@ def _refuse(
     if np.any(wrong):
         k = int(np.argmax(wrong))
         named = ", ".join(f"cell {i + 1}" for i in np.flatnonzero(cells[k]).tolist())
-        raise ValueError(
+        raise InputError(
             f"fields: on the way from {codes[k]:0{n}b} at the drive {drive[k]:.6g} {why}: {named}. "
             f"The rule does not decide this; change these fields to say what is meant."
         )

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import networkx as nx
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
 from stepwell.statics import Tie
@@ -79,7 +80,7 @@ def graph_of(data: Row) -> TransitionGraph:
     for k, row in enumerate(_rows(data, "edges")):
         a, b, transition = _read(_edge_of, row, x, f"edges[{k}]")
         if a not in found or b not in found:
-            raise ValueError(f"edges[{k}]: leads from {a!r} to {b!r}; one of them is no node.")
+            raise InputError(f"edges[{k}]: leads from {a!r} to {b!r}; one of them is no node.")
         others = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
         found.add_edge(a, b, transitions=(*others, transition))
     ties = (_read(_tie_of, row, x, f"ties[{k}]") for k, row in enumerate(_rows(data, "ties")))
@@ -90,7 +91,7 @@ def graph_of(data: Row) -> TransitionGraph:
 def _rows(data: Row, key: str) -> list[Row]:
     rows = data.get(key)
     if not isinstance(rows, list):
-        raise ValueError(f"graph: {key}: must be a list, not {type(rows).__name__}.")
+        raise InputError(f"graph: {key}: must be a list, not {type(rows).__name__}.")
     return rows
 
 
@@ -98,9 +99,9 @@ def _read(how: Callable[[Row, str], Read], row: Row, x: str, place: str) -> Read
     try:
         return how(row, x)
     except KeyError as error:
-        raise ValueError(f"{place}: knows no {error}.") from None
+        raise InputError(f"{place}: knows no {error}.") from None
     except (TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"{place}: {error}.") from None
+        raise InputError(f"{place}: {error}.") from None
 
 
 def _about(data: Row, x: str) -> Row:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from stepwell.base import most, problem, same
+from stepwell.base import InputError, most, problem, same
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -186,7 +186,7 @@ def graph(
         if place is not None:
             first.append(branches.at(*place))
         elif start is not None:
-            raise ValueError(
+            raise InputError(
                 f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
                 f"holds. Start from another state, or leave start out to see all."
             )
@@ -198,7 +198,7 @@ def graph(
 
 def _require(limit: str, chain: Chain) -> None:
     if len(chain) > most(limit):
-        raise ValueError(
+        raise InputError(
             f"{problem(limit, len(chain), 'the chain has')} Or pass start= to see what can be "
             f"reached from one state, or ask chain.program(to=...) for one way."
         )

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import count
 
+from stepwell.base import InputError
 from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -48,7 +49,7 @@ def program(
     branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:
-        raise ValueError(f"start: {_unstable(chain, start)}")
+        raise InputError(f"start: {_unstable(chain, start)}")
     if branches.vertex(to) is None:
         raise Unreachable(_unstable(chain, to), proved=True)
     if any(cell.friction > 0 for cell in chain.cells):

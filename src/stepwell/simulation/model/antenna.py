@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from stepwell.base import InputError
 from stepwell.robot import Antenna, Robot
 from stepwell.simulation.model import parts
 from stepwell.simulation.model.leg import TOP, in_body, places
@@ -22,7 +23,7 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
     leg = robot.leg(antenna.leg)
     cell = leg.cell_index(antenna.cell)
     if cell != 0:
-        raise ValueError(
+        raise InputError(
             f"antenna {antenna.name!r} moves an anchor of {leg.chain.names[cell]}: the simulation "
             f"moves those of the innermost cell only, whose anchor p is on the body; lead the "
             f"antenna there."

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import hinges, leg as _leg, parts
 from stepwell.simulation.model.antenna import add_anchor, add_rod
@@ -85,7 +86,7 @@ def _refuse(robot: Robot) -> None:
     for leg in robot.legs:
         for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
             if cell.load is not None:
-                raise ValueError(
+                raise InputError(
                     f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
                     f"loads from weight and floor; leave it out."
                 )

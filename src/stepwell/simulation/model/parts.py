@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stepwell.base import InputError
 from stepwell.mechanism import Band, Cubic, Linear
 from stepwell.simulation.model.settings import Settings
 from stepwell.simulation.model.simulator import mujoco
@@ -119,7 +120,7 @@ def stretch(band: Band) -> dict[str, Any]:
     elif isinstance(law, Cubic):
         stiffness = tuple(band.stiffness * np.array([1.0, law.a2, law.a3]))
     else:
-        raise ValueError(
+        raise InputError(
             "law = Table: the simulation takes linear and cubic bands; fit a cubic to the table "
             "(quadratic_per_mm, cubic_per_mm2)."
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from stepwell.base import ByValue, check as _check
+from stepwell.base import ByValue, InputError, check as _check
 
 
 class Integrator(StrEnum):
@@ -57,15 +57,15 @@ class Settings(ByValue):
                 object.__setattr__(self, name, kind(getattr(self, name)))
             except ValueError:
                 allowed = ", ".join(repr(str(one)) for one in kind)
-                raise ValueError(
+                raise InputError(
                     f"{name} = {getattr(self, name)!r}: must be one of {allowed}."
                 ) from None
         if self.contact_time < 2 * self.time_step:
-            raise ValueError(
+            raise InputError(
                 f"contact_time = {self.contact_time:g} s: must be >= {2 * self.time_step:g} s, "
                 f"twice the time step, or contacts ring."
             )
         if self.sample < self.time_step:
-            raise ValueError(
+            raise InputError(
                 f"sample = {self.sample:g} s: must be >= {self.time_step:g} s, the time step."
             )

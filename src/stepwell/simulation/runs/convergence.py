@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
@@ -91,13 +91,13 @@ def convergence(
     settings = settings or Settings()
     steps = sorted({float(step) for step in time_steps}, reverse=True)
     if len(steps) < 2:
-        raise ValueError(f"time_steps = {tuple(time_steps)}: must be two or more different ones.")
+        raise InputError(f"time_steps = {tuple(time_steps)}: must be two or more different ones.")
     if cycles < 2:
-        raise ValueError(f"cycles = {cycles}: must be >= 2; the first is left out.")
+        raise InputError(f"cycles = {cycles}: must be >= 2; the first is left out.")
     for step in steps:
         count = settings.sample / step
         if abs(count - round(count)) > 1e-6:
-            raise ValueError(
+            raise InputError(
                 f"time_steps: {step:g} s does not divide the sample of {settings.sample:g} s."
             )
 
@@ -135,7 +135,7 @@ def _walked(
     fine = replace(settings, time_step=step, sample=step)
     found = walk(robot, cycles, settings=fine, progress=progress)
     if found.stopped:
-        raise ValueError(f"time_steps: at {step:g} s it does not walk to the end. {found.stopped}")
+        raise InputError(f"time_steps: at {step:g} s it does not walk to the end. {found.stopped}")
     return found
 
 

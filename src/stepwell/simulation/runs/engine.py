@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import require
+from stepwell.base import InputError, require
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import (
     Settings,
@@ -89,7 +89,7 @@ class Run:
             self.data.qpos[:] = start_position(self.model, robot, arena)
         else:
             if start.state.size != self.state.size:
-                raise ValueError(
+                raise InputError(
                     "start: the robot that it ended with has other parts; go on with the same "
                     "robot, or one whose numbers alone have changed."
                 )

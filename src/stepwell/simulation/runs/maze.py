@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import Settings, obstacle_names
@@ -160,7 +160,7 @@ def maze(
     All else as for `Robot.maze`.
     """
     if not limit > 0:
-        raise ValueError(f"limit = {limit} s: must be > 0.")
+        raise InputError(f"limit = {limit} s: must be > 0.")
     settings = settings or Settings()
     run = Run(robot, arena, settings)
     outcome = Outcome.TIMED_OUT

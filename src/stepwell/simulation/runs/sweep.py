@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, Quantity, Schema, __version__, require, write_atomic, write_csv
+from stepwell.base import (
+    ByValue,
+    InputError,
+    Quantity,
+    Schema,
+    __version__,
+    require,
+    write_atomic,
+    write_csv,
+)
 from stepwell.kernels import cores
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
@@ -169,10 +178,10 @@ def sweep(
     settings = settings or Settings()
     values = dict(values or {})
     if cycles < 1:
-        raise ValueError(f"cycles = {cycles}: must be >= 1.")
+        raise InputError(f"cycles = {cycles}: must be >= 1.")
     for name, numbers in values.items():
         if len(numbers) != len(robots):
-            raise ValueError(
+            raise InputError(
                 f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
                 f"robot."
             )
@@ -274,7 +283,7 @@ class _Kept:
         note = self.folder / "sweep.json"
         if note.exists():
             if json.loads(note.read_text("utf-8")).get("request") != self.request:
-                raise ValueError(
+                raise InputError(
                     f"{self.folder} holds another sweep (other robots, cycles or settings); name "
                     f"another folder, or remove this one."
                 )

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base import ExtraError, StepwellError, most, problem, write_atomic
+from stepwell.base import ExtraError, InputError, StepwellError, most, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.runs import render
 from stepwell.simulation.runs.maze import Maze
@@ -69,14 +69,14 @@ def video(
     targets = tuple(Path(file) for file in files)
     for target in targets:
         if target.suffix.lower() not in (".mp4", ".gif"):
-            raise ValueError(f"{target}: must end in .mp4 or .gif.")
+            raise InputError(f"{target}: must end in .mp4 or .gif.")
     if width % 2 or height % 2 or width < 16 or height < 16:
-        raise ValueError(f"width, height = {width}, {height}: must be even and at least 16.")
+        raise InputError(f"width, height = {width}, {height}: must be even and at least 16.")
     if speed is not None and not speed > 0:
-        raise ValueError(f"speed = {speed}: must be > 0.")
+        raise InputError(f"speed = {speed}: must be > 0.")
     walk = result.walk if isinstance(result, Maze) else result
     if len(walk.time) < 2:
-        raise ValueError("the run has no samples to show.")
+        raise InputError("the run has no samples to show.")
     if speed is None:
         speed = max(1.0, walk.time[-1] / 20.0) if isinstance(result, Maze) else 1.0
     count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed

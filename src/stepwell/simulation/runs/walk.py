@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, InputError
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
@@ -112,7 +112,7 @@ class Walk(ByValue):
             ValueError: no such leg, or no such cycle.
         """
         if not 0 <= cycle < self.cycles:
-            raise ValueError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
+            raise InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
         index = self._leg(leg)
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
         return gait(self._share(index)[begin : end + 1])
@@ -124,7 +124,7 @@ class Walk(ByValue):
             ValueError: no such leg, or a walk that was over before it began.
         """
         if len(self.time) == 0:
-            raise ValueError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
+            raise InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
         sample = min(int(np.searchsorted(self.time, time)), len(self.time) - 1)
         return states(self._share(self._leg(leg))[sample : sample + 1])[0]
 
@@ -244,9 +244,9 @@ def walk(
     All else as for `Robot.walk`.
     """
     if not cycles > 0:
-        raise ValueError(f"cycles = {cycles}: must be > 0.")
+        raise InputError(f"cycles = {cycles}: must be > 0.")
     if start is not None and start.stopped:
-        raise ValueError(f"start: must not have ended early. {start.stopped}")
+        raise InputError(f"start: must not have ended early. {start.stopped}")
     settings = settings or Settings()
     run = Run(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
