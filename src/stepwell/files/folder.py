@@ -189,7 +189,7 @@ def _commit(
     files = sorted(file for file in draft.rglob("*") if file.is_file())
     new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
     if not new.keys() <= known:
-        raise RuntimeError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
+        raise AssertionError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
     _check(shown, target, command, new, force)
     about = {
         "schema": FOLDER_SCHEMA,
