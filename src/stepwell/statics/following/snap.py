@@ -67,11 +67,11 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
-        set_tie(state, trigger, trigger)
+        set_tie(state.tie, trigger, trigger)
     movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
     heat = (released - friction_work, friction_work)
     status = write(state, SNAP, begun, movers, begun.drive, heat)
-    set_snap(state, -1, direction, FOLD)
+    set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     return status
 
@@ -81,7 +81,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
         if i != leader and state.mode[i] != HELD and problem.pieces.sign[state.piece[i]] < 0:
-            set_tie(state, leader, i)
+            set_tie(state.tie, leader, i)
 
 
 @kernel
