@@ -61,7 +61,7 @@ def _level(line: Line, pull: float, resist: float) -> float:
 
 
 @kernel
-def slide(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
+def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, float, float]:
     """Outcome, shift x and force λ there of a snap along a line.
 
     The outcome is JOINED where the flow leaves the range of λ in which all other cells keep still.

@@ -170,7 +170,7 @@ def share(problem: Problem, state: State, goes: Ints) -> None:
     if len(cells) < 2:
         return
     # Nothing but friction decides how they share.
-    set_tie(state, cells[0], cells[1])
+    set_tie(state.tie, cells[0], cells[1])
     first = np.min(problem.rank[cells])
     for i in cells:
         if problem.rank[i] > first:
@@ -202,7 +202,7 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
     for m in range(count):
         i = movers.cell[m]
         if not reached and state.travel[i] == ends[m]:
-            set_snap(state, i, direction, KINK)
+            set_snap(state.next_snap, i, direction, KINK)
             end_piece(problem, state, i, direction)
     return DONE if reached and status == GOES_ON else status
 
@@ -237,7 +237,7 @@ def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float
                 rival = i
     if rival >= 0 and falls:
         # Cells of rising force would share the motion; of these, only one can have it.
-        set_tie(state, first, rival)
+        set_tie(state.tie, first, rival)
     return nearest, first
 
 
@@ -291,7 +291,7 @@ def _first_to_arrive(
             else:
                 rival = m
         if rival >= 0:
-            set_tie(state, cell[first], cell[rival])
+            set_tie(state.tie, cell[first], cell[rival])
             return _until_end(pieces, movers, first, force, toward), first, True
         return arrival, who, False
     leads = -1
@@ -303,7 +303,7 @@ def _first_to_arrive(
                 rival = m
     if leads < 0 or rival < 0 or _turns_over(laws, pieces, cell[leads], on[leads], direction) != 1:
         return arrival, who, False
-    set_tie(state, cell[leads], cell[rival])
+    set_tie(state.tie, cell[leads], cell[rival])
     return arrival, leads, True
 
 
@@ -328,7 +328,7 @@ def _first_event(
         # drive an arrival at a stop is one too: a snap of no size or none at all.
         past = _turns_over(laws, pieces, arrives, on, heading)
         if past == -1 if toward == direction else past != pieces.sign[on]:
-            set_tie(state, arrives, cell)
+            set_tie(state.tie, arrives, cell)
     end = pieces.force_right[on] if heading > 0 else pieces.force_left[on]
     level = end + movers.offset[who] if arrival > 0.0 else force
     return Event(KINK, level, arrives, heading, who, arrival if company else -1.0)
@@ -426,23 +426,17 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
             return status
     if reached:
         return DONE
-    _pass(problem, state, event)
-    return GOES_ON
-
-
-@kernel
-def _pass(problem: Problem, state: State, event: Event) -> None:
-    """What an event changes, and the snap that it would set off."""
     cell, heading = event.cell, event.heading
     if event.why == FOLD:
-        set_snap(state, cell, heading, FOLD)
+        set_snap(state.next_snap, cell, heading, FOLD)
         state.next_snap[DUE] = 1
     elif event.why == RELEASE:
         state.mode[cell], state.sense[cell] = LETS_GO, heading
-        state.piece[cell] = find_piece(problem.pieces, cell, state.travel[cell], heading)
-        set_snap(state, cell, heading, RELEASE)
+        state.piece[cell] = find_piece(pieces, cell, state.travel[cell], heading)
+        set_snap(state.next_snap, cell, heading, RELEASE)
     else:
-        set_snap(state, cell, heading, KINK)
+        set_snap(state.next_snap, cell, heading, KINK)
         end_piece(problem, state, cell, heading)
         if state.mode[cell] == HELD:
             state.next_snap[TRIGGER], state.next_snap[WHY] = -1, FOLD
+    return GOES_ON

@@ -6,7 +6,7 @@ from stepwell.kernels import kernel
 from stepwell.mechanism import Floats, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
-from stepwell.statics.following.landing import JOINED, STOPPED, UNDECIDED, Line, slide
+from stepwell.statics.following.landing import JOINED, STOPPED, UNDECIDED, Line, land
 from stepwell.statics.following.log import FOLD, SNAP
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import (
@@ -67,11 +67,11 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     # Friction takes no more than there is, though the first step off a fold may say so.
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
-        set_tie(state, trigger, trigger)
+        set_tie(state.tie, trigger, trigger)
     movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
     heat = (released - friction_work, friction_work)
     status = write(state, SNAP, begun, movers, begun.drive, heat)
-    set_snap(state, -1, direction, FOLD)
+    set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     return status
 
@@ -81,7 +81,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
         if i != leader and state.mode[i] != HELD and problem.pieces.sign[state.piece[i]] < 0:
-            set_tie(state, leader, i)
+            set_tie(state.tie, leader, i)
 
 
 @kernel
@@ -112,14 +112,14 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
     line = Line(forth, back, at_forth, at_back, state.force[0], softness, low, high)
     # The start is itself an equilibrium, at a fold a double one, and next to a double root
     # the sign of the pull is rounding noise: no landing is looked for this near to it.
-    outcome, shift, level = slide(problem, line, 1e-7, 0.0)
+    outcome, shift, level = land(problem, line, 1e-7, 0.0)
     # The same with a little more pull and a little less: where it then lands elsewhere, the
     # choice between two landings hangs on less than any real mechanism can promise.
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     tie = False
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
-            other_outcome, other_shift, _ = slide(problem, line, 1e-3, bias)
+            other_outcome, other_shift, _ = land(problem, line, 1e-3, bias)
             tie = abs(other_shift - shift) > 1e-3 * size and other_outcome != UNDECIDED
     if outcome == UNDECIDED:
         outcome, shift, level = JOINED, 0.0, line.force
@@ -221,7 +221,7 @@ def _leave(problem: Problem, state: State, share: float) -> None:
     movers = np.empty(n, np.int64)
     count = 0
     for needed in (True, False):
-        # At a fixed stroke no cell moves alone: then those that slide against friction join in.
+        # At a fixed stroke no cell moves alone: then those that land against friction join in.
         if count > 1 or (count == 1 and beta > 0.0):
             break
         count = 0

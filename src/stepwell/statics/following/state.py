@@ -152,15 +152,15 @@ def write(
 
 
 @kernel
-def set_snap(state: State, trigger: int, sense: int, why: int) -> None:
+def set_snap(next_snap: Ints, trigger: int, sense: int, why: int) -> None:
     """Note what would set off a snap that comes next."""
-    state.next_snap[TRIGGER], state.next_snap[SENSE], state.next_snap[WHY] = trigger, sense, why
+    next_snap[TRIGGER], next_snap[SENSE], next_snap[WHY] = trigger, sense, why
 
 
 @kernel
-def set_tie(state: State, one: int, two: int) -> None:
+def set_tie(tie: Ints, one: int, two: int) -> None:
     """Note that two cells tie."""
-    state.tie[0], state.tie[1] = one, two
+    tie[0], tie[1] = one, two
 
 
 @kernel
