@@ -4,12 +4,13 @@ import io
 import re
 import sys
 from contextlib import contextmanager
+from importlib import import_module
 from time import sleep
 
 import pytest
 
 from stepwell import simulation
-from stepwell.cli.screen import progress as _progress
+from stepwell.cli import screen
 from stepwell.cli.screen.progress import progress
 
 
@@ -66,7 +67,7 @@ def test_nobody_else_is_told_anything(monkeypatch):
 def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     at_a_terminal(monkeypatch)
     now = 0.0
-    monkeypatch.setattr(_progress, "monotonic", lambda: now)
+    monkeypatch.setattr(import_module("stepwell.cli.screen.progress"), "monotonic", lambda: now)
     from rich.progress import Progress
 
     moved: list[float] = []
@@ -92,7 +93,7 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
 )
 def test_commands_that_may_take_long_tell_their_progress(stepwell, arguments, monkeypatch):
     told: list[tuple[float, float]] = []
-    monkeypatch.setattr(_progress, "progress", telling(told))
+    monkeypatch.setattr(screen, "progress", telling(told))
     if arguments[1] == "converge":
         few = simulation.convergence
         monkeypatch.setattr(

@@ -20,8 +20,8 @@ def test_the_simulation_says_in_one_line_how_to_install_it(code):
     result = run(code)
     assert result.returncode != 0
     assert result.stderr.splitlines()[-1] == (
-        "stepwell.base.errors.ExtraError: The robot's simulation needs MuJoCo, which is not installed here. "
-        "Install it with: pip install 'stepwell[robot]'"
+        "stepwell.base.errors.ExtraError: The robot's simulation needs MuJoCo, which is not "
+        "installed here. Install it with: pip install 'stepwell[robot]'"
     )
     # One error, not a chain of them.
     assert result.stderr.count("Traceback") == 1

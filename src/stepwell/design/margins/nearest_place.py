@@ -80,7 +80,7 @@ def nearest_place(
         np.array([c.up for c in conditions], np.int64),
         np.ascontiguousarray(sign * ways.frame),
         ways.one_way,
-        within,
+        float(within),
         out,
     )
     return None if math.isinf(distance) else Place(sign * out[:2], distance, sign * out[2:])
