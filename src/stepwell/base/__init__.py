@@ -6,7 +6,7 @@ from stepwell.base import check, limits, usual
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
-from stepwell.base.limits import most, problem, require
+from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
     Column,
     Columns,
@@ -25,4 +25,11 @@ from stepwell.base.text import nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions
-from stepwell.base.write import csv_text, draft_beside, sync_folder, told_of, write_atomic
+from stepwell.base.write import (
+    csv_text,
+    draft_beside,
+    sync_folder,
+    told_of,
+    write_atomic,
+    write_netcdf,
+)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import stat
 from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 from stepwell.base.errors import InputError, SettingError
@@ -80,6 +82,26 @@ def problem(name: str, count: float, what: str = "", *, so_far: bool = False) ->
         f"{what}{' ' if what else ''}{shown} {LIMITS[name].of}: at most {most(name)} are taken; "
         f"{VARIABLE}={name}={raised} in the environment allows {'more' if so_far else 'as many'}."
     )
+
+
+def content_of(path: Path, name: str) -> bytes:
+    """The content of an ordinary file that is no longer than a limit.
+
+    Args:
+        path: of the file.
+        name: of the limit.
+
+    Raises:
+        OSError: it cannot be read, is no ordinary file, or is too long.
+    """
+    kind = path.stat()
+    if stat.S_ISDIR(kind.st_mode):
+        raise OSError("it is a folder")
+    if not stat.S_ISREG(kind.st_mode):
+        raise OSError("it is no ordinary file")
+    if kind.st_size > most(name):
+        raise OSError(problem(name, kind.st_size, "it has").rstrip("."))
+    return path.read_bytes()
 
 
 @lru_cache(maxsize=8)

@@ -9,6 +9,10 @@ import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
@@ -44,6 +48,11 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
         draft.unlink(missing_ok=True)
         raise
     sync_folder(target.parent)
+
+
+def write_netcdf(path: str | os.PathLike[str], data: xarray.Dataset) -> None:
+    """Write data as NetCDF; the file appears whole or not at all."""
+    write_atomic(path, bytes(data.to_netcdf(engine="scipy")))
 
 
 def csv_text(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import stat
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import limits, nearest_word
+from stepwell.base import content_of, nearest_word
 from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
 from stepwell.files.folder import doubt
 from stepwell.files.shipped import preset_text, presets
@@ -99,7 +98,7 @@ def read(design: str | os.PathLike[str]) -> str:
     if name.startswith(PRESET):
         return preset_text(name.removeprefix(PRESET))
     try:
-        text = _content(Path(design)).decode("utf-8-sig")
+        text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
         unsure = doubt(Path(design))
         if unsure is None:
             return text
@@ -115,17 +114,6 @@ def read(design: str | os.PathLike[str]) -> str:
     except ValueError as error:  # a name with a zero byte in it
         problem = f"is no file name: {error}."
     raise DesignError(name, [problem])
-
-
-def _content(path: Path) -> bytes:
-    kind = path.stat()
-    if stat.S_ISDIR(kind.st_mode):
-        raise OSError("it is a folder")
-    if not stat.S_ISREG(kind.st_mode):
-        raise OSError("it is no ordinary file")
-    if kind.st_size > limits.most("design_bytes"):
-        raise OSError(limits.problem("design_bytes", kind.st_size, "it has").rstrip("."))
-    return path.read_bytes()
 
 
 def _neighbour(path: Path) -> str:

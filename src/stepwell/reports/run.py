@@ -6,18 +6,9 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from stepwell.base import write_atomic
-from stepwell.files import dumps, staged_folder
+from stepwell.files import dumps
 from stepwell.reports.page import report
-from stepwell.reports.steps import (
-    Progress,
-    Steps,
-    bundle,
-    names,
-    save_figures,
-    write_json,
-    write_netcdf,
-)
+from stepwell.reports.steps import Progress, bundle, netcdf
 from stepwell.results import boundary_rows, map_record, run_record
 
 if TYPE_CHECKING:
@@ -90,17 +81,13 @@ def write_map(
     designs = designs or {}
     inside = {name: place for name, place in designs.items() if _shows(dataset, place)}
     record = map_record(dataset, boundaries, next(iter(designs.values()), None), text=text)
-    with staged_folder(folder, "map", record, force=force) as draft:
-        steps = Steps(progress, 5)
-        write_netcdf(draft / "map.nc", dataset)
-        steps.next()
-        write_json(draft / "map.json", record)
-        steps.next()
-        write_atomic(draft / "boundaries.csv", boundary_rows(boundaries))
-        steps.next()
-        drawn = figures.transition_map(dataset, boundaries, inside)
-        save_figures({"map": drawn}, draft, steps)
-        return names(draft)
+    contents = {
+        "map.nc": netcdf(dataset),
+        "map.json": record,
+        "boundaries.csv": boundary_rows(boundaries),
+    }
+    drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
+    return bundle(folder, "map", contents, drawn, progress=progress, force=force)
 
 
 def _shows(dataset: xarray.Dataset, design: tuple[float, float]) -> bool:

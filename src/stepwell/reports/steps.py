@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import write_atomic
+from stepwell.base import write_atomic, write_netcdf
 from stepwell.files import staged_folder
 
 if TYPE_CHECKING:
@@ -45,11 +45,6 @@ def save_figures(drawn: Mapping[str, Figure], folder: Path, steps: Steps) -> Non
 def write_json(file: Path, record: dict[str, Any]) -> None:
     """Write a record, finite numbers only."""
     write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
-
-
-def write_netcdf(file: Path, data: xarray.Dataset) -> None:
-    """Write data as NetCDF."""
-    write_atomic(file, bytes(data.to_netcdf(engine="scipy")))
 
 
 def names(folder: Path) -> tuple[str, ...]:

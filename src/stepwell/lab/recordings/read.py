@@ -5,12 +5,11 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import stat
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from stepwell.base import ByValue, limits
+from stepwell.base import ByValue, content_of
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.text import parse
@@ -53,7 +52,7 @@ def read(file: str | os.PathLike[str]) -> Recording:
     """
     name = os.fspath(file)
     try:
-        content = _content(Path(file))
+        content = content_of(Path(file), "recording_bytes")
         export = parse(content)
     except FileNotFoundError:
         raise LabError(name, "no such file.") from None
@@ -118,14 +117,3 @@ def _files(name: str, ignored: list[str]) -> list[str]:
 
 def _is_data(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES and not _NOT_DATA.search(path.stem)
-
-
-def _content(path: Path) -> bytes:
-    kind = path.stat()
-    if stat.S_ISDIR(kind.st_mode):
-        raise OSError("it is a folder")
-    if not stat.S_ISREG(kind.st_mode):
-        raise OSError("it is no ordinary file")
-    if kind.st_size > limits.most("recording_bytes"):
-        raise OSError(limits.problem("recording_bytes", kind.st_size, "it has").rstrip("."))
-    return path.read_bytes()

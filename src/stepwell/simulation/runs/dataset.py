@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import Quantity, Schema, __version__, variables, write_atomic
+from stepwell.base import Quantity, Schema, __version__, variables
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,12 +57,9 @@ def dataset(walk: Walk) -> xr.Dataset:
     return xr.Dataset(variables(SAMPLES, walk, "time"), coordinates, attributes)
 
 
-def write_netcdf(data: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write as NetCDF; the file appears whole or not at all.
-
-    What a robot or an arena has none of is left out.
-    """
+def without_empty(data: xr.Dataset) -> xr.Dataset:
+    """The samples without what a robot or an arena has none of."""
     # Readers of NetCDF 3 take a dimension of length 0 for an unlimited one and stumble.
-    none = [name for name, size in data.sizes.items() if size == 0 and name != "time"]
-    data = data.drop_dims(none)
-    write_atomic(path, bytes(data.to_netcdf(engine="scipy")))
+    return data.drop_dims(
+        [name for name, size in data.sizes.items() if not size and name != "time"]
+    )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, InputError, write_netcdf
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
@@ -183,9 +183,9 @@ class Walk(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        from stepwell.simulation.runs.dataset import write_netcdf
+        from stepwell.simulation.runs.dataset import without_empty
 
-        write_netcdf(self.to_xarray(), path)
+        write_netcdf(path, without_empty(self.to_xarray()))
 
     def _share(self, leg: int) -> Array:
         full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
