@@ -61,7 +61,7 @@ class Motion(Enum):
     NONE = "stays where it is"
 
 
-class Limit(Enum):
+class PushEnd(Enum):
     """What ends a push when the floor drags more."""
 
     SLIP = "the foot slips"
@@ -93,7 +93,7 @@ class Push(ByValue):
     load: float
     drag: float
     largest_drag: float
-    limit: Limit
+    limit: PushEnd
 
     @property
     def safety(self) -> float:
@@ -476,11 +476,11 @@ def _pushes(robot: Robot, index: int, one: Round, moved: Slide) -> list[Push]:
     return pushes
 
 
-def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, Limit]:
+def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, PushEnd]:
     """The floor's drag [N] at which a foot slips or its leg steps otherwise."""
     left = robot.weight - sharing * load
     if left <= 0.0 or robot.floor.gravity == 0.0:
-        return math.inf, Limit.NOTHING
+        return math.inf, PushEnd.NOTHING
     slips = robot.mass * 9.81 * sharing * robot.floor.foot_friction * load / left
 
     def dragged(drag: float) -> str:
@@ -492,5 +492,5 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
     if slips > start:
         change = first_change(dragged, np.linspace(start, slips, 9).tolist())
         if change is not None:
-            return change[0], Limit.GAIT
-    return slips, Limit.SLIP
+            return change[0], PushEnd.GAIT
+    return slips, PushEnd.SLIP

@@ -67,7 +67,7 @@ class Phase:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class HalfRound:
     """A leg's way out or back, in phases."""
 
     phases: tuple[Phase, ...]
@@ -101,12 +101,12 @@ class Round:
     """A leg's way out and back."""
 
     leg: Leg
-    out: Way
-    back: Way
+    out: HalfRound
+    back: HalfRound
     stances: tuple[Stance, Stance]
 
     @property
-    def ways(self) -> tuple[Way, Way]:
+    def ways(self) -> tuple[HalfRound, HalfRound]:
         """Out, back."""
         return self.out, self.back
 
@@ -196,7 +196,7 @@ def go_round(
     return Round(leg, out, back, stances)
 
 
-def _way(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: Array) -> Way:
+def _way(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: Array) -> HalfRound:
     """Follow one way in phases, in each of which the foot stands or is in the air."""
     edge = touch(foot.robot)
     stands = bool(begin[-1] <= edge)
@@ -219,7 +219,7 @@ def _way(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: Ar
     else:
         # It chatters: the rest of the way as it was last seen.
         phases.append(replace(phases[-1], travel=ahead))
-    return Way(tuple(phases))
+    return HalfRound(tuple(phases))
 
 
 def _phase(

@@ -33,7 +33,7 @@ CHUNK = 0.5  # time between two looks at a run [s]
 
 
 @dataclass(frozen=True)
-class Samples:
+class RunSamples:
     """What came out of a run.
 
     Attributes:
@@ -73,7 +73,7 @@ class Run:
         robot: Robot,
         arena: Arena | None,
         settings: Settings,
-        start: Samples | None = None,
+        start: RunSamples | None = None,
     ):
         self.robot, self.settings = robot, settings
         self.model = spec(robot, arena, settings).compile()
@@ -142,13 +142,13 @@ class Run:
         self.steps += steps
         self._look()
 
-    def samples(self) -> Samples:
+    def samples(self) -> RunSamples:
         """Everything so far."""
         width = self.model.nsensordata
         time = np.concatenate([np.empty(0), *self._times])
         data = np.concatenate([np.empty((0, width)), *self._data])
         positions = np.concatenate([np.empty((0, self.model.nq)), *self._positions])
-        return Samples(
+        return RunSamples(
             time=time,
             data=data,
             positions=positions,

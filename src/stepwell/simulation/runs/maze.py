@@ -57,7 +57,7 @@ class Contact(NamedTuple):
     moved: float
 
 
-class Change(NamedTuple):
+class GaitChange(NamedTuple):
     """A leg that changed its gait: when [s], which, from what to what."""
 
     time: float
@@ -105,14 +105,14 @@ class Maze(ByValue):
         return tuple(sorted(found, key=lambda contact: contact.begin))
 
     @property
-    def changes(self) -> tuple[Change, ...]:
+    def changes(self) -> tuple[GaitChange, ...]:
         """Every change of a leg's gait from one cycle to the next, dated by the later one."""
-        found: list[Change] = []
+        found: list[GaitChange] = []
         period = self.walk.robot.drive.period
         for leg, gaits in self.walk.gaits.items():
             for i in range(1, len(gaits)):
                 if gaits[i] != gaits[i - 1]:
-                    found.append(Change(i * period, leg, gaits[i - 1], gaits[i]))
+                    found.append(GaitChange(i * period, leg, gaits[i - 1], gaits[i]))
         return tuple(sorted(found, key=lambda change: change.time))
 
     @property

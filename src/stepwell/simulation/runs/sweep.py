@@ -26,7 +26,7 @@ from stepwell.base import (
 from stepwell.kernels import cores
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
-from stepwell.simulation.runs.engine import Run, Samples, affordable, stopped_at
+from stepwell.simulation.runs.engine import Run, RunSamples, affordable, stopped_at
 from stepwell.simulation.runs.walk import Walk, recorded
 
 if TYPE_CHECKING:
@@ -220,7 +220,9 @@ def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: i
     return [walks[i] for i in range(len(robots))]
 
 
-def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int) -> list[Samples]:
+def _together(
+    runs: Sequence[Run], cycles: int, settings: Settings, threads: int
+) -> list[RunSamples]:
     models = [run.model for run in runs]
     data = [mujoco.MjData(models[0]) for _ in range(min(threads, len(runs)))]
     state = np.stack([run.state for run in runs])
@@ -244,11 +246,11 @@ def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int
     time = np.concatenate(times)
     sensed = np.concatenate(readings, axis=1)
     placed = np.concatenate(positions, axis=1)
-    samples: list[Samples] = []
+    samples: list[RunSamples] = []
     for i, run in enumerate(runs):
         first, why = stopped_at(time, sensed[i], run.where, run.rods)
         samples.append(
-            Samples(
+            RunSamples(
                 time=time[:first],
                 data=sensed[i, :first],
                 positions=placed[i, :first],

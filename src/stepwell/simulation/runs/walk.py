@@ -14,7 +14,7 @@ from stepwell.base import ByValue, InputError, write_netcdf
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, Samples, affordable, chunks
+from stepwell.simulation.runs.engine import Run, RunSamples, affordable, chunks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ class Walk(ByValue):
     touch: Array
     obstacle_force: Array
     stopped: str
-    _samples: Samples = field(repr=False)
+    _samples: RunSamples = field(repr=False)
 
     @property
     def cycles(self) -> int:
@@ -260,7 +260,7 @@ def walk(
     return recorded(robot, arena, settings, run.samples())
 
 
-def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Samples) -> Walk:
+def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: RunSamples) -> Walk:
     """The readings of a run by their names."""
     data, where = samples.data, samples.where
 
