@@ -8,11 +8,12 @@ import numpy as np
 
 from stepwell.base import InputError
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model import hinges, leg as _leg, parts
+from stepwell.simulation.model import hinges, parts
 from stepwell.simulation.model.antenna import add_anchor, add_rod
 from stepwell.simulation.model.arena import add_arena
+from stepwell.simulation.model.leg import LegModel, add_leg
 from stepwell.simulation.model.sensors import add_sensors
-from stepwell.simulation.model.settings import Integrator, Linkage, Settings
+from stepwell.simulation.model.settings import Integrator, Settings
 from stepwell.simulation.model.simulator import Model, Spec, mujoco
 
 INTEGRATORS = {
@@ -55,9 +56,8 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
         cell = robot.leg(antenna.leg).cell_index(antenna.cell)
         anchors[antenna.leg][cell] = add_anchor(robot, antenna, body, settings)
         add_rod(model, robot, antenna, body, settings)
-    linkage = hinges if settings.linkage is Linkage.HINGES else _leg
     for leg in robot.legs:
-        linkage.add_leg(model, robot, leg, body, carriage, anchors[leg.name], settings)
+        add_leg(LegModel(model, robot, leg, body, carriage, anchors[leg.name], settings))
     if arena is not None:
         add_arena(model, arena)
     add_sensors(model, robot, arena)
@@ -145,60 +145,32 @@ def _scenery(model: Any) -> None:
 def _body(model: Any, robot: Robot, settings: Settings) -> Any:
     body = model.worldbody.add_body(name="body", pos=(0.0, 0.0, robot.pivot_height))
     body.add_freejoint(name="body")
-    x, y, z = robot.body.centre
     # A plate of the outline's size; its weight sits where the body's centre of mass is.
     size = (robot.body.length, robot.body.width, 0.020)
     weight = {"mass": robot.body.mass, "rgba": parts.HIDDEN, "group": 4, **parts.SEEN}
-    parts.box(body, size, (x, y, z), **weight)
-    parts.box(
-        body,
-        size,
-        (0.0, 0.0, 0.012),
-        mass=0.0,
-        rgba=parts.BODY,
-        priority=2,
-        condim=3,
-        friction=(robot.body.wall_friction, 0.0, 0.0),
-        **parts.OUTLINE,
-    )
-    floor = -robot.pivot_height
-    for i, (a, b) in enumerate(robot.body.supports):
-        parts.ball(
+    parts.box(body, size, robot.body.centre, **weight)
+    outline = {"mass": 0.0, "rgba": parts.BODY, **parts.OUTLINE}
+    parts.hull(robot, body, size, (0.0, 0.0, 0.012), **outline)
+    for i, (x, y) in enumerate(robot.body.supports):
+        name, foot = f"support {i + 1}", (x, y, SUPPORT - robot.pivot_height)
+        parts.stand(
             body,
+            (name, name),
             SUPPORT,
-            (a, b, floor + SUPPORT),
-            name=f"support {i + 1}",
+            foot,
+            settings,
+            friction=(robot.support_friction, 0.0, 0.0),
             mass=0.0,
             rgba=parts.SUPPORT,
-            priority=1,
-            condim=3,
-            friction=(robot.support_friction, 0.0, 0.0),
-            solref=(settings.contact_time, 1.0),
-            solimp=parts.TOUCHING,
             **parts.STANDS,
         )
-        foot = (a, b, floor + SUPPORT)
-        parts.rod(
-            body, foot, (0.4 * a, 0.4 * b, 0.0), 0.002, mass=0.0, rgba=parts.SUPPORT, **parts.SEEN
-        )
-        body.add_site(
-            name=f"support {i + 1}", pos=foot, size=(1.1 * SUPPORT,) * 3, rgba=parts.HIDDEN
-        )
+        arm = {"mass": 0.0, "rgba": parts.SUPPORT, **parts.SEEN}
+        parts.rod(body, foot, (0.4 * x, 0.4 * y, 0.0), 0.002, **arm)
     for leg in robot.legs:
         # The innermost block is part of the body.
         inner = (leg.at[0] + robot.foot.span / 2 + robot.blocks.length, leg.at[1], 0.0)
         size = (robot.blocks.length / 2, robot.blocks.width, 0.008)
-        parts.box(
-            body,
-            size,
-            inner,
-            mass=0.0,
-            rgba=parts.BODY,
-            priority=2,
-            condim=3,
-            friction=(robot.body.wall_friction, 0.0, 0.0),
-            **parts.OUTLINE,
-        )
+        parts.hull(robot, body, size, inner, **outline)
     body.add_camera(
         name="above",
         pos=(0.0, 0.0, 0.9),
@@ -210,7 +182,7 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
 def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     full = robot.legs[0].chain.full_stroke
     carriage = body.add_body(name="carriage")
-    parts.slide(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
+    parts.slider(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
     ends = [leg.at[0] - robot.foot.span / 2 - full / 2 for leg in robot.legs]
     across = [leg.at[1] for leg in robot.legs]
     middle = (min(ends), (min(across) + max(across)) / 2, 0.012)
@@ -218,17 +190,8 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     parts.box(carriage, bar, middle, mass=robot.blocks.carriage, rgba=parts.BLOCK, **parts.SEEN)
     for leg, end in zip(robot.legs, ends, strict=True):
         size = (robot.blocks.length, robot.blocks.width, 0.008)
-        parts.box(
-            carriage,
-            size,
-            (end, leg.at[1], 0.0),
-            mass=0.0,
-            rgba=parts.BLOCK,
-            priority=2,
-            condim=3,
-            friction=(robot.body.wall_friction, 0.0, 0.0),
-            **parts.OUTLINE,
-        )
+        outline = {"mass": 0.0, "rgba": parts.BLOCK, **parts.OUTLINE}
+        parts.hull(robot, carriage, size, (end, leg.at[1], 0.0), **outline)
     drive = model.add_actuator(
         name="drive",
         target="stroke",
