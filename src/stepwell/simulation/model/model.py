@@ -11,9 +11,9 @@ from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import hinges, parts
 from stepwell.simulation.model.antenna import add_anchor, add_rod
 from stepwell.simulation.model.arena import add_arena
-from stepwell.simulation.model.leg import LegModel, add_leg
+from stepwell.simulation.model.leg import LegModel, add_leg, places
 from stepwell.simulation.model.sensors import add_sensors
-from stepwell.simulation.model.settings import Integrator, Settings
+from stepwell.simulation.model.settings import Integrator, Linkage, Settings
 from stepwell.simulation.model.simulator import Model, Spec, mujoco
 
 INTEGRATORS = {
@@ -61,7 +61,7 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
     if arena is not None:
         add_arena(model, arena)
     add_sensors(model, robot, arena)
-    model.add_key(name="start", qpos=start_position(model.compile(), robot, arena))
+    model.add_key(name="start", qpos=_start_position(model.compile(), robot, arena, settings))
     return model
 
 
@@ -120,8 +120,8 @@ def _scenery(model: Any) -> None:
         rgb1=(0.93, 0.93, 0.91),
         rgb2=(0.86, 0.86, 0.84),
     )
-    layers = [""] * mujoco.mjtTextureRole.mjNTEXROLE
-    layers[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    role = mujoco.mjtTextureRole
+    layers = ["floor" if i == role.mjTEXROLE_RGB else "" for i in range(role.mjNTEXROLE)]
     # One square of the floor is 100 mm wide.
     model.add_material(name="floor", textures=layers, texrepeat=(5, 5), texuniform=True)
     model.worldbody.add_light(
@@ -137,8 +137,7 @@ def _scenery(model: Any) -> None:
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=(0, 0, 0.05),
         material="floor",
-        contype=1,
-        conaffinity=1,
+        **parts.STANDS,
     )
 
 
@@ -203,30 +202,27 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     return carriage
 
 
-def start_position(model: Model, robot: Robot, arena: Arena | None = None) -> np.ndarray:
+def _start_position(
+    model: Model, robot: Robot, arena: Arena | None, settings: Settings
+) -> np.ndarray:
     """Joint positions (nq,) of the robot standing with every cell at 0, at the arena's start."""
-    q = model.qpos0.copy()
-
-    def place(joint: str, value: float) -> None:
-        q[model.joint(joint).qposadr[0]] = value
-
-    place("stroke", 0.0)
+    joints = {"stroke": 0.0}
     for leg in robot.legs:
-        cells, names, sideways = leg.chain.cells, leg.chain.names, 0.0
-        for i, cell in enumerate(cells):
-            if i < len(cells) - 1:
-                place(f"{leg.name}.{names[i]}.block", 0.0)
+        sideways = 0.0
+        for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
             sideways += cell.lever * (np.cos(cell.limit) - 1.0)
-            place(f"{leg.name}.{names[i]}.side", sideways)
-        half = [cell.full_travel / 2 for cell in cells]
-        width = robot.foot.span + half[-1]
-        forward = sum(half[:-1]) + half[-1] / 2
-        reference = np.sqrt(robot.foot.link**2 - width**2 / 4)
-        place(f"{leg.name}.foot.x", forward)
-        place(f"{leg.name}.foot.z", reference - float(robot.foot.depth(0.0)))
-        for joint, value in hinges.start(robot, leg).items():
-            if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint) >= 0:
-                place(joint, value)
+            joints[f"{leg.name}.{name}.side"] = sideways
+        half = [cell.full_travel / 2 for cell in leg.chain.cells]
+        # The outermost block slides on the carriage, whose joint is the stroke.
+        joints |= {f"{leg.name}.{name}.block": 0.0 for name in leg.chain.names[:-1]}
+        joints[f"{leg.name}.foot.x"] = sum(half[:-1]) + half[-1] / 2
+        reference = -places(robot, leg).foot[1]
+        joints[f"{leg.name}.foot.z"] = reference - float(robot.foot.depth(0.0))
+        if settings.linkage is Linkage.HINGES:
+            joints |= hinges.start(robot, leg)
+    q = model.qpos0.copy()
+    for joint, value in joints.items():
+        q[model.joint(joint).qposadr[0]] = value
     heading, x, y = (arena.heading, *arena.start) if arena else (0.0, 0.0, 0.0)
     root = model.joint("body").qposadr[0]
     # Without gravity the robot hangs clear of the floor, or its feet would push it off.

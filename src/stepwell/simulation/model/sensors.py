@@ -28,34 +28,29 @@ def rod_names(robot: Robot) -> Iterator[str]:
 def add_sensors(spec: Any, robot: Robot, arena: Arena | None) -> None:
     """Add every sensor that a recording needs."""
 
-    def add(name: str, kind: Any, target: str, what: Any) -> None:
+    def add(kind: Any, what: Any, target: str, of: str = "") -> None:
+        name = f"{target}.{of}" if of else target
         spec.add_sensor(name=name, type=kind, objname=target, objtype=what)
 
-    add("body.position", TYPE.mjSENS_FRAMEPOS, "body", OBJECT.mjOBJ_XBODY)
-    add("body.attitude", TYPE.mjSENS_FRAMEQUAT, "body", OBJECT.mjOBJ_XBODY)
-    add("stroke", TYPE.mjSENS_JOINTPOS, "stroke", OBJECT.mjOBJ_JOINT)
-    add("drive", TYPE.mjSENS_ACTUATORFRC, "drive", OBJECT.mjOBJ_ACTUATOR)
+    add(TYPE.mjSENS_FRAMEPOS, OBJECT.mjOBJ_XBODY, "body", "position")
+    add(TYPE.mjSENS_FRAMEQUAT, OBJECT.mjOBJ_XBODY, "body", "attitude")
+    add(TYPE.mjSENS_JOINTPOS, OBJECT.mjOBJ_JOINT, "stroke")
+    add(TYPE.mjSENS_ACTUATORFRC, OBJECT.mjOBJ_ACTUATOR, "drive")
     for leg in robot.legs:
         for cell in leg.chain.names:
-            travel = f"{leg.name}.{cell}.travel"
-            add(travel, TYPE.mjSENS_TENDONPOS, travel, OBJECT.mjOBJ_TENDON)
-        tip = f"{leg.name}.tip"
-        add(f"{tip}.position", TYPE.mjSENS_FRAMEPOS, tip, OBJECT.mjOBJ_SITE)
-        add(f"{tip}.velocity", TYPE.mjSENS_FRAMELINVEL, tip, OBJECT.mjOBJ_SITE)
-        sole = f"{leg.name}.sole"
-        add(sole, TYPE.mjSENS_TOUCH, sole, OBJECT.mjOBJ_SITE)
+            add(TYPE.mjSENS_TENDONPOS, OBJECT.mjOBJ_TENDON, f"{leg.name}.{cell}.travel")
+        add(TYPE.mjSENS_FRAMEPOS, OBJECT.mjOBJ_SITE, f"{leg.name}.tip", "position")
+        add(TYPE.mjSENS_FRAMELINVEL, OBJECT.mjOBJ_SITE, f"{leg.name}.tip", "velocity")
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"{leg.name}.sole")
     for i in range(len(robot.body.supports)):
-        add(f"support {i + 1}", TYPE.mjSENS_TOUCH, f"support {i + 1}", OBJECT.mjOBJ_SITE)
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"support {i + 1}")
     for antenna in robot.antennas:
-        swing, feeler = f"{antenna.name}.antenna", f"{antenna.name}.feeler"
-        add(swing, TYPE.mjSENS_JOINTPOS, swing, OBJECT.mjOBJ_JOINT)
-        add(feeler, TYPE.mjSENS_TOUCH, feeler, OBJECT.mjOBJ_SITE)
+        add(TYPE.mjSENS_JOINTPOS, OBJECT.mjOBJ_JOINT, f"{antenna.name}.antenna")
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"{antenna.name}.feeler")
     for name in obstacle_names(arena) if arena is not None else ():
-        add(name, TYPE.mjSENS_TOUCH, name, OBJECT.mjOBJ_SITE)
-    rods = {tendon.name for tendon in spec.tendons}
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, name)
     for name in rod_names(robot):
-        if name in rods:
-            add(f"{name}.length", TYPE.mjSENS_TENDONPOS, name, OBJECT.mjOBJ_TENDON)
+        add(TYPE.mjSENS_TENDONPOS, OBJECT.mjOBJ_TENDON, name, "length")
 
 
 def columns(model: Model) -> dict[str, slice]:

@@ -15,7 +15,7 @@ from stepwell.base import ByValue, InputError
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, affordable, chunks
+from stepwell.simulation.runs.engine import Run
 from stepwell.simulation.runs.walk import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
@@ -165,17 +165,15 @@ def maze(
     run = Run(robot, arena, settings)
     outcome = Outcome.TIMED_OUT
     places: list[tuple[float, float, float]] = []
-    affordable(run, limit - run.now)
-    for until in chunks(run.now, limit):
-        run.advance(until)
+    for now in run.chunks(limit):
         if progress is not None:
-            progress(max(run.now, 0.0), limit)
+            progress(max(now, 0.0), limit)
         if run.stopped:
             outcome = Outcome.STOPPED
             break
         # The full state begins with the time and the body's place.
         x, y = float(run.state[1]), float(run.state[2])
-        places.append((run.now, x, y))
+        places.append((now, x, y))
         if arena.goal is not None and arena.goal.reached(x, y):
             outcome = Outcome.REACHED
             break

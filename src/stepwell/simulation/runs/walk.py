@@ -14,7 +14,7 @@ from stepwell.base import ByValue, InputError, write_netcdf
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, RunSamples, affordable, chunks
+from stepwell.simulation.runs.engine import Run, RunSamples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -203,8 +203,7 @@ class Walk(ByValue):
     @property
     def _end(self) -> float:
         """When the run ended [s]; the last sample may be a little earlier."""
-        run = self._samples
-        return float(self.time[-1]) if self.stopped else run.begin + run.steps * run.time_step
+        return float(self.time[-1]) if self.stopped else self._samples.end
 
     def _at_starts(self, values: Array) -> Array:
         """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
@@ -250,13 +249,9 @@ def walk(
     settings = settings or Settings()
     run = Run(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
-    affordable(run, end - begin)
-    for until in chunks(begin, end):
-        run.advance(until)
+    for now in run.chunks(end):
         if progress is not None:
-            progress(run.now - begin, end - begin)
-        if run.stopped:
-            break
+            progress(now - begin, end - begin)
     return recorded(robot, arena, settings, run.samples())
 
 
