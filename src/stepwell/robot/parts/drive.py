@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import ByValue, InputError, check
+from stepwell.base import ByValue, check
 
 
 class Profile(StrEnum):
@@ -46,13 +46,8 @@ class Drive(ByValue):
     stiffness: float = 2000.0
 
     def __post_init__(self):
-        for name, unit in (("amplitude", "m"), ("period", "s"), ("stiffness", "N/m")):
-            object.__setattr__(self, name, check.positive(name, getattr(self, name), unit))
-        try:
-            object.__setattr__(self, "profile", Profile(self.profile))
-        except ValueError:
-            allowed = ", ".join(repr(str(profile)) for profile in Profile)
-            raise InputError(f"profile = {self.profile!r}: must be one of {allowed}.") from None
+        check.fields(self, check.positive, amplitude="m", period="s", stiffness="N/m")
+        check.fields(self, check.one_of, profile=Profile)
 
     def stroke(self, time: ArrayLike) -> NDArray[np.float64]:
         """The commanded stroke [m] at times [s] of any shape; 0 before time 0.

@@ -8,17 +8,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, InputError, Vec2, require
-from stepwell.mechanism import SlipError
 from stepwell.robot.parts.antenna import Antenna
-from stepwell.robot.parts.arena import Arena
-from stepwell.robot.parts.blocks import Blocks
+from stepwell.robot.parts.arena import Arena, Floor
 from stepwell.robot.parts.body import Body
 from stepwell.robot.parts.drive import Drive
 from stepwell.robot.parts.fit import problems
-from stepwell.robot.parts.floor import Floor
-from stepwell.robot.parts.foot import Foot
-from stepwell.robot.parts.leg import Leg
-from stepwell.robot.parts.slips import WAY, of_robot
+from stepwell.robot.parts.leg import Blocks, Foot, Leg
+from stepwell.robot.parts.slips import of_robot, refuse_slips
 
 if TYPE_CHECKING:
     from stepwell.robot.gait import Prediction
@@ -72,11 +68,7 @@ class Robot(ByValue):
         object.__setattr__(self, "sources", dict(self.sources))
         require("legs", len(self.legs), "the robot has")
         require("antennas", len(self.antennas), "the robot has")
-        if not (self.unusual or self._asked):
-            slips = of_robot(self)
-            if slips:
-                raise SlipError(slips, WAY)
-        object.__setattr__(self, "_asked", True)
+        refuse_slips(self, of_robot(self))
         found = problems(self)
         if found:
             raise InputError("\n".join(found))
