@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, InputError, Vec2, require
-from stepwell.robot.parts.antenna import Antenna
+from stepwell.robot.parts.antenna import Antenna, pressed_leg
 from stepwell.robot.parts.arena import Arena, Floor
 from stepwell.robot.parts.body import Body
 from stepwell.robot.parts.drive import Drive
@@ -123,8 +123,7 @@ class Robot(ByValue):
         Raises:
             ValueError: no such leg or cell, or anchors that no cell can have.
         """
-        moved = self.leg(leg).with_anchors(cell, p, q)
-        return replace(self, legs=tuple(moved if one.name == leg else one for one in self.legs))
+        return self._with_leg(self.leg(leg).with_anchors(cell, p, q))
 
     def pressed(self, swings: Mapping[str, float]) -> Robot:
         """The same robot with antennas held back, as anchors that have moved.
@@ -150,15 +149,14 @@ class Robot(ByValue):
                     f"swing = {math.degrees(swing):.6g} deg of antenna {name!r}: must be from 0 "
                     f"to {math.degrees(antenna.swing):.6g} deg."
                 )
-            if not antenna.connected:
-                continue
-            leg = robot.leg(antenna.leg)
-            index = leg.cell_index(antenna.cell)
-            p = leg.chain.cells[index].bands[0].p
-            share = swing / antenna.swing
-            moved = (p[0] + share * antenna.moves[0], p[1] + share * antenna.moves[1])
-            robot = robot.with_anchors(antenna.leg, index, p=moved)
+            if antenna.connected:
+                share = swing / antenna.swing
+                robot = robot._with_leg(pressed_leg(robot.leg(antenna.leg), antenna, share))
         return robot
+
+    def _with_leg(self, leg: Leg) -> Robot:
+        """The same robot with this leg for the one of its name."""
+        return replace(self, legs=tuple(leg if one.name == leg.name else one for one in self.legs))
 
     def predict(self) -> Prediction:
         """Say what a robot will do in a cycle, without simulation.

@@ -78,18 +78,14 @@ def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Sett
         solref=parts.soft(settings, 2),
         **parts.ANTENNAS,
     )
-    angle = abs(antenna.angle)
-    tip = (antenna.length * math.cos(angle), side * antenna.length * math.sin(angle), 0.0)
-    whole = antenna.length + antenna.hook
-    parts.rod(holder, (0, 0, 0), tip, ROD, mass=antenna.mass * antenna.length / whole, **touch)
-    if antenna.hook > 0:
-        bent = angle + antenna.hook_angle
-        end = (
-            tip[0] + antenna.hook * math.cos(bent),
-            tip[1] + side * antenna.hook * math.sin(bent),
-            0.0,
-        )
-        parts.rod(holder, tip, end, ROD, mass=antenna.mass * antenna.hook / whole, **touch)
+    whole, angle = antenna.length + antenna.hook, abs(antenna.angle)
+    begin = (0.0, 0.0, 0.0)
+    for length, bent in ((antenna.length, 0.0), (antenna.hook, antenna.hook_angle)):
+        if length > 0:
+            along, across = math.cos(angle + bent), side * math.sin(angle + bent)
+            end = (begin[0] + length * along, begin[1] + length * across, 0.0)
+            parts.rod(holder, begin, end, ROD, mass=antenna.mass * length / whole, **touch)
+            begin = end
     reach = whole + 0.005
     holder.add_site(
         name=f"{name}.feeler",

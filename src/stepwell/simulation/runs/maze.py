@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from threading import Event
 from typing import NamedTuple
 
@@ -110,9 +111,9 @@ class Maze(ByValue):
         found: list[GaitChange] = []
         period = self.walk.robot.drive.period
         for leg, gaits in self.walk.gaits.items():
-            for i in range(1, len(gaits)):
-                if gaits[i] != gaits[i - 1]:
-                    found.append(GaitChange(i * period, leg, gaits[i - 1], gaits[i]))
+            for i, (before, after) in enumerate(pairwise(gaits), 1):
+                if after != before:
+                    found.append(GaitChange(i * period, leg, before, after))
         return tuple(sorted(found, key=lambda change: change.time))
 
     @property

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,18 +73,13 @@ class Trial(ByValue):
     @classmethod
     def of(cls, walk: Walk) -> Trial:
         """Sum up a walk."""
-        if not walk.cycles:
-            nothing = float("nan")
-            gaits = ("",) * len(walk.robot.legs)
-            return cls(nothing, nothing, nothing, gaits, nothing, walk.stopped)
-        late = slice(min(1, walk.cycles - 1), None)
+        late, nothing = slice(min(1, walk.cycles - 1), None), float("nan")
+        moved = (walk.advance, walk.sideways, walk.turn)
         return cls(
-            float(walk.advance[late].mean()),
-            float(walk.sideways[late].mean()),
-            float(walk.turn[late].mean()),
-            tuple(gaits[-1] for gaits in walk.gaits.values()),
-            walk.work / walk.cycles,
-            walk.stopped,
+            *(float(values[late].mean()) if walk.cycles else nothing for values in moved),
+            gaits=tuple(gaits[-1] if gaits else "" for gaits in walk.gaits.values()),
+            work=walk.work / walk.cycles if walk.cycles else nothing,
+            stopped=walk.stopped,
         )
 
 
@@ -264,10 +259,7 @@ class _Kept:
         return found
 
     def add(self, trials: Mapping[int, Trial]) -> None:
-        record = {
-            number: {name: getattr(trial, name) for name in Trial.__slots__}
-            for number, trial in trials.items()
-        }
+        record = {number: asdict(trial) for number, trial in trials.items()}
         write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
 
 

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError, write_netcdf
+from stepwell.base import (
+    ByValue,
+    InputError,
+    Quantity,
+    Schema,
+    __version__,
+    variables,
+    write_netcdf,
+)
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
@@ -22,6 +30,27 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LOADED = 0.02  # a foot that carries more than this [N] stands
+_MEAN = "mean since the sample before"
+_CARRIED = f"that the floor carries, {_MEAN}"
+SAMPLES: Schema = (
+    Quantity("x", "mm", doc="body's origin, along the start's x axis"),
+    Quantity("y", "mm", doc="body's origin, to the left"),
+    Quantity("z", "mm", doc="body's origin, above the floor"),
+    Quantity("yaw", "deg", doc="heading"),
+    Quantity("pitch", "deg", doc="nose down"),
+    Quantity("roll", "deg", doc="right side down"),
+    Quantity("command", "mm", doc="stroke wanted"),
+    Quantity("stroke", "mm", doc="stroke reached"),
+    Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
+    Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
+    Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
+    Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
+    Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
+    Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
+    Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
+    Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
+    Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,9 +202,27 @@ class Walk(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """The samples with their units, for xarray, NetCDF or Zarr."""
-        from stepwell.simulation.runs.dataset import dataset
+        import xarray as xr
 
-        return dataset(self)
+        coordinates = {
+            "time": (
+                "time",
+                self.time,
+                {"units": "s", "long_name": "from the first cycle's start"},
+            ),
+            "leg": [leg.name for leg in self.robot.legs],
+            "support": np.arange(1, self.support_force.shape[1] + 1),
+            "antennas": np.array([antenna.name for antenna in self.robot.antennas], dtype=str),
+        }
+        attributes = {
+            "title": self.robot.title,
+            "stepwell": __version__,
+            "stopped": self.stopped,
+            "time_step_s": self.settings.time_step,
+            "integrator": str(self.settings.integrator),
+            "linkage": str(self.settings.linkage),
+        }
+        return xr.Dataset(variables(SAMPLES, self, "time"), coordinates, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write the samples as NetCDF; the file appears whole or not at all.
@@ -183,9 +230,11 @@ class Walk(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        from stepwell.simulation.runs.dataset import without_empty
-
-        write_netcdf(path, without_empty(self.to_xarray()))
+        data = self.to_xarray()
+        # Readers of NetCDF 3 take a dimension of length 0, of antennas or obstacles that are
+        # none, for an unlimited one and stumble.
+        empty = [name for name, size in data.sizes.items() if not size and name != "time"]
+        write_netcdf(path, data.drop_dims(empty))
 
     def _share(self, leg: int) -> Array:
         full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
