@@ -8,15 +8,14 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.mechanism import Cell, Chain, Load, curves
 from stepwell.robot.gait.stance import POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.standing import HANDOVER
 from stepwell.robot.gait.states import TOLERANCE, gait
 from stepwell.robot.parts import Leg, Robot
 
-Array = NDArray[np.float64]
 Extra = Mapping[int, float]
 
 MOST_PHASES = 16  # a foot that lands and lifts more often in one way is chattering
@@ -42,10 +41,10 @@ class Phase:
     way: int
     stands: bool
     weighed: float
-    begin: Array
-    travel: Array
+    begin: Floats
+    travel: Floats
 
-    def load(self) -> Array:
+    def load(self) -> Floats:
         """(n,) force of the floor on the foot [N]."""
         foot, edge = self.foot, touch(self.foot.robot)
         last, step = self.travel[:, -1], self.travel[:, :-1].sum(axis=1)
@@ -75,21 +74,21 @@ class HalfRound:
     phases: tuple[Phase, ...]
 
     @cached_property
-    def travel(self) -> Array:
+    def travel(self) -> Floats:
         """(n, cells) travels [m]."""
         return np.concatenate([phase.travel for phase in self.phases])
 
     @cached_property
-    def load(self) -> Array:
+    def load(self) -> Floats:
         """(n,) force of the floor on the foot [N]."""
         return np.concatenate([phase.load() for phase in self.phases])
 
     @cached_property
-    def stroke(self) -> Array:
+    def stroke(self) -> Floats:
         """(n,) of the actuator [m]."""
         return self.travel.sum(axis=1)
 
-    def at(self, stroke: Array) -> tuple[Array, Array]:
+    def at(self, stroke: Floats) -> tuple[Floats, Floats]:
         """(m, cells) travels [m] and (m,) loads [N] at strokes (m,) [m]."""
         order = slice(None) if self.stroke[-1] >= self.stroke[0] else slice(None, None, -1)
         axis = np.maximum.accumulate(self.stroke[order])
@@ -177,7 +176,7 @@ def go_round(
     return Round(leg, (out, back), stances)
 
 
-def _half(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: Extra) -> HalfRound:
+def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: Extra) -> HalfRound:
     """Follow one way in phases, in each of which the foot stands or is in the air."""
     stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
     phase, ahead = Phase(foot, way, stands, weighed, begin, begin[None]), begin[:0]
@@ -198,7 +197,7 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: E
     return HalfRound((*phases, replace(phases[-1], travel=ahead)))
 
 
-def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Array]:
+def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Floats]:
     """Follow from the beginning of a phase until the foot lifts or lands.
 
     Returns:
@@ -261,7 +260,7 @@ def _loaded(leg: Leg, phase: Phase, extra: Extra) -> Chain:
     return replace(leg.chain, cells=tuple(cells))
 
 
-def _handing_over(foot: Stance, step: float, full: float) -> tuple[Array, Array]:
+def _handing_over(foot: Stance, step: float, full: float) -> tuple[Floats, Floats]:
     """Travels [m] of the last cell and what the foot carries there [N]."""
     edge, load = touch(foot.robot), foot.load_at(step)
     low = edge - HANDOVER
@@ -275,7 +274,7 @@ def _handing_over(foot: Stance, step: float, full: float) -> tuple[Array, Array]
     return at, carried
 
 
-def _with_load(cell: Cell, travel: Array, force: Array) -> Cell:
+def _with_load(cell: Cell, travel: Floats, force: Floats) -> Cell:
     """The cell with one more force [N] against its travel, given at some travels [m]."""
     if cell.load is not None:
         both = np.unique(np.concatenate([cell.load.travel, travel]))

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.robot.gait.round import Round
 from stepwell.robot.gait.stance import touch
 from stepwell.robot.gait.standing import feet_places, supports_load
 from stepwell.robot.parts import Robot
-
-Array = NDArray[np.float64]
 
 STEPS = 320  # into which each way, out and back, is cut
 # Slides shorter than this share of a step count as none.
@@ -33,11 +31,11 @@ class Slide:
         load: (n, legs) force of the floor on each foot [N].
     """
 
-    twist: Array
-    push: Array
-    gain: Array
-    slip: Array
-    load: Array
+    twist: Floats
+    push: Floats
+    gain: Floats
+    slip: Floats
+    load: Floats
 
     def displacement(self) -> tuple[float, float, float]:
         """Forward, to the left [m] and to the left [rad], from the start of the cycle."""
@@ -62,7 +60,7 @@ def slide(robot: Robot, rounds: list[Round]) -> Slide:
     """
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     edge = touch(robot)
-    rows: list[tuple[Array, ...]] = []
+    rows: list[tuple[Floats, ...]] = []
     supports = np.asarray(robot.body.supports, float)
     for half in (0, 1):
         stroke = np.linspace(0.0, reach, STEPS + 1)[:: -1 if half else 1]
@@ -97,7 +95,7 @@ def _standing_share(a: float, b: float, edge: float) -> float:
     return 1.0 if max(a, b) <= edge else (edge - min(a, b)) / abs(b - a)
 
 
-def _least(points: Array, rubs: Array, moves: Array) -> tuple[Array, Array]:
+def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]:
     """Twists (n, 3) that minimise Σ rub |velocity over the floor|, and those speeds (n, k)."""
     n, k, _ = points.shape
     # Velocity of a contact: (x, y) of the twist, turned about the origin, plus its own motion.

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.robot.gait.standing import HANDOVER, feet_load, stands_proud
 from stepwell.robot.parts import Leg, Robot
-
-Array = NDArray[np.float64]
 
 POINTS = 8  # steps of a leg at which its stance is worked out
 HAIR = 1e-5  # travel by which a foot is lifted to see who carries its weight [m]
@@ -30,16 +28,16 @@ class Stance:
     """
 
     robot: Robot
-    step: Array
-    load: Array
-    sharing: Array
+    step: Floats
+    load: Floats
+    sharing: Floats
     drags: bool = True
 
     def load_at(self, step: float) -> float:
         """Force of the floor on the foot [N] when the leg has stepped that far [m]."""
         return float(np.interp(step, self.step, self.load))
 
-    def hold(self, load: Array, step: Array | float) -> Array:
+    def hold(self, load: Floats, step: Floats | float) -> Floats:
         """Force along the floor [N] on the foot as it moves, carrying `load` [N].
 
         The drag of the T-foot, which carries what the feet leave it, shared by those that
@@ -62,7 +60,7 @@ class Stance:
         # friction x load = drag x (weight - sharing x load) / sharing
         return drag * self.robot.weight / (sharing * (self.robot.floor.foot_friction + drag))
 
-    def push(self, load: Array, travel: Array | float, step: Array | float, way: int) -> Array:
+    def push(self, load: Floats, travel: Floats | float, step: Floats | float, way: int) -> Floats:
         """Force by which the floor opens the last cell [N], of the arguments' common shape.
 
         A force H along the floor acts on the tip, which goes back by the travels of all cells
@@ -79,7 +77,7 @@ class Stance:
         own = self.robot.foot.mass * self.robot.floor.gravity
         return (load - own) * self.robot.foot.lever(travel) + way * self.hold(load, step) / 2
 
-    def change(self, start: float, way: int) -> Array:
+    def change(self, start: float, way: int) -> Floats:
         """(k,) by how much more the floor opens the last cell than at `start` [m], in N."""
         each = self.push(self.load, 0.0, self.step, way)
         return each - np.interp(start, self.step, each)
@@ -90,7 +88,7 @@ def touch(robot: Robot) -> float:
     return max(robot.foot.contact_travel, HANDOVER)
 
 
-def leaning(robot: Robot) -> Array:
+def leaning(robot: Robot) -> Floats:
     """Force of the floor on each foot (legs,) [N] as the actuator sets out from all cells at 0.
 
     Feet that stand alike share their weight alike. Where one leg would lift its foot and another
@@ -118,7 +116,9 @@ def _lacks(leg: Leg) -> float:
     return last.force_0 - min(cell.force_0 for cell in stepping)
 
 
-def stance(robot: Robot, leg: int, others: list[Array], setting_out: float | None = None) -> Stance:
+def stance(
+    robot: Robot, leg: int, others: list[Floats], setting_out: float | None = None
+) -> Stance:
     """How a foot stands with its last cell at 0.
 
     Args:

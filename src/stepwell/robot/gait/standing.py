@@ -5,11 +5,9 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.robot.parts import Robot
-
-Array = NDArray[np.float64]
 
 # Travel [m] over which the weight passes from foot to supports: nothing beside a travel, and yet a
 # slope that the engine follows like any other.
@@ -19,7 +17,7 @@ HANDOVER = 1e-6
 SAME = 1e-9
 
 
-def feet_load(robot: Robot, travels: list[Array]) -> Array:
+def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
     """Force of the floor on each foot at rest (legs,) [N], by the lever rule.
 
     The body sinks as low as feet and supports let it: of all triangles of contacts round the
@@ -44,7 +42,7 @@ def feet_load(robot: Robot, travels: list[Array]) -> Array:
     return np.where(stands, weight * share + own, 0.0)
 
 
-def supports_load(robot: Robot, travels: list[Array], feet: Array) -> Array:
+def supports_load(robot: Robot, travels: list[Floats], feet: Floats) -> Floats:
     """Force of the floor on each support (supports,) [N] while the feet carry `feet` [N]."""
     supports = np.asarray(robot.body.supports, float)
     own = robot.foot.mass * robot.floor.gravity
@@ -55,19 +53,19 @@ def supports_load(robot: Robot, travels: list[Array], feet: Array) -> Array:
     return weight * _shares(supports, np.zeros(len(supports)), every, middle)
 
 
-def stands_proud(robot: Robot, travel: Array) -> bool:
+def stands_proud(robot: Robot, travel: Floats) -> bool:
     """Whether a foot stands deeper than the supports, so that the body leans on it."""
     return bool(travel[-1] <= max(robot.foot.contact_travel - HANDOVER, 0.0))
 
 
-def feet_places(robot: Robot, travels: list[Array]) -> Array:
+def feet_places(robot: Robot, travels: list[Floats]) -> Floats:
     """(legs, 2) of the feet in the body's frame [m]."""
     # A tip hangs midway between the block before the outermost one and that one.
     back = [travel[:-1].sum() + travel[-1] / 2 for travel in travels]
     return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros(len(back))], axis=1)
 
 
-def _body_weight(robot: Robot, travels: list[Array], lifted: Array) -> tuple[float, Array]:
+def _body_weight(robot: Robot, travels: list[Floats], lifted: Floats) -> tuple[float, Floats]:
     """What feet that lift the body by these forces (legs,) [N] leave of its weight, and where.
 
     Returns:
@@ -81,7 +79,7 @@ def _body_weight(robot: Robot, travels: list[Array], lifted: Array) -> tuple[flo
     return weight, (whole * centre - lifted @ feet_places(robot, travels)) / weight
 
 
-def _without_feet(robot: Robot, travels: list[Array]) -> tuple[float, Array]:
+def _without_feet(robot: Robot, travels: list[Floats]) -> tuple[float, Floats]:
     """Mass [kg] and (x, y) of the centre of mass [m] of all but the feet."""
     parts = [(robot.body.mass, robot.body.centre[0], robot.body.centre[1])]
     half = robot.foot.span / 2
@@ -105,9 +103,9 @@ def _without_feet(robot: Robot, travels: list[Array]) -> tuple[float, Array]:
     return mass, table[:, 0] @ table[:, 1:] / mass
 
 
-def _shares(points: Array, height: Array, usable: NDArray[np.bool_], middle: Array) -> Array:
+def _shares(points: Floats, height: Floats, usable: Bools, middle: Floats) -> Floats:
     """(points,) share of the weight on each, 0 .. 1."""
-    found: list[tuple[float, float, tuple[int, ...], Array]] = []
+    found: list[tuple[float, float, tuple[int, ...], Floats]] = []
     for three in combinations(np.flatnonzero(usable).tolist(), 3):
         corners = np.vstack([points[list(three)].T, np.ones(3)])
         if abs(np.linalg.det(corners)) < 1e-12:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, check
+from stepwell.base import ByValue, Floats, check
 
 
 class Profile(StrEnum):
@@ -49,7 +49,7 @@ class Drive(ByValue):
         check.fields(self, check.positive, amplitude="m", period="s", stiffness="N/m")
         check.fields(self, check.one_of, profile=Profile)
 
-    def stroke(self, time: ArrayLike) -> NDArray[np.float64]:
+    def stroke(self, time: ArrayLike) -> Floats:
         """The commanded stroke [m] at times [s] of any shape; 0 before time 0.
 
         Args:

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, Vec2, check
+from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.mechanism import Chain
 
 
@@ -80,7 +80,7 @@ class Foot(ByValue):
                 f"links stretched out; use longer links."
             )
 
-    def depth(self, travel: ArrayLike) -> NDArray[np.float64]:
+    def depth(self, travel: ArrayLike) -> Floats:
         """Depth of the tip below the pivots [m] at travels [m] of the outermost cell.
 
         Args:
@@ -92,7 +92,7 @@ class Foot(ByValue):
         width = self.span + np.asarray(travel, float)
         return np.sqrt(np.maximum(self.link**2 - width**2 / 4.0, 0.0))
 
-    def lever(self, travel: ArrayLike) -> NDArray[np.float64]:
+    def lever(self, travel: ArrayLike) -> Floats:
         """Force that opens the outermost cell per newton that the foot carries [1].
 
         By virtual work -d(depth)/d(travel) = (span + travel) / (4 depth).

@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model.arena import obstacle_names
 from stepwell.simulation.model.simulator import Model, mujoco
-
-Array = NDArray[np.float64]
 
 TYPE = mujoco.mjtSensor
 OBJECT = mujoco.mjtObj
@@ -61,15 +59,13 @@ def columns(model: Model) -> dict[str, slice]:
     }
 
 
-def contacts(model: Model) -> NDArray[np.intp]:
+def contacts(model: Model) -> Ints:
     """(m,) columns that are forces of what touches."""
     touches = np.flatnonzero(model.sensor_type == int(TYPE.mjSENS_TOUCH))
-    return np.asarray(model.sensor_adr[touches], np.intp)
+    return np.asarray(model.sensor_adr[touches], np.int64)
 
 
-def sampled(
-    readings: Array, pending: Array, every: int, columns: NDArray[np.intp]
-) -> tuple[Array, Array]:
+def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tuple[Floats, Floats]:
     """The readings of every so many steps, forces of what touches as means over these steps.
 
     Between two samples feet land and lift; what one carries at an instant says little of it.

@@ -7,14 +7,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Floats, InputError
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
-
-Array = NDArray[np.float64]
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
 JUMP = 0.2  # a floor force that changes by more than this share in one step jumps
@@ -102,8 +99,8 @@ def convergence(
             )
     costs = [1 / step for step in steps]
     walks: list[Walk] = []
-    forces: list[Array] = []  # (n, contacts) of the floor in every step [N]
-    means: list[Array] = []  # (samples, contacts) over each sample [N]
+    forces: list[Floats] = []  # (n, contacts) of the floor in every step [N]
+    means: list[Floats] = []  # (samples, contacts) over each sample [N]
     for i, step in enumerate(steps):
 
         def tell(done: float, of: float, i: int = i) -> None:
@@ -133,6 +130,6 @@ def convergence(
     return Convergence(robot, rows)
 
 
-def _jumps(forces: Array) -> float:
+def _jumps(forces: Floats) -> float:
     larger = np.maximum(np.maximum(forces[1:], forces[:-1]), LOADED)
     return float((np.abs(np.diff(forces, axis=0)) > JUMP * larger).any(axis=1).mean())

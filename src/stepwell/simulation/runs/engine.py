@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError, require
+from stepwell.base import Bools, Floats, InputError, require
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import (
     Settings,
@@ -22,8 +21,6 @@ from stepwell.simulation.model import (
     sampled,
     spec,
 )
-
-Array = NDArray[np.float64]
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 STRETCHED = 1e-3  # a rod that is off its length by this [m] has come apart
@@ -50,18 +47,18 @@ class RunSamples:
         pending: (m, sensors) readings of the steps since the last sample.
     """
 
-    time: Array
-    data: Array
-    positions: Array
+    time: Floats
+    data: Floats
+    positions: Floats
     where: dict[str, slice]
     stopped: str
-    state: Array
+    state: Floats
     steps: int
     begin: float
     time_step: float
     every: int
-    warm: Array
-    pending: Array
+    warm: Floats
+    pending: Floats
 
     @property
     def end(self) -> float:
@@ -160,12 +157,12 @@ class Run:
         self._warm = self.data.qacc_warmstart.copy()
         self.take(states[0], readings[0])
 
-    def command(self, steps: int) -> Array:
+    def command(self, steps: int) -> Floats:
         """(steps,) the stroke that is commanded in each of the next steps [m]."""
         # The command of a step is the one that stands at its beginning.
         return self.robot.drive.stroke(self._after(steps) - self.settings.time_step)
 
-    def take(self, states: Array, readings: Array) -> None:
+    def take(self, states: Floats, readings: Floats) -> None:
         """Take what the next steps gave, up to where it goes wrong.
 
         Args:
@@ -205,14 +202,14 @@ class Run:
             pending=self.pending,
         )
 
-    def _after(self, steps: int) -> Array:
+    def _after(self, steps: int) -> Floats:
         """(steps,) time after each of the next steps [s]."""
         count = self.steps + np.arange(1, steps + 1)
         return self.begin + self.settings.time_step * count.astype(float)
 
 
 def stopped_at(
-    time: Array, data: Array, where: dict[str, slice], rods: dict[str, tuple[int, float]]
+    time: Floats, data: Floats, where: dict[str, slice], rods: dict[str, tuple[int, float]]
 ) -> tuple[int, str]:
     """How many samples are sound, and what is wrong with the next one.
 
@@ -227,7 +224,7 @@ def stopped_at(
     """
     wrong: list[tuple[int, str]] = []
 
-    def check(bad: NDArray[np.bool_], why: str) -> None:
+    def check(bad: Bools, why: str) -> None:
         if bad.any():
             wrong.append((int(bad.argmax()), why))
 

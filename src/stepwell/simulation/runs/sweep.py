@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import (
     ByValue,
@@ -32,7 +31,6 @@ from stepwell.simulation.runs.walk import Walk, recorded
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8

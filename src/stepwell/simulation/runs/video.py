@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base import ExtraError, InputError, StepwellError, most, problem, write_atomic
+from stepwell.base import ExtraError, Floats, InputError, StepwellError, most, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.runs import render
 from stepwell.simulation.runs.maze import Maze
@@ -189,7 +189,7 @@ def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]
     }
 
 
-def _extent(walk: Walk) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extent(walk: Walk) -> tuple[Floats, Floats]:
     """Lower and upper corner of everything that is to be seen [m]."""
     points = [np.stack([walk.x, walk.y], axis=1)]
     if walk.arena is not None:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import (
     ByValue,
+    Floats,
     InputError,
     Quantity,
     Schema,
@@ -27,7 +27,6 @@ from stepwell.simulation.runs.engine import Run, RunSamples
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 LOADED = 0.02  # a foot that carries more than this [N] stands
 _MEAN = "mean since the sample before"
@@ -83,24 +82,24 @@ class Walk(ByValue):
     robot: Robot
     settings: Settings
     arena: Arena | None
-    time: Array
-    x: Array
-    y: Array
-    z: Array
-    yaw: Array
-    pitch: Array
-    roll: Array
-    command: Array
-    stroke: Array
-    travel: Array
-    foot_height: Array
-    foot_force: Array
-    foot_speed: Array
-    support_force: Array
-    actuator_force: Array
-    antenna: Array
-    touch: Array
-    obstacle_force: Array
+    time: Floats
+    x: Floats
+    y: Floats
+    z: Floats
+    yaw: Floats
+    pitch: Floats
+    roll: Floats
+    command: Floats
+    stroke: Floats
+    travel: Floats
+    foot_height: Floats
+    foot_force: Floats
+    foot_speed: Floats
+    support_force: Floats
+    actuator_force: Floats
+    antenna: Floats
+    touch: Floats
+    obstacle_force: Floats
     stopped: str
     _samples: RunSamples = field(repr=False)
 
@@ -114,7 +113,7 @@ class Walk(ByValue):
         return max(0, int(last) - self._first)
 
     @property
-    def starts(self) -> Array:
+    def starts(self) -> Floats:
         """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
 
         Empty for a walk without a whole cycle.
@@ -158,7 +157,7 @@ class Walk(ByValue):
         return states(self._share(self._leg(leg))[sample : sample + 1])[0]
 
     @property
-    def advance(self) -> Array:
+    def advance(self) -> Floats:
         """(cycles,) displacement along the heading at each cycle's start, over u_max [1].
 
         u_max is the largest step that the legs can make: the travel of their stepping cells.
@@ -166,12 +165,12 @@ class Walk(ByValue):
         return self._displacement()[0]
 
     @property
-    def sideways(self) -> Array:
+    def sideways(self) -> Floats:
         """(cycles,) displacement to the left of that heading, over u_max [1]."""
         return self._displacement()[1]
 
     @property
-    def turn(self) -> Array:
+    def turn(self) -> Floats:
         """(cycles,) rotation to the left [rad]."""
         return np.diff(self._at_starts(self.yaw))
 
@@ -194,7 +193,7 @@ class Walk(ByValue):
         return self.work / carried if carried > 0 else float("inf")
 
     @property
-    def slip(self) -> Array:
+    def slip(self) -> Floats:
         """(legs,) how far each foot slid while it carried weight, per cycle [m]."""
         loaded = self.foot_force > LOADED
         slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
@@ -236,7 +235,7 @@ class Walk(ByValue):
         empty = [name for name, size in data.sizes.items() if not size and name != "time"]
         write_netcdf(path, data.drop_dims(empty))
 
-    def _share(self, leg: int) -> Array:
+    def _share(self, leg: int) -> Floats:
         full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
         return self.travel[:, leg, : len(full)] / np.array(full)
 
@@ -254,11 +253,11 @@ class Walk(ByValue):
         """When the run ended [s]; the last sample may be a little earlier."""
         return float(self.time[-1]) if self.stopped else self._samples.end
 
-    def _at_starts(self, values: Array) -> Array:
+    def _at_starts(self, values: Floats) -> Floats:
         """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
         return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
 
-    def _displacement(self) -> tuple[Array, Array]:
+    def _displacement(self) -> tuple[Floats, Floats]:
         dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
         yaw = self._at_starts(self.yaw)[:-1]
         most = max(leg.stroke for leg in self.robot.legs)
@@ -308,7 +307,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
     """The readings of a run by their names."""
     data, where = samples.data, samples.where
 
-    def read(*names: str) -> Array:
+    def read(*names: str) -> Floats:
         chosen = [data[:, where[name]] for name in names]
         return np.concatenate(chosen, axis=1) if chosen else np.empty((len(data), 0))
 
@@ -350,7 +349,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Run
     )
 
 
-def _angles(attitude: Array) -> tuple[Array, Array, Array]:
+def _angles(attitude: Floats) -> tuple[Floats, Floats, Floats]:
     """Yaw, pitch and roll [rad] from (n, 4) quaternions."""
     w, x, y, z = attitude.T
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
