@@ -14,7 +14,7 @@ import numpy as np
 
 from stepwell.base import ByValue
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
-from stepwell.robot.gait.search import changes, first_change
+from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
 from stepwell.robot.parts import Antenna, Leg, Robot, pressed_leg
 from stepwell.statics import StaticsError
@@ -259,7 +259,9 @@ class Prediction(ByValue):
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         # Nothing is ever minus zero.
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
-        least, most = (1e3 * end for end in common(self.depths))
+        # The depths at which all legs keep their gaits.
+        lows, highs = zip(*self.depths, strict=True)
+        least, most = 1e3 * max(lows), 1e3 * min(highs)
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
             f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
@@ -294,12 +296,6 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     """
     found = rounds(robot)
     return _of_alike(found, lambda i: _depths(robot, i, found))
-
-
-def common(depths: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Depths of the feet [m] at which all legs keep their gaits."""
-    least, most = zip(*depths, strict=True)
-    return max(least), min(most)
 
 
 def _of_alike(found: Sequence[Round], ask: Callable[[int], T]) -> tuple[T, ...]:
@@ -368,7 +364,7 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
             return go_round(robot, one.leg, one.stances, {cell: sense * force}).gait()
 
         nearer = [force for force in FORCES if force < margin]
-        change = first_change(pushed, [*nearer, margin] if math.isfinite(margin) else nearer)
+        change = next(changes(pushed, nearer + [margin] * math.isfinite(margin)), None)
         if change is not None and change[0] < margin:
             margin, nearest = change
     # What the floor does to the foot may be another: no drag, or one load however far it steps.
@@ -401,8 +397,7 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
         return gait
 
     def until(looks: list[float]) -> float:
-        change = first_change(deep, [foot.below, *looks], DEPTH_HALVINGS)
-        return looks[-1] if change is None else change[0]
+        return next(changes(deep, [foot.below, *looks], DEPTH_HALVINGS), (looks[-1], ""))[0]
 
     if deep(foot.below) != gait:
         return foot.below, foot.below
@@ -468,7 +463,7 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
 
     start = robot.floor.drag
     if slips > start:
-        change = first_change(dragged, np.linspace(start, slips, 9).tolist())
+        change = next(changes(dragged, np.linspace(start, slips, 9).tolist()), None)
         if change is not None:
             return change[0], PushEnd.GAIT
     return slips, PushEnd.SLIP

@@ -11,8 +11,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.mechanism import Cell, Chain, Load, curves
-from stepwell.robot.gait.stance import POINTS, Stance, leaning, stance, touch
-from stepwell.robot.gait.standing import HANDOVER
+from stepwell.robot.gait.standing import HANDOVER, POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.states import TOLERANCE, gait
 from stepwell.robot.parts import Leg, Robot
 

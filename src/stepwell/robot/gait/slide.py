@@ -8,8 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.robot.gait.round import Round
-from stepwell.robot.gait.stance import touch
-from stepwell.robot.gait.standing import feet_places, supports_load
+from stepwell.robot.gait.standing import feet_places, supports_load, touch
 from stepwell.robot.parts import Robot
 
 STEPS = 320  # into which each way, out and back, is cut

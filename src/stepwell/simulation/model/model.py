@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,20 +11,14 @@ from stepwell.base import InputError
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import hinges, parts
 from stepwell.simulation.model.antenna import add_anchor, add_rod
-from stepwell.simulation.model.arena import add_arena
 from stepwell.simulation.model.leg import LegModel, add_leg, places
-from stepwell.simulation.model.sensors import add_sensors
-from stepwell.simulation.model.settings import Integrator, Linkage, Settings
+from stepwell.simulation.model.sensors import add_sensors, obstacle_names
+from stepwell.simulation.model.settings import Linkage, Settings
 from stepwell.simulation.model.simulator import Model, Spec, mujoco
 
-INTEGRATORS = {
-    Integrator.EULER: mujoco.mjtIntegrator.mjINT_EULER,
-    Integrator.IMPLICIT: mujoco.mjtIntegrator.mjINT_IMPLICIT,
-    Integrator.IMPLICIT_FAST: mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    Integrator.RK4: mujoco.mjtIntegrator.mjINT_RK4,
-}
 SUPPORT = 0.003  # radius of the balls under the T-foot [m]
 HUNG = 0.050  # height of the feet above the floor of a robot without gravity [m]
+HEIGHT = 0.10  # of walls [m]: above everything of the robot that meets them
 GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
@@ -59,7 +54,7 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
     for leg in robot.legs:
         add_leg(LegModel(model, robot, leg, body, carriage, anchors[leg.name], settings))
     if arena is not None:
-        add_arena(model, arena)
+        _add_arena(model, arena)
     add_sensors(model, robot, arena)
     model.add_key(name="start", qpos=_start_position(model.compile(), robot, arena, settings))
     return model
@@ -95,7 +90,7 @@ def _refuse(robot: Robot) -> None:
 def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option = model.option
     option.timestep = settings.time_step
-    option.integrator = INTEGRATORS[settings.integrator]
+    option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{settings.integrator.upper()}")
     option.gravity = (0.0, 0.0, -robot.floor.gravity)
     # The pyramidal cone lets feet creep, which changes the gait.
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
@@ -200,6 +195,30 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     )
     drive.set_to_position(kp=robot.drive.stiffness, dampratio=1.0)
     return carriage
+
+
+def _add_arena(model: Any, arena: Arena) -> None:
+    """Add every obstacle, each a body of its own, so that what touches it is known."""
+    names = iter(obstacle_names(arena))
+    for wall in arena.walls:
+        x, y = ((a + b) / 2 for a, b in zip(wall.start, wall.end, strict=True))
+        half = wall.angle / 2
+        body = model.worldbody.add_body(
+            name=next(names), pos=(x, y, HEIGHT / 2), quat=(math.cos(half), 0, 0, math.sin(half))
+        )
+        size = (wall.length, wall.thickness, HEIGHT)
+        parts.box(body, size, rgba=parts.WALL, **parts.OBSTACLE)
+        _feel(body, mujoco.mjtGeom.mjGEOM_BOX, [length / 2 + 0.01 for length in size])
+    for cylinder in arena.cylinders:
+        body = model.worldbody.add_body(name=next(names), pos=(*cylinder.at, HEIGHT / 2))
+        shape = mujoco.mjtGeom.mjGEOM_CYLINDER
+        size = (cylinder.radius, HEIGHT / 2, 0.0)
+        body.add_geom(type=shape, size=size, rgba=parts.WALL, **parts.OBSTACLE)
+        _feel(body, shape, (cylinder.radius + 0.01, HEIGHT / 2 + 0.01, 0.0))
+
+
+def _feel(body: Any, shape: Any, size: Any) -> None:
+    body.add_site(name=body.name, type=shape, size=size, rgba=parts.HIDDEN)
 
 
 def _start_position(

@@ -9,7 +9,6 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model.arena import obstacle_names
 from stepwell.simulation.model.simulator import Model, mujoco
 
 TYPE = mujoco.mjtSensor
@@ -21,6 +20,12 @@ def rod_names(robot: Robot) -> Iterator[str]:
     for leg in robot.legs:
         yield from (f"{leg.name}.{cell}.lever" for cell in leg.chain.names)
         yield from (f"{leg.name}.link.{end}" for end in ("in", "out"))
+
+
+def obstacle_names(arena: Arena) -> tuple[str, ...]:
+    """What the model calls the obstacles: walls first, numbered from 1."""
+    walls = (f"wall {i + 1}" for i in range(len(arena.walls)))
+    return (*walls, *(f"cylinder {i + 1}" for i in range(len(arena.cylinders))))
 
 
 def add_sensors(spec: Any, robot: Robot, arena: Arena | None) -> None:

@@ -31,7 +31,6 @@ from stepwell.simulation.runs.walk import Walk, recorded
 if TYPE_CHECKING:
     import xarray as xr
 
-
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8
 CHUNK = 500  # steps at a time

@@ -141,9 +141,8 @@ class Walk(ByValue):
         """
         if not 0 <= cycle < self.cycles:
             raise InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
-        index = self._leg(leg)
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
-        return gait(self._share(index)[begin : end + 1])
+        return gait(self._share(leg)[begin : end + 1])
 
     def state(self, leg: str, time: float) -> str | None:
         """State of one leg at a time [s], as "01"; None while a cell is in transit.
@@ -154,7 +153,7 @@ class Walk(ByValue):
         if len(self.time) == 0:
             raise InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
         sample = min(int(np.searchsorted(self.time, time)), len(self.time) - 1)
-        return states(self._share(self._leg(leg))[sample : sample + 1])[0]
+        return states(self._share(leg)[sample : sample + 1])[0]
 
     @property
     def advance(self) -> Floats:
@@ -235,12 +234,11 @@ class Walk(ByValue):
         empty = [name for name, size in data.sizes.items() if not size and name != "time"]
         write_netcdf(path, data.drop_dims(empty))
 
-    def _share(self, leg: int) -> Floats:
-        full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
-        return self.travel[:, leg, : len(full)] / np.array(full)
-
-    def _leg(self, name: str) -> int:
-        return self.robot.legs.index(self.robot.leg(name))
+    def _share(self, name: str) -> Floats:
+        """(n, cells) travel of each cell of a leg over its full travel [1]."""
+        leg = self.robot.leg(name)
+        full = [cell.full_travel for cell in leg.chain.cells]
+        return self.travel[:, self.robot.legs.index(leg), : len(full)] / np.array(full)
 
     @property
     def _first(self) -> int:
