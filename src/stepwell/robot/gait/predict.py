@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import product
-from typing import TypeVar
 
 import numpy as np
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Vec2
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
 from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
-from stepwell.robot.parts import Antenna, Leg, Robot, pressed_leg
+from stepwell.robot.parts import Leg, Robot
 from stepwell.statics import StaticsError
 
-T = TypeVar("T")
 # A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
 WALKS = 0.1
 TURNS = math.radians(3.0)
@@ -274,9 +272,32 @@ def predict(robot: Robot) -> Prediction:
     slid = slide(robot, found)
     x, y, turn = slid.displacement()
     most = max(leg.stroke for leg in robot.legs)
-    doubts = _of_alike(found, lambda i: _doubts(robot, found[i]))
-    legs = tuple(_leg(robot, i, found[i], slid, *doubts[i]) for i in range(len(found)))
-    return Prediction(robot, legs, x / most, y / most, turn)
+    # What can be doubted of legs that are alike, and what antennas do to them, is the same.
+    doubts = cache(lambda i: _doubts(robot, found[i]))
+    flips = cache(lambda i, *antenna: tuple(_flips(robot, found[i], *antenna)))
+    legs: list[LegPrediction] = []
+    for i, (one, first) in enumerate(zip(found, _first_alike(found), strict=True)):
+        margin, nearest, alternatives = doubts(first)
+        legs.append(
+            LegPrediction(
+                one.leg.name,
+                one.gait(),
+                float(slid.gain[:, i].sum()) / one.leg.stroke,
+                float(slid.slip[:, i].sum()),
+                margin,
+                nearest,
+                _uncertainty(robot, one.leg),
+                alternatives,
+                tuple(_pushes(robot, i, one, slid)),
+                tuple(
+                    replace(flip, antenna=antenna.name, leg=one.leg.name)
+                    for antenna in robot.antennas
+                    if antenna.leg == one.leg.name and antenna.connected
+                    for flip in flips(first, antenna.cell, antenna.moves, antenna.swing)
+                ),
+            )
+        )
+    return Prediction(robot, tuple(legs), x / most, y / most, turn)
 
 
 @lru_cache(maxsize=32)
@@ -295,49 +316,20 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
         StaticsError: the engine could not go on; its text says what to do.
     """
     found = rounds(robot)
-    return _of_alike(found, lambda i: _depths(robot, i, found))
+    own = cache(lambda i: _depths(robot, i, found))
+    return tuple(map(own, _first_alike(found)))
 
 
-def _of_alike(found: Sequence[Round], ask: Callable[[int], T]) -> tuple[T, ...]:
-    """An answer for each leg; legs that are the same in a mirror share that of the first."""
-    answers: dict[Hashable, T] = {}
-    alike: list[Hashable] = []
-    for i, one in enumerate(found):
-        floor = (np.round([*foot.load, *foot.sharing], 9).tobytes() for foot in one.stances)
-        alike.append((one.leg.chain, *floor))
-        if alike[i] not in answers:
-            answers[alike[i]] = ask(i)
-    return tuple(answers[each] for each in alike)
-
-
-def _leg(
-    robot: Robot,
-    index: int,
-    one: Round,
-    slid: Slide,
-    margin: float,
-    nearest: str,
-    alternatives: tuple[str, ...],
-) -> LegPrediction:
-    leg, unknown = one.leg, _uncertainty(robot, one.leg)
-    flips = (
-        flip
-        for antenna in robot.antennas
-        if antenna.leg == leg.name and antenna.connected
-        for flip in _flips(robot, one, antenna, unknown)
-    )
-    return LegPrediction(
-        leg.name,
-        one.gait(),
-        float(slid.gain[:, index].sum()) / leg.stroke,
-        float(slid.slip[:, index].sum()),
-        margin,
-        nearest,
-        unknown,
-        alternatives,
-        tuple(_pushes(robot, index, one, slid)),
-        tuple(flips),
-    )
+def _first_alike(found: Sequence[Round]) -> list[int]:
+    """For each leg the number of the first one that is the same, or is so in a mirror."""
+    alike = [
+        (
+            one.leg.chain,
+            *(np.round([*foot.load, *foot.sharing], 9).tobytes() for foot in one.stances),
+        )
+        for one in found
+    ]
+    return [alike.index(each) for each in alike]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
@@ -364,7 +356,8 @@ def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
             return go_round(robot, one.leg, one.stances, {cell: sense * force}).gait()
 
         nearer = [force for force in FORCES if force < margin]
-        change = next(changes(pushed, nearer + [margin] * math.isfinite(margin)), None)
+        looks = [*nearer, margin] if math.isfinite(margin) else nearer
+        change = next(changes(pushed, looks), None)
         if change is not None and change[0] < margin:
             margin, nearest = change
     # What the floor does to the foot may be another: no drag, or one load however far it steps.
@@ -405,22 +398,23 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
     return until([foot.below / 2, 0.0]), until([*deeper, max(deepest, foot.below)])
 
 
-def _flips(robot: Robot, one: Round, antenna: Antenna, unknown: float) -> Iterator[Flip]:
+def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float) -> Iterator[Flip]:
+    """What an antenna that moves this anchor p changes; it is not named yet."""
+    unknown, length, before = _uncertainty(robot, one.leg), math.hypot(*moves), one.gait()
+
     def thresholds(force: float) -> list[tuple[float, str]]:
         def pressed(share: float) -> str:
-            leg, last = pressed_leg(one.leg, antenna, share), len(one.leg.chain) - 1
+            leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
             return go_round(robot, leg, one.stances, {last: force}).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
-    name, length, before = one.leg.name, math.hypot(*antenna.moves), one.gait()
     around = [thresholds(force) for force in (unknown, -unknown)]
     for share, after in thresholds(0.0):
         # The same change where the unknown force is added and taken.
         same = [next((s for s, g in found if g == after), math.inf) for found in around]
         early, late = min(share, *same) * length, max(share, *same) * length
-        swing = share * antenna.swing
-        yield Flip(antenna.name, name, share * length, early, late, swing, before, after)
+        yield Flip("", one.leg.name, share * length, early, late, share * swing, before, after)
         before = after
 
 

@@ -1,6 +1,6 @@
 """What a robot is made of, and where it is put: values only."""
 
-from stepwell.robot.parts.antenna import Antenna, pressed_leg
+from stepwell.robot.parts.antenna import Antenna
 from stepwell.robot.parts.arena import (
     Arena,
     Cylinder,

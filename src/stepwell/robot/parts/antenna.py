@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from stepwell.base import ByValue, InputError, Vec2, check
-from stepwell.robot.parts.leg import Leg
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,10 +80,3 @@ class Antenna(ByValue):
     def gear(self) -> float:
         """Displacement of the anchor per rotation [m/rad]."""
         return math.hypot(*self.moves) / self.swing
-
-
-def pressed_leg(leg: Leg, antenna: Antenna, share: float) -> Leg:
-    """The leg with the anchor of an antenna moved by this share of its way at full swing [1]."""
-    cell, (x, y) = leg.cell_index(antenna.cell), antenna.moves
-    p = leg.chain.cells[cell].bands[0].p
-    return leg.with_anchors(cell, p=(p[0] + share * x, p[1] + share * y))

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.robot.parts.antenna import pressed_leg
-
 if TYPE_CHECKING:
     from stepwell.robot.parts.robot import Robot
 
@@ -134,7 +132,7 @@ def _antennas(robot: Robot) -> Iterator[str]:
                     f"anchor of one; split the cell's bands or give it one."
                 )
             else:
-                pressed_leg(leg, antenna, 1.0)
+                leg.with_moved_anchor(cell, antenna.moves)
         except ValueError as error:
             yield f"antenna {antenna.name!r}: {error}"
     for name, cell in {each for each in moved if moved.count(each) > 1}:

@@ -178,6 +178,15 @@ class Leg(ByValue):
         cells[index] = cells[index].with_anchors(p, q)
         return replace(self, chain=replace(self.chain, cells=tuple(cells)))
 
+    def with_moved_anchor(self, cell: int | str, moves: Vec2, share: float = 1.0) -> Leg:
+        """The same leg with the anchor p of one cell moved by `share` [1] of `moves` [m].
+
+        Raises:
+            ValueError: no such cell, or an anchor that no cell can have.
+        """
+        p = self.chain.cells[self.cell_index(cell)].bands[0].p
+        return self.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
+
     def cell_index(self, cell: int | str) -> int:
         """The index of a cell, 0 for the innermost, given that index or its name.
 

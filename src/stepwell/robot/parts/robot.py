@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, InputError, Vec2, require
-from stepwell.robot.parts.antenna import Antenna, pressed_leg
+from stepwell.robot.parts.antenna import Antenna
 from stepwell.robot.parts.arena import Arena, Floor
 from stepwell.robot.parts.body import Body
 from stepwell.robot.parts.drive import Drive
@@ -150,8 +150,8 @@ class Robot(ByValue):
                     f"to {math.degrees(antenna.swing):.6g} deg."
                 )
             if antenna.connected:
-                share = swing / antenna.swing
-                robot = robot._with_leg(pressed_leg(robot.leg(antenna.leg), antenna, share))
+                leg, share = robot.leg(antenna.leg), swing / antenna.swing
+                robot = robot._with_leg(leg.with_moved_anchor(antenna.cell, antenna.moves, share))
         return robot
 
     def _with_leg(self, leg: Leg) -> Robot:

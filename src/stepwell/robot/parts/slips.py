@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from stepwell.mechanism import Slip, SlipError, sizes
 
 if TYPE_CHECKING:
-    from stepwell.robot.parts.antenna import Antenna
     from stepwell.robot.parts.arena import Arena
     from stepwell.robot.parts.robot import Robot
 
@@ -50,18 +49,15 @@ def of_robot(robot: Robot) -> Iterator[Slip]:
     for i, leg in enumerate(robot.legs):
         yield from _of_stroke(f"leg[{i}].at", leg.at, size)
     for i, antenna in enumerate(robot.antennas):
-        yield from _of_antenna(f"antenna[{i}]", antenna, size, own)
-
-
-def _of_antenna(where: str, antenna: Antenna, size: float, own: float) -> Iterator[Slip]:
-    yield from _lengths(where, antenna, ("pivot", "length", "moves"), size)
-    yield from _mass(f"{where}.mass", antenna.mass, own)
-    for name in ("angle", "swing", "hook_angle"):
-        angle = getattr(antenna, name)
-        turned = math.degrees(angle)
-        if 0 < abs(angle) < sizes.LEAST_LIMIT:
-            likely = turned if abs(turned) <= math.pi else None
-            yield Slip(f"{where}.{name}", angle, likely, "rad", f"is {turned:.4g}°")
+        where = f"antenna[{i}]"
+        yield from _lengths(where, antenna, ("pivot", "length", "moves"), size)
+        yield from _mass(f"{where}.mass", antenna.mass, own)
+        for name in ("angle", "swing", "hook_angle"):
+            angle = getattr(antenna, name)
+            turned = math.degrees(angle)
+            if 0 < abs(angle) < sizes.LEAST_LIMIT:
+                likely = turned if abs(turned) <= math.pi else None
+                yield Slip(f"{where}.{name}", angle, likely, "rad", f"is {turned:.4g}°")
 
 
 def _lengths(where: str, part: object, names: tuple[str, ...], size: float) -> Iterator[Slip]:

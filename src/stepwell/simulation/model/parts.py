@@ -72,32 +72,16 @@ def rod(body: Any, start: Vec3, end: Vec3, radius: float, **more: Any) -> Any:
 
 def hull(robot: Robot, body: Any, size: Vec3, at: Vec3 = (0, 0, 0), **more: Any) -> None:
     """A box of the body or of a block, which meets walls."""
-    box(
-        body,
-        size,
-        at,
-        priority=2,
-        condim=3,
-        friction=(robot.body.wall_friction, 0.0, 0.0),
-        **more,
-    )
+    friction = (robot.body.wall_friction, 0.0, 0.0)
+    box(body, size, at, priority=2, condim=3, friction=friction, **more)
 
 
 def stand(
     body: Any, names: tuple[str, str], radius: float, at: Vec3, settings: Settings, **more: Any
 ) -> None:
     """A ball that meets the floor, and a site round it that feels how hard; the names of both."""
-    ball(
-        body,
-        radius,
-        at,
-        name=names[0],
-        priority=1,
-        condim=3,
-        solref=soft(settings),
-        solimp=TOUCHING,
-        **more,
-    )
+    touch = {"priority": 1, "condim": 3, "solref": soft(settings), "solimp": TOUCHING}
+    ball(body, radius, at, name=names[0], **touch, **more)
     body.add_site(name=names[1], pos=at, size=(1.1 * radius,) * 3, rgba=HIDDEN)
 
 
