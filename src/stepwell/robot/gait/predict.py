@@ -15,6 +15,7 @@ from stepwell.base import ByValue, Vec2
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
 from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
+from stepwell.robot.gait.standing import leaning
 from stepwell.robot.parts import Leg, Robot
 from stepwell.statics import StaticsError
 
@@ -97,9 +98,9 @@ class Push(ByValue):
         return self.largest_drag / self.drag if self.drag > 0 else math.inf
 
     def __repr__(self):
-        way = "forward" if self.step > 0 else "backward"
+        sense = "forward" if self.step > 0 else "backward"
         return (
-            f"Push({way} while {'loading' if self.loading else 'unloading'}: gains "
+            f"Push({sense} while {'loading' if self.loading else 'unloading'}: gains "
             f"{self.gain * 1e3:.3g} of {self.step * 1e3:.3g} mm, up to a drag of "
             f"{self.largest_drag:.3g} N)"
         )
@@ -379,7 +380,7 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
 
     def deep(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
-        stances = stances_beside(other, index, found)
+        stances = stances_beside(other, index, found, leaning(other))
         for force in (unknown, -unknown):
             try:
                 after = go_round(other, leg, stances, {len(leg.chain) - 1: force}).gait()
@@ -426,10 +427,10 @@ def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]
         if abs(total) < PUSHES * one.leg.stroke:
             continue
         # While it pushes the way it ends up going, and not while the weight passes over.
-        way = np.maximum(np.sign(total) * step, 0.0)
-        carries = float(way @ load / way.sum())
+        pushing = np.maximum(np.sign(total) * step, 0.0)
+        carries = float(pushing @ load / pushing.sum())
         feet = (slid.load[rows] > 0.0).sum(axis=1)
-        sharing = float(way @ feet / way.sum())
+        sharing = float(pushing @ feet / pushing.sum())
         largest, limit = _largest_drag(robot, one, carries, sharing)
         yield Push(
             not half,

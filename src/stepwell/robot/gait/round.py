@@ -112,22 +112,26 @@ class Round:
 
 def rounds(robot: Robot) -> list[Round]:
     """The round of every leg, each with the others where they are at the same stroke."""
+    setting_out = leaning(robot)
     found: list[Round] = []
     for _ in range(PASSES):
         found = [
-            go_round(robot, leg, stances_beside(robot, i, found))
+            go_round(robot, leg, stances_beside(robot, i, found, setting_out))
             for i, leg in enumerate(robot.legs)
         ]
     return found
 
 
-def stances_beside(robot: Robot, index: int, found: Sequence[Round]) -> tuple[Stance, Stance]:
+def stances_beside(
+    robot: Robot, index: int, found: Sequence[Round], setting_out: Floats
+) -> tuple[Stance, Stance]:
     """How the foot of one leg stands, out and back, while the other legs go as found.
 
     Args:
         robot: the one that was found, or with another foot or floor.
         index: of the leg.
         found: the round of each leg; none while all are taken to step alike.
+        setting_out: (legs,) force of the floor on each foot before it has stepped [N].
     """
     share, leg = np.linspace(0.0, 1.0, POINTS)[:, None], robot.legs[index]
     alike = [
@@ -145,8 +149,7 @@ def stances_beside(robot: Robot, index: int, found: Sequence[Round]) -> tuple[St
         else alike
         for half in (0, 1)
     )
-    setting_out = leaning(robot)[index]
-    return stance(robot, index, out, setting_out), stance(robot, index, back)
+    return stance(robot, index, out, setting_out[index]), stance(robot, index, back)
 
 
 def go_round(

@@ -108,13 +108,13 @@ def leaning(robot: Robot) -> Floats:
     most, least = even.copy(), even.copy()
     for i in range(len(rest)):
         for bound, chosen in ((least, [i]), (most, [k for k in range(len(rest)) if k != i])):
-            leant = [travel.copy() for travel in rest]
+            tilted = [travel.copy() for travel in rest]
             for k in chosen:
-                leant[k][-1] = HAIR
-            bound[i] = feet_load(robot, leant)[i]
+                tilted[k][-1] = HAIR
+            bound[i] = feet_load(robot, tilted)[i]
     lacks = np.array([_lacks(leg) for leg in robot.legs])
-    moved = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
-    return np.clip(moved, np.minimum(least, even), np.maximum(most, even))
+    leant = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
+    return np.clip(leant, np.minimum(least, even), np.maximum(most, even))
 
 
 def _lacks(leg: Leg) -> float:

@@ -198,8 +198,8 @@ class Leg(ByValue):
             return names.index(cell)
         if isinstance(cell, int) and 0 <= cell < len(names):
             return cell
-        told = f"{cell + 1} (index {cell} in Python)" if isinstance(cell, int) else repr(cell)
+        given = f"{cell + 1} (index {cell} in Python)" if isinstance(cell, int) else repr(cell)
         raise InputError(
-            f"leg {self.name!r} has no cell {told}: must be one of {', '.join(map(repr, names))}, "
+            f"leg {self.name!r} has no cell {given}: must be one of {', '.join(map(repr, names))}, "
             f"or a number up to {len(names)} (index {len(names) - 1} in Python)."
         )

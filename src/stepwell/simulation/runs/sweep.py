@@ -71,9 +71,9 @@ class Trial(ByValue):
     def of(cls, walk: Walk) -> Trial:
         """Sum up a walk."""
         late, nothing = slice(min(1, walk.cycles - 1), None), float("nan")
-        moved = (walk.advance, walk.sideways, walk.turn)
+        each = (walk.advance, walk.sideways, walk.turn)
         return cls(
-            *(float(values[late].mean()) if walk.cycles else nothing for values in moved),
+            *(float(values[late].mean()) if walk.cycles else nothing for values in each),
             gaits=tuple(gaits[-1] if gaits else "" for gaits in walk.gaits.values()),
             work=walk.work / walk.cycles if walk.cycles else nothing,
             stopped=walk.stopped,
