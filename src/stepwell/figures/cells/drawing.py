@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from stepwell.figures.cells.linkage import Linkage, Pose
+from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ class Drawing:
     def __init__(
         self,
         ax: Axes,
-        linkage: Linkage,
+        linkage: LinkageDrawing,
         origin: tuple[float, float],
         scale: float,
         weight: float = 1.0,

@@ -45,7 +45,7 @@ class Pose:
         return float(left), float(bottom), float(right), float(top)
 
 
-class Linkage:
+class LinkageDrawing:
     """Places a chain on the page: stroke to the right, fixed block at the left.
 
     A cell's own drawing has the travel upwards and the outer block beside the inner one. Here

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
-from stepwell.figures.cells.linkage import Linkage, Pose
+from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.common import (
     INK,
     MM,
@@ -74,7 +74,7 @@ def mechanism(
 class Sheet:
     """Where each drawing goes on a page of `width` × `height` mm."""
 
-    linkage: Linkage
+    linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
     titles: list[str]
     origins: list[tuple[float, float]]
@@ -102,7 +102,7 @@ def arrange(
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     travels = [_travels(chain, state) for state in wanted]
-    linkage = Linkage(chain)
+    linkage = LinkageDrawing(chain)
     bounds = _union([linkage.pose(t) for t in travels], linkage)
     wide, high = ((bounds[k + 2] - bounds[k]) * MM for k in (0, 1))
 
@@ -189,7 +189,7 @@ def draw(ax: Axes, sheet: Sheet) -> None:
     _key(ax, sheet, slack)
 
 
-def ground(ax: Axes, linkage: Linkage, origin: tuple[float, float], scale: float) -> None:
+def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale: float) -> None:
     """The wall that holds the fixed block."""
     x = origin[0] - linkage.reach * scale
     half = 1.2 * linkage.half_block * scale
@@ -257,7 +257,7 @@ def _title(state: State) -> str:
     return "$s$ = " + ", ".join(f"{s * MM:.3g}" for s in state) + " mm"
 
 
-def _union(poses: list[Pose], linkage: Linkage) -> tuple[float, float, float, float]:
+def _union(poses: list[Pose], linkage: LinkageDrawing) -> tuple[float, float, float, float]:
     edges = np.array([pose.bounds for pose in poses])
     left, bottom = edges[:, :2].min(axis=0)
     right, top = edges[:, 2:].max(axis=0)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.figures.common.reading import Snap
+from stepwell.figures.common.reading import SnapSamples
 from stepwell.figures.common.style import FAINT, INK, LOADING, UNLOADING, direction_colour
 from stepwell.statics import Path
 
@@ -21,7 +21,7 @@ SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
 
 def snaps(
     ax: Axes,
-    found: Sequence[Snap],
+    found: Sequence[SnapSamples],
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     size: float = 4.2,

@@ -28,7 +28,7 @@ from stepwell.figures.common import (
     styled,
 )
 from stepwell.figures.graphs.graph_layout import DOT, NAMED, Layout, head
-from stepwell.figures.graphs.graph_reading import Folded, Way, folded, followed
+from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition, folded, followed
 
 if TYPE_CHECKING:
     from stepwell.sequences.graphs import TransitionGraph
@@ -70,16 +70,16 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
         )
     strokes = [] if program is None else followed(graph, program)
     reduced = folded(graph, [stroke[-1] for stroke in strokes])
-    return _Sheet(graph, reduced, strokes, program).figure
+    return _GraphFigure(graph, reduced, strokes, program).figure
 
 
-class _Sheet:
+class _GraphFigure:
     """One figure, laid out in mm."""
 
     def __init__(
         self,
         graph: TransitionGraph,
-        reduced: Folded,
+        reduced: FoldedGraph,
         strokes: Sequence[Sequence[str]],
         program: Program | None,
     ):
@@ -117,7 +117,7 @@ class _Sheet:
             for pair in pairwise(label for label in stroke if label in shown)
         }
 
-    def _draw_way(self, ax: Axes, way: Way) -> None:
+    def _draw_way(self, ax: Axes, way: FoldedTransition) -> None:
         curve = self.layout.curve(way)
         colour = direction_colour(way.direction)
         known = way.source in self.reachable

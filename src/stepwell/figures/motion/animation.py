@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.base import InputError, require, write_atomic
-from stepwell.figures.cells import MOST_CELLS, Drawing, Linkage, ground
+from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
     INK,
@@ -179,7 +179,7 @@ class _Scene:
         # A cycle goes up and down once; all else has a plan worth showing.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
         windows = windows_of(result) if isinstance(result, Program) else []
-        self.linkage = Linkage(self.chain)
+        self.linkage = LinkageDrawing(self.chain)
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         edges = np.array([self.linkage.pose(t).bounds for t in samples])
         left, bottom = edges[:, :2].min(axis=0) - 0.002

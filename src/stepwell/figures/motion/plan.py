@@ -30,7 +30,7 @@ class Window(NamedTuple):
     rises: bool
 
 
-class Plan(NamedTuple):
+class StrokePlan(NamedTuple):
     """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
 
     path: Path
@@ -46,12 +46,12 @@ class Plan(NamedTuple):
         return f"{'Stroke $u$' if math.isinf(stiffness) else what} [{self.unit}]"
 
 
-def plan_of(path: Path) -> Plan:
+def plan_of(path: Path) -> StrokePlan:
     """The plan of a path: mm, or N under force control."""
     by_force = path.chain.actuator_stiffness == 0
     drive = path.drive * (1.0 if by_force else MM)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
-    return Plan(path, way, drive, "N" if by_force else "mm")
+    return StrokePlan(path, way, drive, "N" if by_force else "mm")
 
 
 def windows_of(program: Program) -> list[Window]:
@@ -75,7 +75,7 @@ def limits(values: Array, margin: float) -> tuple[float, float]:
     return low - more, high + more
 
 
-def draw_plan(ax: Axes, plan: Plan, windows: list[Window], margin: float) -> list[Line2D]:
+def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) -> list[Line2D]:
     """Strokes, windows and snaps; returns what a legend should list.
 
     Args:

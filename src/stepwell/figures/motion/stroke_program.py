@@ -35,7 +35,7 @@ from stepwell.figures.common import (
     styled,
     vertices,
 )
-from stepwell.figures.motion.plan import Plan, Window, draw_plan, limits, plan_of, windows_of
+from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, plan_of, windows_of
 
 if TYPE_CHECKING:
     from stepwell.sequences.programs import Program
@@ -147,7 +147,7 @@ def _inside(ax: Axes, box: Bbox) -> bool:
     return frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1
 
 
-def _name_states(ax: Axes, result: Program, plan: Plan, taken: Sequence[Bbox]) -> None:
+def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bbox]) -> None:
     """A dot for every state, and its name where there is room."""
     way, drive = plan.way, plan.drive
     rests = vertices(result.path)
