@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stepwell.figures.common.style import INK, MM
+from stepwell.figures.common.style import INK, MM, on_white
+from stepwell.figures.common.words import minus
 
 _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
-_ON_WHITE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0}
 
 
 def along_x(
@@ -20,7 +22,7 @@ def along_x(
         ax.plot([x, x], [feet, y + np.sign(y - feet)], color=colour, linewidth=0.4, zorder=2.5)
     ax.annotate("", (right, y), (left, y), arrowprops=_BOTH | {"color": colour}, zorder=8)
     middle = (left + right) / 2
-    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=_ON_WHITE)
+    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=on_white())
 
 
 def along_y(
@@ -107,6 +109,13 @@ def plain(ax: Axes, box: tuple[float, float, float, float]) -> None:
     ax.set_axis_off()
 
 
-def mm(metres: float) -> str:
+def mm(metres: float, digits: int = 4) -> str:
     """A length [m] as a number of millimetres."""
-    return f"{round(metres * MM, 3) + 0.0:.4g}"
+    # Nothing is ever minus zero.
+    return minus(f"{round(metres * MM, 3) + 0.0:.{digits}g}")
+
+
+def mm_pair(vector: Sequence[float]) -> str:
+    """The two components [m] of a vector as "(x, y)" in millimetres."""
+    x, y = vector
+    return f"({mm(x, 6)}, {mm(y, 6)})"

@@ -10,8 +10,15 @@ from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.figures.common.reading import SnapSamples
-from stepwell.figures.common.style import FAINT, INK, LOADING, UNLOADING, direction_colour
+from stepwell.figures.common import legends
+from stepwell.figures.common.reading import SnapSamples, curve, legs
+from stepwell.figures.common.style import (
+    FAINT,
+    LOADING,
+    UNLOADING,
+    direction_colour,
+    hollow,
+)
 from stepwell.statics import Path
 
 # Past this many, arrow heads cover what they point at.
@@ -54,17 +61,58 @@ def snaps(
             x[ends[:, 0]],
             y[ends[:, 0]],
             "o",
-            markersize=size,
-            markerfacecolor="white",
-            markeredgecolor=colour,
-            markeredgewidth=1.1,
-            zorder=6,
-            gid="snap starts",
+            **hollow(size, colour, markeredgewidth=1.1, zorder=6, gid="snap starts"),
         )
         if len(some) <= MOST_HEADS:
             for snap in some:
                 i, j = snap.before, snap.after
                 head(ax, (float(x[i]), float(y[i])), (float(x[j]), float(y[j])), colour)
+
+
+def trace(
+    ax: Axes,
+    path: Path,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    widths: tuple[float, float],
+    unloading_style: LineStyleType = "-",
+) -> None:
+    """The smooth stretches of a path, unloading over loading.
+
+    Args:
+        ax: axes to draw into.
+        path: whose samples these are.
+        x, y: (n,) the samples in data units.
+        widths: of the lines of loading and of unloading [pt].
+        unloading_style: of the line of unloading.
+    """
+    looks = ((1, widths[0], "-", 3), (-1, widths[1], unloading_style, 4))
+    for direction, width, style, zorder in looks:
+        at = curve(path, direction, x, y)
+        colour = direction_colour(direction)
+        ax.plot(*at, color=colour, linewidth=width, linestyle=style, zorder=zorder)
+
+
+def headings(
+    ax: Axes,
+    path: Path,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    sizes: tuple[float, float] = (10.0, 10.0),
+) -> None:
+    """An arrow head on every leg of the path, unless there are too many.
+
+    Args:
+        ax: axes with their final limits.
+        path: whose samples these are.
+        x, y: (n,) the samples in data units.
+        sizes: of the heads of loading and of unloading [pt].
+    """
+    found = legs(path)
+    for direction, at in found if len(found) <= MOST_HEADS else ():
+        # Not in the middle: where both directions take the same way, one would hide the other.
+        size = sizes[0 if direction > 0 else 1]
+        heading(ax, x[at], y[at], direction_colour(direction), at=0.4, size=size)
 
 
 def head(
@@ -125,34 +173,13 @@ def legend(
     """Above the axes, what the lines of a path mean."""
     found: list[Line2D] = []
     if np.any(path.direction > 0):
-        found.append(Line2D([], [], color=LOADING, linewidth=widths[0], label="loading"))
+        found.append(legends.line("loading", LOADING, widths[0]))
     if np.any(path.direction < 0):
-        found.append(
-            Line2D(
-                [],
-                [],
-                color=UNLOADING,
-                linewidth=widths[1],
-                linestyle=unloading_style,
-                label="unloading",
-            )
-        )
+        found.append(legends.line("unloading", UNLOADING, widths[1], linestyle=unloading_style))
     if np.any(path.snap_after):
-        found.append(
-            Line2D(
-                [],
-                [],
-                color=INK,
-                linestyle=SNAP_DASHES,
-                linewidth=1.1,
-                marker="o",
-                markersize=4.2,
-                markerfacecolor="white",
-                markeredgecolor=INK,
-                label="snap",
-            )
-        )
-    ax.legend(handles=found, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+        look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
+        found.append(legends.line("snap", width=1.1, **look))
+    legends.above(ax, found)
 
 
 def zero_line(ax: Axes) -> None:

@@ -12,13 +12,14 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.text import Text
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
 
-# Widths of one and of two columns of a journal page [mm].
 # Millimetres in a metre, millijoules in a joule.
 MM = MJ = 1e3
+# Widths of one and of two columns of a journal page [mm].
 COLUMN = 85.0
 PAGE = 180.0
 
@@ -110,11 +111,23 @@ def blank(width: float, height: float) -> Figure:
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Axes at a place given in mm: nothing has to be laid out again when text is added."""
-    w, h = (25.4 * inches for inches in figure.get_size_inches())
+    w, h = size_of(figure)
     ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
     # Said aloud, because how many ticks fit is decided later, outside this style.
     ax.tick_params(labelsize=STYLE["xtick.labelsize"])
     return ax
+
+
+def size_of(figure: Figure) -> tuple[float, float]:
+    """Width and height of a figure [mm]."""
+    wide, high = (25.4 * inches for inches in figure.get_size_inches())
+    return float(wide), float(high)
+
+
+def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
+    """Text at a place of the figure given in mm, its foot there by default."""
+    width, height = size_of(figure)
+    return figure.text(x / width, y / height, text, **{"va": "bottom"} | look)
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
@@ -159,7 +172,7 @@ def root(ax: Axes) -> Figure:
 
 def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
     """Write a panel's name `gap` mm above its axes."""
-    height = 25.4 * root(ax).get_size_inches()[1]
+    height = size_of(root(ax))[1]
     box = ax.get_position()
     root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
 
@@ -176,6 +189,24 @@ def cell_colours(count: int) -> list[str]:
         return [_INNER]
     between = [_BETWEEN[i % len(_BETWEEN)] for i in range(count - 2)]
     return [_INNER, *between, _OUTER]
+
+
+def hollow(size: float, colour: str = INK, **look: Any) -> dict[str, Any]:
+    """The look of a mark with a white face."""
+    return {"markersize": size, "markerfacecolor": "white", "markeredgecolor": colour} | look
+
+
+def on_white(pad: float = 0.1, alpha: float | None = None) -> dict[str, Any]:
+    """The ground of a text that lies on lines."""
+    box = {"boxstyle": f"square,pad={pad}", "facecolor": "white", "linewidth": 0}
+    return box if alpha is None else box | {"alpha": alpha}
+
+
+def on_black(*, wide: bool = False) -> dict[str, Any]:
+    """The look of a number in a black disc, or of several in a black box."""
+    shape = "round,pad=0.2" if wide else "circle,pad=0.15"
+    box = {"boxstyle": shape, "facecolor": BLACK, "linewidth": 0}
+    return {"color": "white", "fontweight": "bold", "bbox": box}
 
 
 def direction_colour(direction: float) -> str:

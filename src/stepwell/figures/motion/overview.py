@@ -54,5 +54,5 @@ def overview(cycle: Cycle) -> Figure:
     force_stroke(cycle, ax=place(figure, 105.0, 11.0, 72.0, body))
     letters += [("BC"[k] if drawable else "AB"[k], (2.0, 92.0)[k], below) for k in (0, 1)]
     for letter, x, y in letters:
-        figure.text(x / PAGE, y / height, letter, fontsize=10, fontweight="bold", va="bottom")
+        text_at(figure, x, y, letter, fontsize=10, fontweight="bold")
     return figure
