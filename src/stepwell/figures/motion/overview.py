@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from stepwell.figures.cells import MOST_CELLS, arrange, draw
-from stepwell.figures.common import PAGE, blank, keep_inside, place, styled
+from stepwell.figures.common import PAGE, blank, keep_inside, place, styled, text_at
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import colour_bar, draw_energy, draw_path
 from stepwell.figures.motion.travel_stroke import travel_stroke

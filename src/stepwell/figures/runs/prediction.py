@@ -18,12 +18,14 @@ from stepwell.figures.common import (
     VERMILLION,
     blank,
     literal,
+    minus,
     pale,
     place,
-    root,
     styled,
+    text_at,
 )
-from stepwell.figures.runs.walk_reading import direction, leg_colours
+from stepwell.figures.runs.walk_axes import name_rows
+from stepwell.figures.runs.walk_reading import gait_words, leg_colours
 
 if TYPE_CHECKING:
     from stepwell.robot.gait import Prediction
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
 _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
-_WAY = {1: ", forward", -1: ", backward", 0: ""}
 
 
 @styled
@@ -60,14 +61,8 @@ def prediction(prediction: Prediction) -> Figure:
         f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
         f"turn {turn:.1f}° per cycle"
     )
-    figure.text(
-        2.0 / PAGE,
-        1 - 1.5 / height,
-        "\n".join([*title, says.replace("-", "\N{MINUS SIGN}")]),
-        va="top",
-        fontsize=8,
-        weight="bold",
-    )
+    words = "\n".join([*title, minus(says)])
+    text_at(figure, 2.0, height - 1.5, words, va="top", fontsize=8, weight="bold")
     bottom = height - _TOP - 4.0 * len(title)
     for draw, rows in panels:
         bottom -= _HEAD + _ROW * rows
@@ -90,26 +85,17 @@ def _margins(ax: Axes, found: Prediction) -> None:
     ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
     most = _limit(ends)
     for i, (leg, colour) in enumerate(zip(legs, leg_colours(found.robot), strict=True)):
-        ax.barh(
-            i,
-            leg.uncertainty * _MN,
-            height=0.8,
-            color=pale(FAINT, 0.6),
-            zorder=1,
-            gid=f"uncertainty {leg.name}",
-        )
-        reach = leg.margin * _MN
-        if math.isfinite(reach):
-            ax.plot(
-                [reach], [i], "o", color=colour, markersize=5.0, zorder=3, gid=f"margin {leg.name}"
-            )
-            ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
-        else:
-            ax.plot([0.0, most], [i, i], color=colour, linewidth=1.6, zorder=2)
+        look = {"color": pale(FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
+        ax.barh(i, leg.uncertainty * _MN, height=0.8, zorder=1, **look)
+        reach = leg.margin * _MN if math.isfinite(leg.margin) else most
+        ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
+        if math.isfinite(leg.margin):
+            look = {"color": colour, "gid": f"margin {leg.name}"}
+            ax.plot(reach, i, "o", markersize=5.0, zorder=3, **look)
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
-    _rows(ax, [f"{leg.name}: {leg.gait}{_WAY[direction(leg.gait)]}" for leg in legs], most)
+    _rows(ax, [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs], most)
     ax.set_title("Margin to another gait; shaded: what the prediction does not know", loc="left")
     ax.set_xlabel("Force on one cell [mN]")
 
@@ -120,21 +106,13 @@ def _depths(ax: Axes, found: Prediction) -> None:
     most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
     for i, (leg, colour) in enumerate(zip(found.legs, leg_colours(found.robot), strict=True)):
         low, high = ends[i]
-        ax.barh(
-            i,
-            min(high, most) - low,
-            left=low,
-            height=0.5,
-            color=colour,
-            zorder=2,
-            gid=f"depths {leg.name}",
-        )
+        look = {"color": colour, "zorder": 2, "gid": f"depths {leg.name}"}
+        ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
         _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
     ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
     _rows(ax, [f"{leg.name}: {leg.gait}" for leg in found.legs], most)
-    ax.set_title(
-        "Depths of the feet at which the gait surely stays; line: this robot's", loc="left"
-    )
+    title = "Depths of the feet at which the gait surely stays; line: this robot's"
+    ax.set_title(title, loc="left")
     ax.set_xlabel("Feet below the supports [mm]")
 
 
@@ -152,7 +130,7 @@ def _drags(ax: Axes, found: Prediction) -> None:
         f"{name}, {'out' if push.loading else 'back'}: {push.step * MM:.1f} mm step"
         for name, push in pushes
     ]
-    _rows(ax, [name.replace("-", "\N{MINUS SIGN}") for name in names], most)
+    _rows(ax, [*map(minus, names)], most)
     ax.set_title("Largest drag that each push overcomes; line: the floor's drag", loc="left")
     ax.set_xlabel("Drag of the floor [N]")
 
@@ -168,24 +146,11 @@ def _flips(ax: Axes, found: Prediction) -> None:
     most = _limit(full)
     for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
         late = min(flip.latest * MM, most)
-        ax.plot(
-            [flip.earliest * MM, late],
-            [i, i],
-            color=pale(colours[flip.leg], 0.4),
-            linewidth=4.0,
-            solid_capstyle="butt",
-            zorder=2,
-            gid=f"range {flip.antenna}",
-        )
-        ax.plot(
-            [flip.displacement * MM],
-            [i],
-            "o",
-            color=colours[flip.leg],
-            markersize=5.0,
-            zorder=3,
-            gid=f"flip {flip.antenna}",
-        )
+        ends, colour = [flip.earliest * MM, late], colours[flip.leg]
+        look = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2}
+        ax.plot(ends, [i, i], color=pale(colour, 0.4), **look, gid=f"range {flip.antenna}")
+        look = {"color": colour, "markersize": 5.0, "zorder": 3}
+        ax.plot(flip.displacement * MM, i, "o", **look, gid=f"flip {flip.antenna}")
         ax.plot([end, end], [i - 0.4, i + 0.4], color=INK, linewidth=1.0, zorder=3)
         _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
     _rows(ax, [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips], most)
@@ -200,12 +165,10 @@ def _limit(values: Sequence[float]) -> float:
 
 
 def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
-    width = root(ax).bbox.width
-    gap = 2.0 / PAGE * width
     ax.annotate(
         text,
         (1.0, row),
-        (gap / root(ax).dpi * 72.0, 0.0),
+        (2.0 / 25.4 * 72.0, 0.0),
         xycoords=("axes fraction", "data"),
         textcoords="offset points",
         va="center",
@@ -216,8 +179,6 @@ def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
 
 
 def _rows(ax: Axes, names: Sequence[str], most: float) -> None:
-    ax.set_yticks(range(len(names)), [*map(literal, names)])
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(len(names) - 0.5, -0.5)
+    name_rows(ax, [*map(literal, names)])
     ax.set_xlim(0.0, most)
     ax.spines[["top", "right"]].set_visible(False)

@@ -28,15 +28,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # How the whole robot moves in a cycle, in the order of legends.
-FORWARD, LEFT, RIGHT, BACKWARD, IDLE = (
-    "forward",
-    "turning left",
-    "turning right",
-    "backward",
-    "in place",
-)
+FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
+LEFT, RIGHT = "turning left", "turning right"
 MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
 PRESSED = PURPLE
+# The pathways of two cells look as on a transition map.
+PATHWAY_COLOURS = {one.value: PATHWAY[one.name] for one in Pathway if one is not Pathway.OTHER}
 
 _LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _MORE = (GREEN, BLUE, VERMILLION, INK)
@@ -55,18 +52,14 @@ def leg_colours(robot: Robot) -> list[str]:
     return [_LEGS[i % len(_LEGS)] for i in range(len(robot.legs))]
 
 
-def window(walk: Walk, cycles: float) -> slice:
-    """The samples of the last so many cycles."""
-    if len(walk.time) == 0:
-        return slice(0, 0)
-    begin = walk.time[-1] - cycles * walk.robot.drive.period
-    return slice(int(np.searchsorted(walk.time, begin - 1e-9)), len(walk.time))
+def first_cycle(walk: Walk) -> int:
+    """How many cycles the actuator had gone through before the first whole one of the walk."""
+    return round(walk.starts[0] / walk.robot.drive.period) if len(walk.starts) else 0
 
 
-def span(walk: Walk, some: slice) -> tuple[float, float]:
-    """From when to when these samples are [s]; a tenth of a period at least."""
-    time = walk.time[some]
-    return float(time[0]), float(max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
+def cycle_samples(walk: Walk) -> NDArray[np.intp]:
+    """The sample at the start of every cycle and at the end of the last; none without a cycle."""
+    return np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), len(walk.time) - 1)
 
 
 def intervals(time: Array, held: NDArray[np.bool_], what: str = "") -> list[Interval]:
@@ -115,6 +108,11 @@ def direction(gait: str) -> int:
     return 1 if states.index(out) < states.index(back) else -1
 
 
+def gait_words(gait: str) -> str:
+    """A gait with the direction of its step."""
+    return gait + {1: ", forward", -1: ", backward", 0: ""}[direction(gait)]
+
+
 def motions(walk: Walk) -> list[str]:
     """How the robot as a whole moves in each cycle, from the gaits of its legs."""
     gaits = walk.gaits
@@ -134,14 +132,12 @@ def motions(walk: Walk) -> list[str]:
 def gait_colours(walk: Walk) -> dict[str, str]:
     """A colour for every gait string that occurs, directed ones first."""
     occur = {gait for gaits in walk.gaits.values() for gait in gaits}
-    known = {p.value: PATHWAY[p.name] for p in Pathway if p is not Pathway.OTHER}
-    found = {gait: colour for gait, colour in known.items() if gait in occur}
+    found = {gait: colour for gait, colour in PATHWAY_COLOURS.items() if gait in occur}
     longer = {1: ORANGE, -1: SKY, 0: YELLOW}
-    rest = sorted(
-        occur - set(found), key=lambda gait: (-abs(direction(gait)), -direction(gait), gait)
-    )
+    step = {gait: direction(gait) for gait in occur}
+    rest = sorted(occur - set(found), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
     spare = iter(_MORE * (len(rest) // len(_MORE) + 1))
     for gait in rest:
-        colour = longer[direction(gait)] if len(gait.split(">")[0]) > 2 else ""
+        colour = longer[step[gait]] if len(gait.split(">")[0]) > 2 else ""
         found[gait] = colour if colour and colour not in found.values() else next(spare)
     return found
