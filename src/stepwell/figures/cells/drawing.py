@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
 from stepwell.figures.cells.linkage import LinkageDrawing, Pose
-from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours
+from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours, hollow
 
 Array = NDArray[np.float64]
 
@@ -54,19 +54,10 @@ class Drawing:
         )
         self.levers = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=3)
         self.bands = LineCollection([], colors=colours, zorder=5, capstyle="round")
-        (self.joints,) = ax.plot(
-            [],
-            [],
-            "o",
-            markersize=2.6 * weight,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            markeredgewidth=0.6 * weight,
-            zorder=4,
-        )
+        joints = hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
+        (self.joints,) = ax.plot([], [], "o", **joints)
         self.anchors = ax.scatter(
-            np.zeros(len(colours) * 2),
-            np.zeros(len(colours) * 2),
+            *np.zeros((2, len(colours) * 2)),
             s=(2.6 * weight) ** 2,
             c=np.repeat(colours, 2),
             linewidths=0,

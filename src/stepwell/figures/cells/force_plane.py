@@ -7,28 +7,29 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
-    INK,
     VERMILLION,
     YELLOW,
     Label,
     beside,
     blank,
     cell_colours,
+    legends,
     literal,
     pale,
     place,
     shortened,
     styled,
+    text_at,
 )
 from stepwell.mechanism import Chain
 
@@ -122,29 +123,23 @@ def force_plane(
     if cloud is not None:
         for i, colour in enumerate(colours):
             _draw_cloud(ax, cloud[:, i], colour)
+    dot = {"markersize": 5.0, "markeredgecolor": "white", "zorder": 6, "gid": "cells"}
     for (x, y), colour in zip(forces.tolist(), colours, strict=True):
-        ax.plot(
-            x, y, "o", markersize=5.0, color=colour, markeredgecolor="white", zorder=6, gid="cells"
-        )
+        ax.plot(x, y, "o", color=colour, **dot)
     ax.margins(0.12)
     ax.autoscale_view()
-    ax.set_xlabel(_name(chain, 0))
-    ax.set_ylabel(_name(chain, 1))
+    ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     _draw_gap(ax, forces, gap)
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
         _frame_order(strip_ax, ax, half, orders[half], chain.names)
-    beside(
-        ax,
-        [Label(x, y, literal(n)) for (x, y), n in zip(forces.tolist(), chain.names, strict=True)],
-    )
-    figure.text(
-        3.0 / width, (_BOTTOM + side + _BETWEEN + strip / 2) / height, "loads",
-        rotation=90, ha="center", va="center",
-    )  # fmt: skip
-    figure.text(1.0 - (_RIGHT + strip / 2) / width, 4.8 / height, "unloads", ha="center", va="top")
-    above.legend(handles=key, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
+    named = zip(forces.tolist(), chain.names, strict=True)
+    beside(ax, [Label(x, y, literal(name)) for (x, y), name in named])
+    middle = {"ha": "center", "va": "center"}
+    text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
+    text_at(figure, width - _RIGHT - strip / 2, 4.8, "unloads", ha="center", va="top")
+    legends.above(above, key, columns)
     return figure
 
 
@@ -213,10 +208,8 @@ def _draw_order(
         value, colour = float(forces[cell, side]), colours[cell]
         if cloud is not None:
             ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
-            ax.plot(
-                *turned(ends, [row, row]), color=pale(colour, 0.45), linewidth=4.0, zorder=2,
-                solid_capstyle="butt", gid="spread",
-            )  # fmt: skip
+            bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
+            ax.plot(*turned(ends, [row, row]), color=pale(colour, 0.45), **bar)
         ax.plot(*turned([value], [row]), "o", markersize=3.6, color=colour, zorder=4, gid="order")
         # From the cell's place in the plane to its row.
         lead = {"color": FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
@@ -232,51 +225,34 @@ def _frame_order(
     """Ticks with the names of the rows; the forces are those of the plane."""
     colours = cell_colours(len(order))
     words = [literal(shortened(name, _NAME)) for name in names]
+    ends, in_order = (len(order) - 0.4, -0.6), [words[i] for i in order]
     if side == 0:
-        ax.set_ylim(len(order) - 0.4, -0.6)
+        ax.set_ylim(ends)
         ax.set_xticks(main.get_xticks(), [])
         ax.set_xlim(main.get_xlim())
-        ax.set_yticks(range(len(order)), [words[i] for i in order])
+        ax.set_yticks(range(len(order)), in_order)
         labels = ax.get_yticklabels()
     else:
-        ax.set_xlim(-0.6, len(order) - 0.4)
+        ax.set_xlim(ends[::-1])
         ax.set_yticks(main.get_yticks(), [])
         ax.set_ylim(main.get_ylim())
         ax.xaxis.tick_top()
-        ax.set_xticks(range(len(order)), [words[i] for i in order], rotation=90)
+        ax.set_xticks(range(len(order)), in_order, rotation=90)
         labels = ax.get_xticklabels()
     ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
     for label, cell in zip(labels, order, strict=True):
-        label.set_color(colours[cell])
-        label.set_fontweight("bold")
+        label.set(color=colours[cell], fontweight="bold")
 
 
-def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Line2D | Patch]:
-    found: list[Line2D | Patch] = []
+def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Artist]:
+    found: list[Artist] = []
     if region:
-        found.append(Patch(facecolor=_FILL, edgecolor=FAINT, linewidth=0.8, label="can be reached"))
+        found.append(legends.shade("can be reached", _FILL, edgecolor=FAINT, linewidth=0.8))
     if places:
-        found.append(
-            Line2D(
-                [],
-                [],
-                linestyle="none",
-                marker=".",
-                markersize=3.0,
-                color=FAINT,
-                label="can be reached",
-            )
-        )
+        found.append(legends.mark("can be reached", ".", 3.0, color=FAINT))
     if cloud:
-        found.append(Line2D([], [], color=INK, linewidth=1.0, label="95 % as built"))
+        found.append(legends.line("95 % as built", width=1.0))
     if gap is not None:
-        words = "narrowest step" if gap.size > 0 else "wrong by"
-        found.append(
-            Patch(
-                facecolor=_gap_colour(gap),
-                alpha=0.6,
-                linewidth=0,
-                label=f"{words} {abs(gap.size):.3g} N",
-            )
-        )
+        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} N"
+        found.append(legends.shade(words, _gap_colour(gap), alpha=0.6, linewidth=0))
     return found

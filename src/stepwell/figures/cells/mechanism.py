@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
@@ -19,10 +18,10 @@ from stepwell.figures.common import (
     MM,
     PAGE,
     canvas,
-    cell_colours,
     direction_colour,
-    literal,
+    legends,
     marks,
+    plain,
     styled,
 )
 from stepwell.mechanism import Chain
@@ -144,10 +143,7 @@ def arrange(
 
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    ax.set_xlim(0, sheet.width)
-    ax.set_ylim(0, sheet.height)
-    ax.set_aspect("equal")
-    ax.set_axis_off()
+    plain(ax, (0.0, sheet.width, 0.0, sheet.height))
     per_metre = sheet.scale * MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -160,15 +156,8 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         slack = slack or bool(pose.slack.any())
         ground(ax, sheet.linkage, origin, per_metre)
         middle = origin[0] + (left + right) / 2
-        ax.text(
-            middle,
-            origin[1] + top + 1.0,
-            title,
-            ha="center",
-            va="bottom",
-            fontweight="bold",
-            fontsize=8,
-        )
+        above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
+        ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
         # From where the outermost block's edge is at zero stroke to where it is now.
         start = origin[0] + sheet.rest * per_metre
@@ -202,36 +191,18 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
 
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     names = sheet.linkage.chain.names
-    handles = [
-        Line2D([], [], color=colour, linewidth=2.0, label=literal(name))
-        for name, colour in zip(names, cell_colours(len(names)), strict=True)
-    ]
+    handles = legends.cells(names, 2.0)
     strongest = sheet.linkage.greatest_tension()
-    handles.append(
-        Line2D([], [], color=INK, linewidth=THICKEST * 0.8, label=f"band at {strongest:.2f} N")
-    )
+    handles.append(legends.line(f"band at {strongest:.2f} N", width=THICKEST * 0.8))
     if slack:
-        handles.append(
-            Line2D([], [], color=INK, linewidth=0.8, linestyle=SLACK_DASHES, label="slack band")
-        )
-    columns = min(len(handles), 7)
-    ax.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.02, 0.6 / sheet.height),
-        ncols=columns,
-    )
+        handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
+    place_of_key = (0.02, 0.6 / sheet.height)
+    legends.above(ax, handles, min(len(handles), 7), bbox_to_anchor=place_of_key)
     # A round length of about a lever, so that no reader needs the design file.
     bar = 0.010 if sheet.linkage.reach < 0.02 else 0.050
     x = sheet.width - 4.0
-    ax.plot(
-        [x - bar * MM * sheet.scale, x],
-        [2.4, 2.4],
-        color=INK,
-        linewidth=1.4,
-        solid_capstyle="butt",
-        gid="scale bar",
-    )
+    look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
+    ax.plot([x - bar * MM * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
 
 
