@@ -49,6 +49,7 @@ from stepwell.figures.common.style import (
     hollow,
     keep_inside,
     name_panel,
+    name_rows,
     on_black,
     on_white,
     pale,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -175,6 +175,13 @@ def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
     height = size_of(root(ax))[1]
     box = ax.get_position()
     root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
+
+
+def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:
+    """Rows 0, 1, ... from the top, each with its name; `edge` rows beyond the first and last."""
+    ax.set_yticks(range(len(names)), names)
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(len(names) - 1 + edge, -edge)
 
 
 def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:

@@ -20,13 +20,13 @@ from stepwell.figures.common import (
     legends,
     literal,
     marks,
+    name_rows,
     place,
     styled,
 )
 from stepwell.figures.runs.walk_axes import (
     DASHED,
     last_cycles,
-    name_rows,
     number_cycles,
     show_time,
 )

@@ -10,8 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from stepwell.figures.common import INK, PAGE, blank, legends, literal, pale, place, styled
-from stepwell.figures.runs.walk_axes import DASHED, name_rows, refuse_empty
+from stepwell.figures.common import (
+    INK,
+    PAGE,
+    blank,
+    legends,
+    literal,
+    name_rows,
+    pale,
+    place,
+    styled,
+)
+from stepwell.figures.runs.walk_axes import DASHED, refuse_empty
 from stepwell.figures.runs.walk_reading import PRESSED, gait_colours, gait_words, intervals
 
 if TYPE_CHECKING:

@@ -19,12 +19,12 @@ from stepwell.figures.common import (
     blank,
     literal,
     minus,
+    name_rows,
     pale,
     place,
     styled,
     text_at,
 )
-from stepwell.figures.runs.walk_axes import name_rows
 from stepwell.figures.runs.walk_reading import gait_words, leg_colours
 
 if TYPE_CHECKING:

@@ -1,8 +1,7 @@
-"""Axes over the time or the cycles of a walk, and rows with names."""
+"""Axes over the time or the cycles of a walk."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,10 +58,3 @@ def number_cycles(ax: Axes, walk: Walk) -> NDArray[np.intp]:
         middle = {"transform": ax.transAxes, "ha": "center", "va": "center"}
         ax.text(0.5, 0.5, "no whole cycle", bbox=on_white(0.2), **middle)
     return first + 1 + np.arange(walk.cycles)
-
-
-def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:
-    """Rows 0, 1, ... from the top, each with its name; `edge` rows beyond the first and last."""
-    ax.set_yticks(range(len(names)), names)
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(len(names) - 1 + edge, -edge)
