@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
-from stepwell.figures.cells.linkage import LinkageDrawing, Pose
+from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.figures.common import (
     INK,
     MM,
@@ -102,7 +102,9 @@ def arrange(
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     travels = [_travels(chain, state) for state in wanted]
     linkage = LinkageDrawing(chain)
-    bounds = _union([linkage.pose(t) for t in travels], linkage)
+    left, *others = linkage.bounds(travels)
+    # The wall of the fixed block is part of the picture.
+    bounds = (min(left, -1.7 * linkage.reach), *others)
     wide, high = ((bounds[k + 2] - bounds[k]) * MM for k in (0, 1))
 
     def scale_of(c: int) -> float:
@@ -226,12 +228,3 @@ def _title(state: State) -> str:
     if isinstance(state, str):
         return state
     return "$s$ = " + ", ".join(f"{s * MM:.3g}" for s in state) + " mm"
-
-
-def _union(poses: list[Pose], linkage: LinkageDrawing) -> tuple[float, float, float, float]:
-    edges = np.array([pose.bounds for pose in poses])
-    left, bottom = edges[:, :2].min(axis=0)
-    right, top = edges[:, 2:].max(axis=0)
-    # The wall of the fixed block is part of the picture.
-    left = min(left, -1.7 * linkage.reach)
-    return float(left), float(bottom), float(right), float(top)

@@ -50,17 +50,9 @@ def beside(
         if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
             continue
         done.append((label.text, *here))
-        text = ax.annotate(
-            label.text,
-            (label.x, label.y),
-            (0, 0),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            color=label.colour,
-            fontsize=7.0,
-            zorder=9,
-        )
+        look = {"ha": "center", "va": "center", "fontsize": 7.0, "color": label.colour}
+        at = (label.x, label.y)
+        text = ax.annotate(label.text, at, (0, 0), textcoords="offset points", zorder=9, **look)
         text.set_in_layout(False)
         box = text.get_window_extent().padded(0.8 * point)
         best, best_cost = (0.0, 0.0), np.inf

@@ -48,21 +48,11 @@ def snaps(
         colour = direction_colour(direction)
         ends = np.array([(snap.before, snap.after) for snap in some])
         gap = np.full(len(some), np.nan)
-        ax.plot(
-            np.column_stack([x[ends], gap]).ravel(),
-            np.column_stack([y[ends], gap]).ravel(),
-            color=colour,
-            linestyle=SNAP_DASHES,
-            linewidth=1.1,
-            zorder=5,
-            gid="snaps",
-        )
-        ax.plot(
-            x[ends[:, 0]],
-            y[ends[:, 0]],
-            "o",
-            **hollow(size, colour, markeredgewidth=1.1, zorder=6, gid="snap starts"),
-        )
+        jumps = [np.column_stack([column[ends], gap]).ravel() for column in (x, y)]
+        look = {"color": colour, "linestyle": SNAP_DASHES, "linewidth": 1.1}
+        ax.plot(*jumps, **look, zorder=5, gid="snaps")
+        circles = hollow(size, colour, markeredgewidth=1.1, zorder=6)
+        ax.plot(x[ends[:, 0]], y[ends[:, 0]], "o", **circles, gid="snap starts")
         if len(some) <= MOST_HEADS:
             for snap in some:
                 i, j = snap.before, snap.after
@@ -119,20 +109,9 @@ def head(
     ax: Axes, start: Sequence[float], end: Sequence[float], colour: str, size: float = 7.0
 ) -> None:
     """An arrow head at `end`, seen from `start`."""
-    ax.annotate(
-        "",
-        (end[0], end[1]),
-        (start[0], start[1]),
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.45,head_width=0.2",
-            "mutation_scale": size,
-            "linewidth": 0,
-            "color": colour,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-        zorder=6,
-    )
+    props = {"arrowstyle": "-|>,head_length=0.45,head_width=0.2", "mutation_scale": size}
+    props |= {"linewidth": 0, "color": colour, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops=props, zorder=6)
 
 
 def heading(

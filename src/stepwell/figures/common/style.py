@@ -16,6 +16,7 @@ from matplotlib.text import Text
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
+from stepwell.sequences import Pathway
 
 # Millimetres in a metre, millijoules in a joule.
 MM = MJ = 1e3
@@ -44,13 +45,12 @@ FIXED_BLOCK = "#A8A8A8"
 _INNER, _OUTER = GREEN, PURPLE
 _BETWEEN = (ORANGE, SKY, "#7A6A00", BLACK)
 
-# By the name of the pathway in the data, so that a map read back from a file looks the same.
+# By the sequence of a pathway, which a map read back from a file has too.
 PATHWAY = {
-    "CLOCKWISE": ORANGE,
-    "COUNTERCLOCKWISE": SKY,
-    "VIA_01": YELLOW,
-    "VIA_10": "#8F8F8F",
-    "OTHER": PURPLE,
+    Pathway.CLOCKWISE.value: ORANGE,
+    Pathway.COUNTERCLOCKWISE.value: SKY,
+    Pathway.VIA_01.value: YELLOW,
+    Pathway.VIA_10.value: "#8F8F8F",
 }
 
 STYLE: dict[Any, Any] = {

@@ -143,9 +143,8 @@ class _Frame(NamedTuple):
 def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
     """What to show in each of `count` frames."""
     snaps = snaps_of(path)
-    drive = np.asarray(path.drive, float)
-    moving = np.abs(np.diff(drive))
-    way = np.concatenate([[0.0], np.cumsum(moving)])
+    plan = plan_of(path)
+    moving = np.diff(plan.way)
     turns = np.flatnonzero(np.diff(np.sign(path.direction)))
     # Snaps and rests never take more than half of the time.
     pauses = _SNAP_SECONDS * len(snaps) + _REST_SECONDS * (len(turns) + 1)
@@ -167,7 +166,7 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
             part = part * part * (3.0 - 2.0 * part)
         travels, force, u, w = (
             column[i] + part * (column[j] - column[i])
-            for column in (path.travel, path.force, drive, way)
+            for column in (path.travel, path.force, plan.drive, plan.way)
         )
         frames.append(_Frame(travels, float(force), snap, float(u), float(w)))
     return frames
@@ -185,9 +184,7 @@ class _Scene:
         windows = windows_of(result) if isinstance(result, Program) else []
         self.linkage = LinkageDrawing(self.chain)
         samples = path.travel[:: max(1, len(path.travel) // 120)]
-        edges = np.array([self.linkage.pose(t).bounds for t in samples])
-        left, bottom = edges[:, :2].min(axis=0) - 0.002
-        right, top = edges[:, 2:].max(axis=0) + 0.002
+        left, bottom, right, top = self.linkage.bounds(samples, 0.002)
         left = min(left, -2.2 * self.linkage.reach)
         wide, high = (right - left) * MM, (top - bottom) * MM
 
@@ -277,8 +274,7 @@ class _Scene:
         for dot in (self.dot, self.halo):
             dot.set_data([x], [y])
         if self.plan is not None:
-            scale = 1.0 if self.chain.actuator_stiffness == 0 else MM
-            self.plan.set_data([frame.way * scale], [frame.drive * scale])
+            self.plan.set_data([frame.way], [frame.drive])
             self.state.set_text(f"state {self._state(frame.travels)}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)

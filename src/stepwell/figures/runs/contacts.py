@@ -71,17 +71,17 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
 
 def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     time = walk.time[some]
-    names = [leg.name for leg in walk.robot.legs] + ["T-foot"]
-    colours = [*leg_colours(walk.robot), INK]
+    colours = leg_colours(walk.robot) | {"T-foot": INK}
+    names = [*map(literal, colours)]
     loads = np.column_stack([walk.foot_force[some], walk.support_force[some].sum(axis=1)])
     step = walk.settings.sample
-    for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
+    for i, (name, colour) in enumerate(colours.items()):
         stood = intervals(time, standing(loads[:, i]))
         spans = [(begin - step / 2, end - begin + step) for begin, end, _ in stood]
         bars.broken_barh(spans, (i - 0.32, 0.64), facecolors=colour, linewidth=0, gid=name)
         look = {"color": colour, "linewidth": 1.2, "zorder": 2 if name == "T-foot" else 3}
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
-    name_rows(bars, [*map(literal, names)], 0.6)
+    name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)
     bars.set_title("Stands on the floor", loc="left", pad=3.0)
     bars.spines[["top", "right", "left"]].set_visible(False)

@@ -84,7 +84,9 @@ def _margins(ax: Axes, found: Prediction) -> None:
     legs = found.legs
     ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
     most = _limit(ends)
-    for i, (leg, colour) in enumerate(zip(legs, leg_colours(found.robot), strict=True)):
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(legs):
+        colour = colours[leg.name]
         look = {"color": pale(FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
         ax.barh(i, leg.uncertainty * _MN, height=0.8, zorder=1, **look)
         reach = leg.margin * _MN if math.isfinite(leg.margin) else most
@@ -95,30 +97,30 @@ def _margins(ax: Axes, found: Prediction) -> None:
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
-    _rows(ax, [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs], most)
-    ax.set_title("Margin to another gait; shaded: what the prediction does not know", loc="left")
-    ax.set_xlabel("Force on one cell [mN]")
+    title = "Margin to another gait; shaded: what the prediction does not know"
+    names = [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs]
+    _rows(ax, names, most, title, "Force on one cell [mN]")
 
 
 def _depths(ax: Axes, found: Prediction) -> None:
     below, ends = found.robot.foot.below * MM, np.array(found.depths) * MM
     # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
     most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
-    for i, (leg, colour) in enumerate(zip(found.legs, leg_colours(found.robot), strict=True)):
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(found.legs):
         low, high = ends[i]
-        look = {"color": colour, "zorder": 2, "gid": f"depths {leg.name}"}
+        look = {"color": colours[leg.name], "zorder": 2, "gid": f"depths {leg.name}"}
         ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
         _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
     ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
-    _rows(ax, [f"{leg.name}: {leg.gait}" for leg in found.legs], most)
     title = "Depths of the feet at which the gait surely stays; line: this robot's"
-    ax.set_title(title, loc="left")
-    ax.set_xlabel("Feet below the supports [mm]")
+    names = [f"{leg.name}: {leg.gait}" for leg in found.legs]
+    _rows(ax, names, most, title, "Feet below the supports [mm]")
 
 
 def _drags(ax: Axes, found: Prediction) -> None:
     drag = found.robot.floor.drag
-    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
+    colours = leg_colours(found.robot)
     pushes = [(leg.name, push) for leg in found.legs for push in leg.pushes]
     most = _limit([drag, *(push.largest_drag for _, push in pushes)])
     for i, (name, push) in enumerate(pushes):
@@ -130,19 +132,14 @@ def _drags(ax: Axes, found: Prediction) -> None:
         f"{name}, {'out' if push.loading else 'back'}: {push.step * MM:.1f} mm step"
         for name, push in pushes
     ]
-    _rows(ax, [*map(minus, names)], most)
-    ax.set_title("Largest drag that each push overcomes; line: the floor's drag", loc="left")
-    ax.set_xlabel("Drag of the floor [N]")
+    title = "Largest drag that each push overcomes; line: the floor's drag"
+    _rows(ax, [*map(minus, names)], most, title, "Drag of the floor [N]")
 
 
 def _flips(ax: Axes, found: Prediction) -> None:
-    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
-    full = [
-        math.hypot(*antenna.moves) * MM
-        for flip in found.flips
-        for antenna in found.robot.antennas
-        if antenna.name == flip.antenna
-    ]
+    colours = leg_colours(found.robot)
+    swings = {one.name: math.hypot(*one.moves) * MM for one in found.robot.antennas}
+    full = [swings[flip.antenna] for flip in found.flips]
     most = _limit(full)
     for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
         late = min(flip.latest * MM, most)
@@ -153,9 +150,9 @@ def _flips(ax: Axes, found: Prediction) -> None:
         ax.plot(flip.displacement * MM, i, "o", **look, gid=f"flip {flip.antenna}")
         ax.plot([end, end], [i - 0.4, i + 0.4], color=INK, linewidth=1.0, zorder=3)
         _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
-    _rows(ax, [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips], most)
-    ax.set_title("Displacement that flips a leg, with its range; bar: full swing", loc="left")
-    ax.set_xlabel("Displacement of the anchor $p$ [mm]")
+    title = "Displacement that flips a leg, with its range; bar: full swing"
+    names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips]
+    _rows(ax, names, most, title, "Displacement of the anchor $p$ [mm]")
 
 
 def _limit(values: Sequence[float]) -> float:
@@ -178,7 +175,8 @@ def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
     )
 
 
-def _rows(ax: Axes, names: Sequence[str], most: float) -> None:
+def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
     name_rows(ax, [*map(literal, names)])
-    ax.set_xlim(0.0, most)
+    ax.set(xlim=(0.0, most), xlabel=xlabel)
+    ax.set_title(title, loc="left")
     ax.spines[["top", "right"]].set_visible(False)

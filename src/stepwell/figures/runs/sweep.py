@@ -16,6 +16,7 @@ from stepwell.figures.common import (
     GREEN,
     INK,
     PAGE,
+    PATHWAY,
     PURPLE,
     VERMILLION,
     blank,
@@ -27,7 +28,6 @@ from stepwell.figures.common import (
     place,
     styled,
 )
-from stepwell.figures.runs.walk_reading import PATHWAY_COLOURS
 
 if TYPE_CHECKING:
     from stepwell.simulation import Sweep
@@ -172,7 +172,7 @@ def _read(found: Sweep, keys: list[str]) -> _Shown:
         words = ", ".join(alike if len(alike) == 1 else trial.gaits)
         gaits.append(_STOPPED if trial.stopped else words)
     often = sorted(set(gaits), key=lambda gait: (-gaits.count(gait), gait))
-    known = PATHWAY_COLOURS | {_STOPPED: FAINT}
+    known = PATHWAY | {_STOPPED: FAINT}
     spare = iter(_COLOURS)
     colours: dict[str, Colour] = {
         gait: colour

@@ -19,7 +19,6 @@ from stepwell.figures.common import (
     VERMILLION,
     YELLOW,
 )
-from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from stepwell.robot import Robot
@@ -32,8 +31,6 @@ FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
 LEFT, RIGHT = "turning left", "turning right"
 MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
 PRESSED = PURPLE
-# The pathways of two cells look as on a transition map.
-PATHWAY_COLOURS = {one.value: PATHWAY[one.name] for one in Pathway if one is not Pathway.OTHER}
 
 _LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _MORE = (GREEN, BLUE, VERMILLION, INK)
@@ -47,9 +44,9 @@ class Interval(NamedTuple):
     what: str = ""
 
 
-def leg_colours(robot: Robot) -> list[str]:
-    """One colour a leg; past six they repeat."""
-    return [_LEGS[i % len(_LEGS)] for i in range(len(robot.legs))]
+def leg_colours(robot: Robot) -> dict[str, str]:
+    """One colour a leg, by its name; past six they repeat."""
+    return {leg.name: _LEGS[i % len(_LEGS)] for i, leg in enumerate(robot.legs)}
 
 
 def first_cycle(walk: Walk) -> int:
@@ -132,7 +129,7 @@ def motions(walk: Walk) -> list[str]:
 def gait_colours(walk: Walk) -> dict[str, str]:
     """A colour for every gait string that occurs, directed ones first."""
     occur = {gait for gaits in walk.gaits.values() for gait in gaits}
-    found = {gait: colour for gait, colour in PATHWAY_COLOURS.items() if gait in occur}
+    found = {gait: colour for gait, colour in PATHWAY.items() if gait in occur}
     longer = {1: ORANGE, -1: SKY, 0: YELLOW}
     step = {gait: direction(gait) for gait in occur}
     rest = sorted(occur - set(found), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
