@@ -41,7 +41,7 @@ _ROW = 3.6
 _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
 # A normal distribution has 95 % of its draws within so many deviations in two dimensions.
 _ELLIPSE = 2.4477
-_FILL, _RIGHT_GAP, _WRONG_GAP = "#EFEFEF", pale(YELLOW, 0.0), pale(VERMILLION, 0.3)
+_FILL = "#EFEFEF"
 _CENTRAL = (2.5, 97.5)
 # Characters that a row's name has room for.
 _NAME = 9
@@ -54,6 +54,11 @@ class _Gap(NamedTuple):
     second: int
     side: int
     size: float
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Yellow for a step of the right sign, red for one of the wrong sign."""
+        return pale(YELLOW, 0.0) if self.size > 0 else pale(VERMILLION, 0.3)
 
 
 @styled
@@ -129,7 +134,12 @@ def force_plane(
     ax.margins(0.12)
     ax.autoscale_view()
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
-    _draw_gap(ax, forces, gap)
+    if gap is not None:
+        # The narrowest step as a band across the plane.
+        band = ax.axvspan if gap.side == 0 else ax.axhspan
+        look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
+        ends = np.sort(forces[[gap.first, gap.second], gap.side])
+        band(*ends, **look, zorder=0.5, gid="narrowest")
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
@@ -182,19 +192,6 @@ def _draw_cloud(ax: Axes, points: Array, colour: str) -> None:
     ax.plot(*outline.T, color=colour, linewidth=1.0, zorder=4, gid="cloud")
 
 
-def _draw_gap(ax: Axes, forces: Array, gap: _Gap | None) -> None:
-    """The narrowest step as a band across the plane."""
-    if gap is None:
-        return
-    ends = np.sort(forces[[gap.first, gap.second], gap.side])
-    band = ax.axvspan if gap.side == 0 else ax.axhspan
-    band(*ends, color=_gap_colour(gap), alpha=0.6, linewidth=0, zorder=0.5, gid="narrowest")
-
-
-def _gap_colour(gap: _Gap) -> tuple[float, float, float]:
-    return _RIGHT_GAP if gap.size > 0 else _WRONG_GAP
-
-
 def _draw_order(
     ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Array, cloud: Array | None
 ) -> None:
@@ -233,7 +230,7 @@ def _frame_order(
         ax.set_yticks(range(len(order)), in_order)
         labels = ax.get_yticklabels()
     else:
-        ax.set_xlim(ends[::-1])
+        ax.set_xlim(ends[1], ends[0])
         ax.set_yticks(main.get_yticks(), [])
         ax.set_ylim(main.get_ylim())
         ax.xaxis.tick_top()
@@ -254,5 +251,5 @@ def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Arti
         found.append(legends.line("95 % as built", width=1.0))
     if gap is not None:
         words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} N"
-        found.append(legends.shade(words, _gap_colour(gap), alpha=0.6, linewidth=0))
+        found.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
     return found

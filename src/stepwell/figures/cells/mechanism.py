@@ -71,7 +71,7 @@ def mechanism(
 
 @dataclass(frozen=True)
 class Sheet:
-    """Where each drawing goes on a page of `width` × `height` mm."""
+    """Where each drawing goes on a page of this height [mm]."""
 
     linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
@@ -80,17 +80,10 @@ class Sheet:
     scale: float
     bounds: tuple[float, float, float, float]
     rest: float
-    width: float
     height: float
 
 
-def arrange(
-    chain: Chain,
-    states: Iterable[State],
-    *,
-    columns: int | None = None,
-    width: float = PAGE,
-) -> Sheet:
+def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None) -> Sheet:
     """Lay the drawings out in rows."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
@@ -102,15 +95,15 @@ def arrange(
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     travels = [_travels(chain, state) for state in wanted]
     linkage = LinkageDrawing(chain)
-    left, *others = linkage.bounds(travels)
+    left, bottom, right, top = linkage.bounds(travels)
     # The wall of the fixed block is part of the picture.
-    bounds = (min(left, -1.7 * linkage.reach), *others)
-    wide, high = ((bounds[k + 2] - bounds[k]) * MM for k in (0, 1))
+    left = min(left, -1.7 * linkage.reach)
+    wide, high = (right - left) * MM, (top - bottom) * MM
 
     def scale_of(c: int) -> float:
         # Where the drawings wrap, each row but the first begins with an arrow.
         gaps = c - 1 if c >= len(wanted) else c
-        return min(_LARGEST, (width - 4.0 - gaps * _BETWEEN) / (c * wide))
+        return min(_LARGEST, (PAGE - 4.0 - gaps * _BETWEEN) / (c * wide))
 
     if columns is None:
         columns = 1
@@ -122,11 +115,11 @@ def arrange(
     scale = scale_of(columns)
     row = high * scale + _ABOVE + _BELOW
     used = columns * (wide * scale + _BETWEEN) - _BETWEEN
-    first = (width - used) / 2 if rows == 1 else (width - used + _BETWEEN) / 2
+    first = (PAGE - used) / 2 if rows == 1 else (PAGE - used + _BETWEEN) / 2
     origins = [
         (
-            first + (k % columns) * (wide * scale + _BETWEEN) - bounds[0] * MM * scale,
-            _KEY + (rows - 1 - k // columns) * row + _BELOW - bounds[1] * MM * scale,
+            first + (k % columns) * (wide * scale + _BETWEEN) - left * MM * scale,
+            _KEY + (rows - 1 - k // columns) * row + _BELOW - bottom * MM * scale,
         )
         for k in range(len(wanted))
     ]
@@ -136,16 +129,15 @@ def arrange(
         [_title(state) for state in wanted],
         origins,
         scale,
-        bounds,
+        (left, bottom, right, top),
         float(linkage.pose([0.0] * len(chain)).blocks[-1, 2]),
-        width,
         _KEY + rows * row,
     )
 
 
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    plain(ax, (0.0, sheet.width, 0.0, sheet.height))
+    plain(ax, (0.0, PAGE, 0.0, sheet.height))
     per_metre = sheet.scale * MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -202,7 +194,7 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     legends.above(ax, handles, min(len(handles), 7), bbox_to_anchor=place_of_key)
     # A round length of about a lever, so that no reader needs the design file.
     bar = 0.010 if sheet.linkage.reach < 0.02 else 0.050
-    x = sheet.width - 4.0
+    x = PAGE - 4.0
     look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * MM * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
@@ -214,10 +206,8 @@ def _travels(chain: Chain, state: State) -> tuple[float, ...]:
             raise InputError(
                 f"state {state!r}: must be {len(chain)} characters, each 0 or 1, innermost first."
             )
-        return tuple(
-            cell.full_travel if one == "1" else 0.0
-            for cell, one in zip(chain.cells, state, strict=True)
-        )
+        pairs = zip(chain.cells, state, strict=True)
+        return tuple(cell.full_travel if one == "1" else 0.0 for cell, one in pairs)
     travels = tuple(float(s) for s in state)
     if len(travels) != len(chain):
         raise InputError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,7 +54,7 @@ def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
     look = {"color": INK, "linewidth": 1.6, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([right - length, right], [y, y], **look, zorder=9)
     label = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
-    place = {"textcoords": "offset points", "ha": "center", "va": "bottom"}
+    place: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "bottom"}
     ax.annotate(label, (right - length / 2, y), (0.0, 2.5), **place, zorder=9)
 
 

@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.typing import ColorType
 
 from stepwell.figures.common.names import literal
 from stepwell.figures.common.style import INK, cell_colours, size_of
 
 
-def line(label: str, colour: str = INK, width: float = 1.4, **look: Any) -> Line2D:
+def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:
     """What a line means."""
     return Line2D([], [], color=colour, linewidth=width, label=label, **look)
 
@@ -27,7 +28,7 @@ def mark(label: str, marker: str = "o", size: float = 4.5, **look: Any) -> Line2
     return Line2D([], [], linestyle="none", label=label, **look)
 
 
-def shade(label: str, colour: Any, **look: Any) -> Patch:
+def shade(label: str, colour: ColorType, **look: Any) -> Patch:
     """What a shade means."""
     return Patch(facecolor=colour, label=label, **look)
 

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.text import Text
+from matplotlib.typing import ColorType
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
@@ -127,7 +128,8 @@ def size_of(figure: Figure) -> tuple[float, float]:
 def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
     """Text at a place of the figure given in mm, its foot there by default."""
     width, height = size_of(figure)
-    return figure.text(x / width, y / height, text, **{"va": "bottom"} | look)
+    look.setdefault("va", "bottom")
+    return figure.text(x / width, y / height, text, **look)
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
@@ -198,7 +200,7 @@ def cell_colours(count: int) -> list[str]:
     return [_INNER, *between, _OUTER]
 
 
-def hollow(size: float, colour: str = INK, **look: Any) -> dict[str, Any]:
+def hollow(size: float, colour: ColorType = INK, **look: Any) -> dict[str, Any]:
     """The look of a mark with a white face."""
     return {"markersize": size, "markerfacecolor": "white", "markeredgecolor": colour} | look
 

@@ -226,7 +226,7 @@ def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[Co
         return [pale(PATHWAY[name]) for name in names]
     chosen: list[int] = []
     for i, part in enumerate(parts):
-        wide = ndimage.binary_dilation(part)
+        wide = np.asarray(ndimage.binary_dilation(part), bool)
         near = [chosen[j] for j in range(i) if np.any(wide & parts[j])]
         counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
         chosen.append(min(counts)[2])

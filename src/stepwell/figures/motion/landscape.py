@@ -99,8 +99,8 @@ def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
         at = (one * width, other * height)
         ax.plot(*at, "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
         off = (13.0 * one - 6.5, 13.0 * other - 6.5)
-        look = {"ha": "center", "va": "center", "fontweight": "bold"}
-        ax.annotate(name, at, off, textcoords="offset points", **look)
+        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
+        text.set_fontweight("bold")
     return filled
 
 

@@ -77,7 +77,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     step = walk.settings.sample
     for i, (name, colour) in enumerate(colours.items()):
         stood = intervals(time, standing(loads[:, i]))
-        spans = [(begin - step / 2, end - begin + step) for begin, end, _ in stood]
+        spans = [(begin - step / 2, end - begin + step) for begin, end in stood]
         bars.broken_barh(spans, (i - 0.32, 0.64), facecolors=colour, linewidth=0, gid=name)
         look = {"color": colour, "linewidth": 1.2, "zorder": 2 if name == "T-foot" else 3}
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")

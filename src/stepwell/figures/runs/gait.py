@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +23,7 @@ from stepwell.figures.common import (
 )
 from stepwell.figures.runs.walk_axes import last_cycles, show_time
 from stepwell.figures.runs.walk_reading import (
-    Interval,
+    Rest,
     first_cycle,
     intervals,
     resting,
@@ -71,7 +71,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         bottom -= _LEG + (_STATES if i else 3.0)
         ax = place(figure, _LEFT, bottom, wide, _LEG)
         axes.append(ax)
-        for begin, end, _ in intervals(time, standing(walk.foot_force[some, i])):
+        for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
         full = max(cell.full_travel for cell in leg.chain.cells) * MM
         for j, colour in enumerate(cell_colours(len(leg.chain))):
@@ -100,14 +100,14 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     return figure
 
 
-def _states(ax: Axes, found: list[Interval]) -> None:
+def _states(ax: Axes, found: list[Rest]) -> None:
     """Below the axes, a bracket for every rest with the state under it."""
     low, high = ax.get_xlim()
     span = high - low
     wide = ax.get_position().width * PAGE
     per_mm = 1.0 / _LEG
     reached = [-np.inf, -np.inf]
-    under = {"transform": ax.get_xaxis_transform()}
+    under: dict[str, Any] = {"transform": ax.get_xaxis_transform()}
     bar = {"color": INK, "linewidth": 1.6, "solid_capstyle": "butt", "clip_on": False}
     look = {"ha": "center", "va": "top", "fontweight": "bold", "gid": "state"}
     for begin, end, state in found:

@@ -99,7 +99,7 @@ def maze(maze: Maze) -> Figure:
     ax.plot(*end, "o", markersize=5.0, color=INK, zorder=8, gid="end")
     bar = round_length((box[1] - box[0]) / 4)
     scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
-    labels = [Label(*start.tolist(), "start"), Label(*end.tolist(), "end")]
+    labels = [Label(start[0], start[1], "start"), Label(end[0], end[1], "end")]
     if arena.goal is not None:
         x, y = (value * MM for value in arena.goal.at)
         labels.append(Label(x, y, "goal", GREEN))

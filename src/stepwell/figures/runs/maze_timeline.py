@@ -129,6 +129,6 @@ def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
     step = walk.settings.sample
     for i, name in enumerate(order):
         felt = walk.obstacle_force[:, names.index(name)] > TOUCHED
-        spans = [(begin, end - begin + step) for begin, end, _ in intervals(walk.time, felt)]
+        spans = [(begin, end - begin + step) for begin, end in intervals(walk.time, felt)]
         ax.broken_barh(spans, (i - 0.3, 0.6), facecolors=INK, linewidth=0, gid=name)
     name_rows(ax, order)

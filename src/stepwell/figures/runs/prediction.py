@@ -92,8 +92,8 @@ def _margins(ax: Axes, found: Prediction) -> None:
         reach = leg.margin * _MN if math.isfinite(leg.margin) else most
         ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
         if math.isfinite(leg.margin):
-            look = {"color": colour, "gid": f"margin {leg.name}"}
-            ax.plot(reach, i, "o", markersize=5.0, zorder=3, **look)
+            (dot,) = ax.plot(reach, i, "o", color=colour, markersize=5.0, zorder=3)
+            dot.set_gid(f"margin {leg.name}")
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)

@@ -36,12 +36,12 @@ _LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _MORE = (GREEN, BLUE, VERMILLION, INK)
 
 
-class Interval(NamedTuple):
-    """From when to when [s], and what."""
+class Rest(NamedTuple):
+    """From when to when [s] a leg rests in a state."""
 
     begin: float
     end: float
-    what: str = ""
+    state: str
 
 
 def leg_colours(robot: Robot) -> dict[str, str]:
@@ -59,13 +59,10 @@ def cycle_samples(walk: Walk) -> NDArray[np.intp]:
     return np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), len(walk.time) - 1)
 
 
-def intervals(time: Array, held: NDArray[np.bool_], what: str = "") -> list[Interval]:
-    """Every stretch of samples in which `held` is true."""
+def intervals(time: Array, held: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """The first and the last time of every stretch of samples in which `held` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]])))
-    return [
-        Interval(float(time[first]), float(time[end - 1]), what)
-        for first, end in edges.reshape(-1, 2)
-    ]
+    return [(float(time[first]), float(time[end - 1])) for first, end in edges.reshape(-1, 2)]
 
 
 def standing(force: Array) -> NDArray[np.bool_]:
@@ -75,17 +72,17 @@ def standing(force: Array) -> NDArray[np.bool_]:
     return force > LOADED
 
 
-def resting(walk: Walk, leg: str, some: slice) -> list[Interval]:
+def resting(walk: Walk, leg: str, some: slice) -> list[Rest]:
     """The states that a leg rests in, one after another, as `Walk.gait` counts them."""
-    found: list[Interval] = []
+    found: list[Rest] = []
     for time in walk.time[some].tolist():
         state = walk.state(leg, time)
         if state is None:
             continue
-        if found and found[-1].what == state:
+        if found and found[-1].state == state:
             found[-1] = found[-1]._replace(end=time)
         else:
-            found.append(Interval(time, time, state))
+            found.append(Rest(time, time, state))
     return found
 
 
