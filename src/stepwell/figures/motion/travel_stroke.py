@@ -81,7 +81,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
             ticks += [(base, "0"), (top, f"{top - base:.3g}")]
             name_lane(ax, (0.0, top), name, colour, (3.0, 1.5), va="bottom")
         elif i % every == 0:
-            ticks.append(((base + top) / 2, name))
+            ticks.append(((base + top) / 2, literal(name)))
         marks.trace(ax, path, stroke, travel, _WIDTHS, _UNLOADING_DASHES)
         marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, travel, size=3.2)
     ax.set_yticks(*zip(*ticks, strict=True))
