@@ -2,7 +2,7 @@
 
 from stepwell.lab.bands.band import (
     BandTest,
-    Loop,
+    Hysteresis,
     band_test,
     hysteresis,
     stiffness,

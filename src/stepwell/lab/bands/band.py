@@ -34,7 +34,7 @@ CYCLES = (5, 9)
 
 
 @dataclass(frozen=True, eq=False)
-class Loop(ByValue):
+class Hysteresis(ByValue):
     """One cycle of one sample.
 
     Attributes:
@@ -76,7 +76,7 @@ class BandTest(ByValue):
         told: which files were used, which dropped and why, and what is odd.
     """
 
-    loops: tuple[Loop, ...] = field(repr=False)
+    loops: tuple[Hysteresis, ...] = field(repr=False)
     window: tuple[float, float]
     cycles: tuple[int, int]
     told: tuple[str, ...] = field(repr=False)
@@ -87,7 +87,7 @@ class BandTest(ByValue):
         return tuple(sorted({loop.sample for loop in self.used}))
 
     @property
-    def used(self) -> tuple[Loop, ...]:
+    def used(self) -> tuple[Hysteresis, ...]:
         """The cycles that are fitted."""
         first, last = self.cycles
         return tuple(loop for loop in self.loops if first <= loop.cycle <= last)
@@ -159,7 +159,7 @@ def band_test(
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
     left_out = set(drop)
     told: list[str] = []
-    loops: list[Loop] = []
+    loops: list[Hysteresis] = []
     stems: dict[str, int] = {}
     cycle_of: dict[int, int] = {}
     odd = batch_oddities(recordings)
@@ -269,16 +269,16 @@ def _place(
     return stems.setdefault(stem, len(stems) + 1), run
 
 
-def _loops(recording: Recording, sample: int, first: int) -> list[Loop]:
+def _loops(recording: Recording, sample: int, first: int) -> list[Hysteresis]:
     halves = list(recording.halves)
-    found: list[Loop] = []
+    found: list[Hysteresis] = []
     for k, half in enumerate(halves):
         if recording.direction_of(half) != "loading":
             continue
         back = halves[k + 1] if k + 1 < len(halves) else slice(0, 0)
         u, force = recording.stroke, recording.force
         found.append(
-            Loop(
+            Hysteresis(
                 sample,
                 first + len(found),
                 recording.source,
@@ -291,7 +291,7 @@ def _loops(recording: Recording, sample: int, first: int) -> list[Loop]:
     return found
 
 
-def _used(test: BandTest, loops: list[Loop]) -> list[str]:
+def _used(test: BandTest, loops: list[Hysteresis]) -> list[str]:
     used = test.used
     if not used:
         have = sorted({loop.cycle for loop in loops})

@@ -50,7 +50,7 @@ _FEW = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Parameter(ByValue):
+class FittedParameter(ByValue):
     """A fitted number with its interval.
 
     Attributes:
@@ -67,7 +67,7 @@ class Parameter(ByValue):
 
     def __repr__(self):
         return (
-            f"Parameter({self.name} {self.value:.4g}, 95 % {self.low:.4g} to {self.high:.4g} "
+            f"FittedParameter({self.name} {self.value:.4g}, 95 % {self.low:.4g} to {self.high:.4g} "
             f"{self.unit})"
         )
 
@@ -100,14 +100,14 @@ class Calibration(ByValue):
     """
 
     law: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[FittedParameter, ...]
     samples: tuple[Sample, ...] = field(repr=False)
     fit_error: Array = field(repr=False)
     left_out_error: Array = field(repr=False)
     correlations: Array = field(repr=False)
     reference: float
 
-    def __getitem__(self, name: str) -> Parameter:
+    def __getitem__(self, name: str) -> FittedParameter:
         found = {parameter.name: parameter for parameter in self.parameters}
         if name not in found:
             raise KeyError(f"{name!r}: must be one of {', '.join(found)}.")
@@ -252,7 +252,7 @@ def calibrate(
     best = dict(zip(names, whole, strict=True))
     low, high = _intervals(whole, np.array(folds))
     parameters = tuple(
-        Parameter(name, UNITS[name.rstrip("_0123456789")], *map(float, row))
+        FittedParameter(name, UNITS[name.rstrip("_0123456789")], *map(float, row))
         for name, *row in zip(names, whole, low, high, strict=True)
     )
     return Calibration(

@@ -28,7 +28,7 @@ _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
 @dataclass(frozen=True, eq=False)
-class Reading(ByValue):
+class CellReading(ByValue):
     """A measured force on the block, against the lever angle.
 
     Attributes:
@@ -78,8 +78,8 @@ class CellTest(ByValue):
     """
 
     series: Series
-    plain: Reading
-    corrected: Reading
+    plain: CellReading
+    corrected: CellReading
     model: Array = field(repr=False)
     spread: float
     rises: tuple[tuple[float, float, float], ...]
@@ -140,10 +140,10 @@ class CellTest(ByValue):
         """The result as JSON can hold it; docs/commands.md describes the names."""
         return record(CELL_TEST, self)
 
-    def _gap(self, reading: Reading) -> Array:
+    def _gap(self, reading: CellReading) -> Array:
         return (reading.force - self.cell.force(reading.theta))[reading.inside]
 
-    def _apart(self, reading: Reading) -> tuple[float, float]:
+    def _apart(self, reading: CellReading) -> tuple[float, float]:
         gap = self._gap(reading) / self.series.scale
         return float(np.sqrt(np.mean(gap**2))), float(np.max(np.abs(gap)))
 
@@ -182,7 +182,7 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
     )
 
 
-def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> Reading:
+def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> CellReading:
     theta = rig.angle(cell, stroke)
     travel, block = cell.travel(theta), force / rig.factor(cell, theta)
     s = np.linspace(0.0, cell.full_travel, _POINTS)
@@ -192,7 +192,7 @@ def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> Reading:
     full = np.where(s > travel[-1], _beyond(travel, block, travel[-1], s), full)
     steps = 0.5 * (full[1:] + full[:-1]) * np.diff(s)
     energy = np.concatenate([[0.0], np.cumsum(steps)])
-    return Reading(cell.angle(s), full, energy, inside)
+    return CellReading(cell.angle(s), full, energy, inside)
 
 
 def _beyond(travel: Array, force: Array, edge: float, s: Array) -> Array:

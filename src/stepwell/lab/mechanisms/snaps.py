@@ -20,7 +20,7 @@ SHARE = 0.03  # of the range of the force
 
 
 @dataclass(frozen=True, eq=False)
-class Snap(ByValue):
+class MeasuredSnap(ByValue):
     """A jump of the force.
 
     Attributes:
@@ -32,12 +32,12 @@ class Snap(ByValue):
     jump: float
 
     def __repr__(self):
-        return f"Snap({self.stroke * 1e3:.2f} mm, {self.jump:+.3g} N)"
+        return f"MeasuredSnap({self.stroke * 1e3:.2f} mm, {self.jump:+.3g} N)"
 
 
 def find_snaps(
     stroke: Array, force: Array, quiet: Sequence[tuple[float, float]] = ()
-) -> tuple[Snap, ...]:
+) -> tuple[MeasuredSnap, ...]:
     """Jumps of the force along a recording.
 
     A jump counts if it is over 8 robust standard deviations of such differences and over 3 % of
@@ -73,8 +73,8 @@ def find_snaps(
         allowed &= (u < low) | (u > high)
     over = allowed & (np.abs(jump) > least)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
-    found: list[Snap] = []
+    found: list[MeasuredSnap] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         peak = start + int(np.argmax(np.abs(jump[start:end])))
-        found.append(Snap(float(u[peak]), float(jump[peak])))
+        found.append(MeasuredSnap(float(u[peak]), float(jump[peak])))
     return tuple(found)

@@ -48,7 +48,7 @@ def parse(data: bytes) -> Export:
     rows, remarks = _rows(body, delimiter, count)
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, column.place] * column.factor for role, column in found.items()}
+    values = {role: rows[:, place] * factor for role, (place, factor) in found.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
         remarks += ("no time column, so its rate is not known",)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 CYCLES = 4
 
 
-class Change(NamedTuple):
+class Variation(NamedTuple):
     """An assumed number: what it is called, its keys, and the values it is given.
 
     A key with a minus sign before it gets the value's negative: the other side of the robot.
@@ -32,34 +32,34 @@ class Change(NamedTuple):
 
 
 # By a fifth where nothing better is known, by a few millimetres where things can be seen.
-CHANGES = (
-    Change("mass of the body [g]", ("body.mass_g",), 208, 312),
-    Change("centre of mass, forward [mm]", ("body.centre_mm[0]",), 20, 28),
-    Change("centre of mass, up [mm]", ("body.centre_mm[2]",), -10, 10),
-    Change("rear support, forward [mm]", ("body.supports_mm[0][0]",), -65, -45),
-    Change(
+VARIATIONS = (
+    Variation("mass of the body [g]", ("body.mass_g",), 208, 312),
+    Variation("centre of mass, forward [mm]", ("body.centre_mm[0]",), 20, 28),
+    Variation("centre of mass, up [mm]", ("body.centre_mm[2]",), -10, 10),
+    Variation("rear support, forward [mm]", ("body.supports_mm[0][0]",), -65, -45),
+    Variation(
         "front supports, forward [mm]",
         ("body.supports_mm[1][0]", "body.supports_mm[2][0]"),
         34,
         42,
     ),
-    Change(
+    Variation(
         "front supports, sideways [mm]",
         ("body.supports_mm[1][1]", "-body.supports_mm[2][1]"),
         35,
         52,
     ),
-    Change("feet below the supports [mm]", ("foot.below_mm",), 0.72, 1.08),
-    Change("radius of the feet [mm]", ("foot.radius_mm",), 3, 5),
-    Change("mass of a block [g]", ("blocks.mass_g",), 4, 8),
-    Change("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),
-    Change("damping of a cell [N s/m]", ("blocks.damping_N_s_per_m",), 0.5, 1.5),
-    Change("friction of a cell [N]", ("leg.*.chain.cell.*.friction_N",), 0.0, 0.02),
-    Change("friction of the feet", ("floor.foot_friction",), 0.4, 0.6),
-    Change("period of the drive [s]", ("drive.period_s",), 1, 4),
-    Change("stiffness of the drive [N/m]", ("drive.stiffness_N_per_m",), 1000, 4000),
-    Change("feet, forward [mm]", ("leg.*.at_mm[0]",), 4, 12),
-    Change("feet, sideways [mm]", ("leg.left.at_mm[1]", "-leg.right.at_mm[1]"), 52, 63),
+    Variation("feet below the supports [mm]", ("foot.below_mm",), 0.72, 1.08),
+    Variation("radius of the feet [mm]", ("foot.radius_mm",), 3, 5),
+    Variation("mass of a block [g]", ("blocks.mass_g",), 4, 8),
+    Variation("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),
+    Variation("damping of a cell [N s/m]", ("blocks.damping_N_s_per_m",), 0.5, 1.5),
+    Variation("friction of a cell [N]", ("leg.*.chain.cell.*.friction_N",), 0.0, 0.02),
+    Variation("friction of the feet", ("floor.foot_friction",), 0.4, 0.6),
+    Variation("period of the drive [s]", ("drive.period_s",), 1, 4),
+    Variation("stiffness of the drive [N/m]", ("drive.stiffness_N_per_m",), 1000, 4000),
+    Variation("feet, forward [mm]", ("leg.*.at_mm[0]",), 4, 12),
+    Variation("feet, sideways [mm]", ("leg.left.at_mm[1]", "-leg.right.at_mm[1]"), 52, 63),
 )
 
 Reading = Callable[["Trial"], float]
@@ -91,10 +91,10 @@ RESULTS = (
 )
 
 
-def _changed(design: Robot, change: Change, value: float) -> Robot:
+def _changed(design: Robot, variation: Variation, value: float) -> Robot:
     return files.vary(
         design,
-        {key.lstrip("-"): -value if key.startswith("-") else value for key in change.keys},
+        {key.lstrip("-"): -value if key.startswith("-") else value for key in variation.keys},
     )
 
 
@@ -129,10 +129,10 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     )
     designs = [robot(result.robot) for result in RESULTS]
     varied = [
-        _changed(design, change, value)
+        _changed(design, variation, value)
         for design in designs
-        for change in CHANGES
-        for value in (change.low, change.high)
+        for variation in VARIATIONS
+        for value in (variation.low, variation.high)
     ]
     trials = iter(sweep(varied, cycles=CYCLES).trials)
     nominal = sweep(designs, cycles=CYCLES).trials
@@ -144,13 +144,13 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     for k, result in enumerate(RESULTS):
         effects = [
             Effect(
-                change.label,
-                change.low,
-                change.high,
+                variation.label,
+                variation.low,
+                variation.high,
                 result.read(next(trials)),
                 result.read(next(trials)),
             )
-            for change in CHANGES
+            for variation in VARIATIONS
         ]
         for (label, low, high, _, _), both in zip(numerics, stepped, strict=True):
             effects.append(Effect(label, low, high, *(result.read(each[k]) for each in both)))
