@@ -13,36 +13,25 @@ from numpy.typing import NDArray
 from stepwell.base import ByValue, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
-from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
-from stepwell.lab.recordings import LabError
+from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
+from stepwell.lab.recordings import LabError, rms
 from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slopes
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
-Geometry = tuple[float, float]
 
 _POINTS = 60
-# What is fitted: start, unit, bounds and typical size. Stiffness has one for each number of bands.
-_START = {
-    "stiffness": (40.0, 0.1, 1e4, 10.0),
-    "rest_length": (0.010, 0.0, 0.1, 0.005),
-    "quadratic": (0.0, -1e3, 1e3, 20.0),
-    "cubic": (0.0, -1e6, 1e6, 500.0),
-    "loss": (0.1, 0.0, 0.95, 0.1),
-    "loss_length": (0.003, 1e-4, 0.1, 0.003),
-    "friction": (0.0, -1.0, 1.0, 0.02),
-}
-UNITS = {
-    "stiffness": "N/m",
-    "rest_length": "m",
-    "quadratic": "1/m",
-    "cubic": "1/m²",
-    "loss": "1",
-    "loss_length": "m",
-    "friction": "N",
+# What is fitted: unit, start, bounds and typical size. Stiffness has one for each number of bands.
+_FITTED = {
+    "stiffness": ("N/m", 40.0, 0.1, 1e4, 10.0),
+    "rest_length": ("m", 0.010, 0.0, 0.1, 0.005),
+    "quadratic": ("1/m", 0.0, -1e3, 1e3, 20.0),
+    "cubic": ("1/m²", 0.0, -1e6, 1e6, 500.0),
+    "loss": ("1", 0.1, 0.0, 0.95, 0.1),
+    "loss_length": ("m", 0.003, 1e-4, 0.1, 0.003),
+    "friction": ("N", 0.0, -1.0, 1.0, 0.02),
 }
 LAWS = {"linear": (), "cubic": ("quadratic", "cubic")}
 TIED = 0.95  # correlation above which two numbers are not told apart
@@ -126,11 +115,11 @@ class Calibration(ByValue):
             left_out: each geometry predicted from the others; False for the fit.
         """
         errors = self.left_out_error if left_out else self.fit_error
-        each: dict[Geometry, list[float]] = {}
-        for sample, error in zip(self.samples, errors, strict=True):
-            if sample.bands == bands:
-                each.setdefault(sample.geometry, []).append(float(error))
-        return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan
+        return over_geometries(
+            (sample.geometry, float(error))
+            for sample, error in zip(self.samples, errors, strict=True)
+            if sample.bands == bands
+        )
 
     @property
     def tied(self) -> tuple[tuple[str, str, float], ...]:
@@ -252,7 +241,7 @@ def calibrate(
     best = dict(zip(names, whole, strict=True))
     low, high = _intervals(whole, np.array(folds))
     parameters = tuple(
-        FittedParameter(name, UNITS[name.rstrip("_0123456789")], *map(float, row))
+        FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
         for name, *row in zip(names, whole, low, high, strict=True)
     )
     return Calibration(
@@ -299,21 +288,22 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
 
 
 def _sample(series: Series) -> Sample:
-    cell = series.chain.cells[0]
-    curve, base = series.curve, series.baseline_curve
-    net = curve.force - (0.0 if base is None else base.at(curve.stroke))
-    use = judged(curve.stroke, quiet_zones(cell.full_travel, series.unloading))
-    stroke, net = curve.stroke[use], net[use]
+    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     # Means over strips: what is fitted is the curve, not the noise of single samples.
     parts = [p for p in np.array_split(np.arange(len(stroke)), _POINTS) if len(p)]
     travel = np.array([float(np.mean(stroke[p])) for p in parts])
     force = np.array([float(np.mean(net[p])) for p in parts])
     if series.unloading:
         travel, force = travel[::-1], force[::-1]
-    dx, dy = cell.bands[0].d
-    geometry = round(dx, 9), round(dy, 9)
     return Sample(
-        series.name, geometry, series.bands, cell, cell.angle(travel), force, series.unloading
+        series.name,
+        series.geometry,
+        series.bands,
+        cell,
+        cell.angle(travel),
+        force,
+        series.unloading,
     )
 
 
@@ -376,14 +366,14 @@ def _force(values: dict[str, float], sample: Sample) -> Array:
 
 def _error(values: dict[str, float], sample: Sample, reference: float) -> float:
     gap = (_force(values, sample) - sample.force) / (sample.bands * reference * sample.cell.lever)
-    return float(np.sqrt(np.mean(gap**2)))
+    return rms(gap)
 
 
 def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tuple[Array, Array]:
     """Values of the parameters, and the Jacobian by their typical sizes."""
     from scipy.optimize import least_squares
 
-    limits = np.array([_START[name.rstrip("_0123456789")] for name in names])
+    limits = np.array([_FITTED[name.rstrip("_0123456789")][1:] for name in names])
     first, low, high, size = limits.T
 
     data = _rows(samples)

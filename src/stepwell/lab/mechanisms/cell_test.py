@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +12,7 @@ from stepwell.base import ByValue, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
+from stepwell.lab.recordings import rms
 from stepwell.mechanism import Cell
 
 Array = NDArray[np.float64]
@@ -92,24 +91,24 @@ class CellTest(ByValue):
     @property
     def rmse(self) -> float:
         """Root mean square of measured less model, in k r."""
-        return self._apart(self.plain)[0]
+        return rms(self._gap(self.plain))
 
     @property
     def worst(self) -> float:
         """Largest difference, in k r."""
-        return self._apart(self.plain)[1]
+        return float(np.max(np.abs(self._gap(self.plain))))
 
     @property
     def rmse_corrected(self) -> float:
         """The same as `rmse`, the rig's bar being corrected for."""
-        return self._apart(self.corrected)[0]
+        return rms(self._gap(self.corrected))
 
     @property
     def rmse_energy(self) -> float:
         """Root mean square of measured less model energy from state 0 on, in k r²."""
         model = self.cell.energy(self.plain.theta)
         gap = (self.plain.energy - (model - model[0]))[self.plain.inside]
-        return float(np.sqrt(np.mean(gap**2))) / (self.series.scale * self.cell.lever)
+        return rms(gap) / (self.series.scale * self.cell.lever)
 
     @property
     def right_class(self) -> bool:
@@ -141,11 +140,8 @@ class CellTest(ByValue):
         return record(CELL_TEST, self)
 
     def _gap(self, reading: CellReading) -> Array:
-        return (reading.force - self.cell.force(reading.theta))[reading.inside]
-
-    def _apart(self, reading: CellReading) -> tuple[float, float]:
-        gap = self._gap(reading) / self.series.scale
-        return float(np.sqrt(np.mean(gap**2))), float(np.max(np.abs(gap)))
+        gap = (reading.force - self.cell.force(reading.theta))[reading.inside]
+        return gap / self.series.scale
 
     def __repr__(self):
         return f"CellTest({self.series.name}: {self.verdict})"
@@ -165,20 +161,16 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
     Returns:
         The comparison.
     """
-    curve, base = series.curve, series.baseline_curve
-    cell = series.chain.cells[0]
-    net = curve.force - (0.0 if base is None else base.at(curve.stroke))
-    zones = quiet_zones(cell.full_travel, series.unloading)
-    use = judged(curve.stroke, zones)
-    plain = _reading(cell, curve.stroke[use], net[use], Rig())
-    corrected = _reading(cell, curve.stroke[use], net[use], rig)
+    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    stroke, force = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
+    plain = _reading(cell, stroke, force, Rig())
     return CellTest(
         series,
         plain,
-        corrected,
+        _reading(cell, stroke, force, rig),
         cell.force(plain.theta),
         float(np.mean(curve.spread[use])),
-        _rises(curve.stroke[use], net[use], _RISE * series.scale),
+        _rises(stroke, force, _RISE * series.scale),
     )
 
 
@@ -222,12 +214,3 @@ def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, floa
         found.append((float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
         start = end + 1
     return tuple(found)
-
-
-def mean_rmse(tests: list[CellTest]) -> float:
-    """Mean of the RMSE over different geometries d = q - p, in k r; NaN for none."""
-    each: dict[tuple[float, float], list[float]] = {}
-    for test in tests:
-        dx, dy = test.cell.bands[0].d
-        each.setdefault((round(dx, 9), round(dy, 9)), []).append(test.rmse)
-    return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan

@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from stepwell.base import ByValue, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.snaps import find_snaps
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
 from stepwell.lab.recordings import Curve, from_zero
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind

@@ -1,8 +1,9 @@
-"""The rig of a test: a bar between machine and outer block that tilts as the block goes."""
+"""The rig of a test: its bar that tilts as the block goes, its slack and its end stops."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,3 +68,30 @@ class Rig(ByValue):
 
 
 PAPER_RIG = Rig(bar=0.070)
+
+# Found on the paper's rig and stated beside the results: slack is taken up within half a
+# millimetre, blocks touch in the last quarter, and the next cell takes over within two.
+SETTLE = 0.5e-3
+END = 0.25e-3
+BEFORE, AFTER = 0.5e-3, 2.0e-3
+
+
+def quiet_zones(
+    full: float, unloading: bool, first: float | None = None
+) -> list[tuple[float, float]]:
+    """Strokes between which a recording shows the rig, and is not judged [m].
+
+    Args:
+        full: stroke with every cell at state 1 [m].
+        unloading: whether the stroke falls.
+        first: full travel of the cell that moves first, in a pair [m].
+    """
+    zones = [(-math.inf, SETTLE), (full - END, math.inf)]
+    if first is not None:
+        zones.append((first - BEFORE, first + AFTER))
+    return [(full - high, full - low) for low, high in zones] if unloading else zones
+
+
+def judged(stroke: Array, zones: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Which strokes (n,) [m] lie in no quiet zone."""
+    return ~np.any([(low <= stroke) & (stroke <= high) for low, high in zones], axis=0)

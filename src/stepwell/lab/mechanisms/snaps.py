@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import ByValue
+from stepwell.lab.mechanisms.rig import judged
 
 Array = NDArray[np.float64]
 
@@ -68,11 +69,8 @@ def find_snaps(
     noise = 1.4826 * float(np.median(np.abs(jump)))
     least = max(SIGMAS * noise, SHARE * float(np.ptp(force)))
     u = stroke[at]
-    allowed = np.ones(len(u), bool)
-    for low, high in quiet:
-        allowed &= (u < low) | (u > high)
-    over = allowed & (np.abs(jump) > least)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
+    over = judged(u, quiet) & (np.abs(jump) > least)
+    edges = np.flatnonzero(np.diff(over, prepend=False, append=False))
     found: list[MeasuredSnap] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         peak = start + int(np.argmax(np.abs(jump[start:end])))

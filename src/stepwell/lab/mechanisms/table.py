@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepwell.base import __version__
 from stepwell.lab.mechanisms.calibrate import Calibration
+from stepwell.lab.mechanisms.series import counted_bands
 
 
 def calibrated_table(calibration: Calibration, source: str = "") -> str:
@@ -21,7 +22,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     loss, length = calibration["loss"], calibration["loss_length"]
     friction, rest = calibration["friction"], calibration["rest_length"]
     errors = "; ".join(
-        f"{_bands(n)}: {calibration.mean_error(n, left_out=False):.3f} fitted, "
+        f"{counted_bands(n)}: {calibration.mean_error(n, left_out=False):.3f} fitted, "
         f"{calibration.mean_error(n):.3f} left out"
         for n in calibration.counts
     )
@@ -44,7 +45,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     for k, bands in enumerate(calibration.counts):
         value = calibration[f"stiffness_{bands}"]
         text += (
-            f"# Each band of a cell with {_bands(bands)}: k = {value.value:.4g} N/m "
+            f"# Each band of a cell with {counted_bands(bands)}: k = {value.value:.4g} N/m "
             f"({value.low:.4g} to {value.high:.4g})\n"
         )
         text += f"{'# ' if k else ''}band = {{ {_keys(calibration, bands)} }}\n"
@@ -61,7 +62,3 @@ def _keys(calibration: Calibration, bands: int) -> str:
         keys["quadratic_per_mm"] = f"{calibration['quadratic'].value * 1e-3:.5g}"
         keys["cubic_per_mm2"] = f"{calibration['cubic'].value * 1e-6:.5g}"
     return ", ".join(f"{key} = {value}" for key, value in keys.items())
-
-
-def _bands(count: int) -> str:
-    return "1 band" if count == 1 else f"{count} bands"

@@ -79,6 +79,11 @@ def is_unloading(recording: Recording) -> bool:
     return recording.direction == "unloading" and below
 
 
+def rms(values: Array) -> float:
+    """Root mean square of numbers of any shape."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def _strips(u: Array, force: Array, grid: Array) -> Array:
     """Mean force in a strip around each stroke; between samples where a strip has none."""
     strip = np.floor((u - grid[0]) / STEP + 0.5).astype(int)
