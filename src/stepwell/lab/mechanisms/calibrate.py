@@ -103,6 +103,11 @@ class Calibration(ByValue):
         return found[name]
 
     @property
+    def values(self) -> dict[str, float]:
+        """The fit to all geometries: every number by its name."""
+        return {parameter.name: parameter.value for parameter in self.parameters}
+
+    @property
     def counts(self) -> tuple[int, ...]:
         """The numbers of bands there are."""
         return tuple(sorted({sample.bands for sample in self.samples}))
@@ -124,37 +129,36 @@ class Calibration(ByValue):
     @property
     def tied(self) -> tuple[tuple[str, str, float], ...]:
         """Pairs of numbers that the data cannot tell apart, with their correlation."""
-        found: list[tuple[str, str, float]] = []
-        for i, one in enumerate(self.parameters):
-            for j in range(i):
-                c = float(self.correlations[i, j])
-                if abs(c) > TIED:
-                    found.append((self.parameters[j].name, one.name, c))
-        return tuple(found)
+        names = list(self.values)
+        tied = np.argwhere(np.tril(np.abs(self.correlations) > TIED, -1))
+        return tuple((names[j], names[i], float(self.correlations[i, j])) for i, j in tied)
 
     def band(self, bands: int = 1) -> Band:
         """A band of a cell with so many, as it loads; anchors at their defaults.
 
         The loss on the way back is not in it: a band of a mechanism has one law.
         """
-        values = {p.name: p.value for p in self.parameters}
-        return _band(values, self[f"stiffness_{bands}"].value)
+        values = self.values
+        law = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
+        stiffness = self[f"stiffness_{bands}"].value
+        band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
+        return replace(band, law=law) if law.a2 or law.a3 else band
 
     def force(self, sample: Sample) -> Array:
         """F of the model [N] at the angles of a sample."""
-        return _force({p.name: p.value for p in self.parameters}, sample)
+        return _force(self.values, sample)
 
     def to_xarray(self) -> xr.Dataset:
         """Errors over "series" and correlations over "parameter" and "other"."""
         import xarray as xr
 
-        names = [p.name for p in self.parameters]
+        names = list(self.values)
         return xr.Dataset(
             {
                 "fit_error": ("series", self.fit_error, {"units": "k r"}),
                 "left_out_error": ("series", self.left_out_error, {"units": "k r"}),
                 "bands": ("series", [s.bands for s in self.samples], {"units": "1"}),
-                "value": ("parameter", [p.value for p in self.parameters]),
+                "value": ("parameter", list(self.values.values())),
                 "low": ("parameter", [p.low for p in self.parameters]),
                 "high": ("parameter", [p.high for p in self.parameters]),
                 "correlation": (("parameter", "other"), self.correlations, {"units": "1"}),
@@ -225,7 +229,9 @@ def calibrate(
             f"unit cells of {len(geometries)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    names = _names(samples, law)
+    counts = sorted({sample.bands for sample in samples})
+    stiffness = [f"stiffness_{n}" for n in counts]
+    names = [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
     whole, jacobian = _fit(samples, names, None)
     left_out = np.full(len(samples), math.nan)
     folds: list[Array] = []
@@ -239,10 +245,12 @@ def calibrate(
         if progress is not None:
             progress(done, len(geometries))
     best = dict(zip(names, whole, strict=True))
-    low, high = _intervals(whole, np.array(folds))
+    n = len(folds)
+    scatter = np.sum((np.array(folds) - np.mean(folds, axis=0)) ** 2, axis=0)
+    wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
     parameters = tuple(
         FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
-        for name, *row in zip(names, whole, low, high, strict=True)
+        for name, *row in zip(names, whole, whole - wide, whole + wide, strict=True)
     )
     return Calibration(
         law,
@@ -257,7 +265,7 @@ def calibrate(
 
 def fit_record(calibration: Calibration) -> dict[str, Any]:
     """The calibration as JSON can hold it; docs/commands.md describes the names."""
-    names = [p.name for p in calibration.parameters]
+    names = list(calibration.values)
     return {
         "law": calibration.law,
         "k_N_per_m": calibration.reference,
@@ -305,18 +313,6 @@ def _sample(series: Series) -> Sample:
         force,
         series.unloading,
     )
-
-
-def _names(samples: Sequence[Sample], law: str) -> list[str]:
-    counts = sorted({sample.bands for sample in samples})
-    stiffness = [f"stiffness_{n}" for n in counts]
-    return [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
-
-
-def _band(values: dict[str, float], stiffness: float) -> Band:
-    law = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
-    band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
-    return replace(band, law=law) if law.a2 or law.a3 else band
 
 
 class _Rows(NamedTuple):
@@ -391,10 +387,3 @@ def _correlations(jacobian: Array) -> Array:
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return np.clip(covariance / np.outer(size, size), -1.0, 1.0)
-
-
-def _intervals(whole: Array, folds: Array) -> tuple[Array, Array]:
-    n = len(folds)
-    error = np.sqrt((n - 1) / n * np.sum((folds - np.mean(folds, axis=0)) ** 2, axis=0))
-    wide = student(n - 1) * error
-    return whole - wide, whole + wide
