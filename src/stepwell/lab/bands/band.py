@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -178,8 +179,8 @@ def band_test(
         cycle_of[sample] = found[-1].cycle
         loops += found
         told += [f"{recording.source}: {line}" for line in odd.get(recording.source, ())]
-    test = BandTest(tuple(loops), window, cycles, ())
-    return BandTest(test.loops, window, cycles, (*_used(test, loops), *told))
+    test = BandTest(tuple(loops), window, cycles, tuple(told))
+    return replace(test, told=(*_cycles_used(test), *told))
 
 
 def stiffness(test: BandTest) -> Estimate:
@@ -217,10 +218,8 @@ def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArr
     for i, low in enumerate(edges):
         for j, high in enumerate(edges):
             if j >= i + 2:
-                slopes = [
-                    _slope(*test.samples_of(s, (float(low), float(high)))) for s in test.samples
-                ]
-                grid[i, j] = float(np.mean(slopes))
+                inside = (test.samples_of(s, (low, high)) for s in test.samples)
+                grid[i, j] = np.mean([_slope(*samples) for samples in inside])
     return xr.DataArray(
         grid,
         {"start": edges, "end": edges},
@@ -270,29 +269,22 @@ def _place(
 
 
 def _loops(recording: Recording, sample: int, first: int) -> list[Hysteresis]:
-    halves = list(recording.halves)
+    u, force = recording.stroke, recording.force
     found: list[Hysteresis] = []
-    for k, half in enumerate(halves):
-        if recording.direction_of(half) != "loading":
-            continue
-        back = halves[k + 1] if k + 1 < len(halves) else slice(0, 0)
-        u, force = recording.stroke, recording.force
-        found.append(
-            Hysteresis(
-                sample,
-                first + len(found),
-                recording.source,
-                u[half],
-                force[half],
-                u[back],
-                force[back],
-            )
-        )
+    for half, back in pairwise([*recording.halves, slice(0, 0)]):
+        if recording.direction_of(half) == "loading":
+            parts = u[half], force[half], u[back], force[back]
+            found.append(Hysteresis(sample, first + len(found), recording.source, *parts))
     return found
 
 
-def _used(test: BandTest, loops: list[Hysteresis]) -> list[str]:
-    used = test.used
+def _cycles_used(test: BandTest) -> list[str]:
+    """Which cycles of each sample are used, a line for each.
+
+    Raises:
+        LabError: none is, or one does not reach over the window.
+    """
+    loops, used = test.loops, test.used
     if not used:
         have = sorted({loop.cycle for loop in loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
@@ -310,14 +302,12 @@ def _used(test: BandTest, loops: list[Hysteresis]) -> list[str]:
                 f"{_mm(test.window)} mm: pass another window, or drop sample {loop.sample}.",
             )
     lines: list[str] = []
-    every = sorted({loop.sample for loop in loops})
-    for sample in every:
+    for sample in sorted({loop.sample for loop in loops}):
         mine = [loop.cycle for loop in used if loop.sample == sample]
         rest = [loop.cycle for loop in loops if loop.sample == sample and loop.cycle not in mine]
-        if mine:
-            lines.append(f"sample {sample}: cycles {_list(mine)} used, {_list(rest)} not")
-        else:
-            lines.append(f"sample {sample}: not used, it has cycles {_list(rest)} only")
+        told = f"cycles {_list(mine)} used, {_list(rest)} not"
+        only = f"not used, it has cycles {_list(rest)} only"
+        lines.append(f"sample {sample}: {told if mine else only}")
     return lines
 
 
