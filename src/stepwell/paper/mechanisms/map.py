@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stepwell.design import transition_map
 from stepwell.files import preset
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS
 from stepwell.sequences import Pathway
 
@@ -85,7 +85,9 @@ def _share(pathway: Pathway) -> Finding:
     return judged(abs(share - _SHARES[pathway]) <= _SHARE_TOLERANCE, f"{share:.3f}")
 
 
-def _tall() -> Finding:
+@claim("Fig. 2C", "rises with |q_y|", "rises from band to band")
+def large_qy_undirected() -> Finding:
+    """A large |q_y| of the outer cell favours undirected pathways."""
     shown = paper_map()
     shares = _by_band(np.abs(shown.y), np.mean(shown.undirected, axis=1))
     edge = shown.undirected[np.abs(shown.y) > 0.0145]
@@ -99,7 +101,9 @@ def _tall() -> Finding:
     )
 
 
-def _wide() -> Finding:
+@claim("Fig. 2C (our reading)", "rises with q_x", "rises from band to band")
+def large_qx_directed() -> Finding:
+    """A large q_x of the outer cell favours directed pathways."""
     shown = paper_map()
     column = np.mean(shown.directed, axis=0)
     shares = _by_band(shown.x, column)
@@ -144,20 +148,6 @@ CLAIMS = (
         )
         for pathway, share in _SHARES.items()
     ),
-    Claim(
-        "large-qy-undirected",
-        "A large |q_y| of the outer cell favours undirected pathways.",
-        "Fig. 2C",
-        "rises with |q_y|",
-        "rises from band to band",
-        _tall,
-    ),
-    Claim(
-        "large-qx-directed",
-        "A large q_x of the outer cell favours directed pathways.",
-        "Fig. 2C (our reading)",
-        "rises with q_x",
-        "rises from band to band",
-        _wide,
-    ),
+    large_qy_undirected,
+    large_qx_directed,
 )

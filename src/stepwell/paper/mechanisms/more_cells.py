@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 
 from stepwell.design import Design, Tolerances, design
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.sequences import Sequence
 
 ANCHORS = (0.0001, 0.0003, 0.001)  # tolerances [m]
@@ -87,21 +87,16 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
     )
 
 
-CLAIMS = (
-    Claim(
-        "more-cells-sequenced",
-        "The approach extends to more cells: as many can be sequenced, in one order and back.",
-        "Conclusion",
-        "more than two, no number",
-        "more than two",
-        partial(_extends, sequenced),
-    ),
-    Claim(
-        "more-cells-programmable",
-        "The approach extends to more cells: as many can be brought to every state.",
-        "Conclusion",
-        "more than two, no number",
-        "more than two",
-        partial(_extends, programmable),
-    ),
-)
+@claim("Conclusion", "more than two, no number", "more than two")
+def more_cells_sequenced() -> Finding:
+    """The approach extends to more cells: as many can be sequenced, in one order and back."""
+    return _extends(sequenced)
+
+
+@claim("Conclusion", "more than two, no number", "more than two")
+def more_cells_programmable() -> Finding:
+    """The approach extends to more cells: as many can be brought to every state."""
+    return _extends(programmable)
+
+
+CLAIMS = (more_cells_sequenced, more_cells_programmable)

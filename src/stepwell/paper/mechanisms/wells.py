@@ -9,13 +9,15 @@ from scipy import ndimage
 from stepwell.base import InputError
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS, monostable_pair, pair_cycle
 
 _NODES = 401
 
 
-def _wells() -> Finding:
+@claim("Fig. 2B", "more than 1", "exact")
+def wells() -> Finding:
+    """The landscape of two cells has several wells even where the outer cell is monostable."""
     chain = monostable_pair().chain
     states, seen = stable_states(chain), count_minima(landscape(chain))
     others = [pair_cycle(pathway).chain for pathway in PAIRS]
@@ -68,13 +70,4 @@ def count_minima(energy: NDArray[np.float64]) -> int:
     return int(count)
 
 
-CLAIMS = (
-    Claim(
-        "wells",
-        "The landscape of two cells has several wells even where the outer cell is monostable.",
-        "Fig. 2B",
-        "more than 1",
-        "exact",
-        _wells,
-    ),
-)
+CLAIMS = (wells,)
