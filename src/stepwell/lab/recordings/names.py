@@ -72,11 +72,10 @@ def setup_of(name: str) -> Setup | None:
     parts = [code] if found["cells"] == "1" else [code[:2], code[2:]]
     if found["cells"] == "2" and not (len(parts[1]) > 1 and parts[1][0] in _P):
         parts[1] = code[0] + parts[1]
-    anchors = tuple(_anchors(part) for part in parts)
-    known = tuple(pair for pair in anchors if pair is not None)
-    if len(known) < len(anchors):
+    anchors = tuple(pair for part in parts if (pair := _anchors(part)) is not None)
+    if len(anchors) < len(parts):
         return None
-    return Setup(code + found["mark"], known, found["mark"].strip("_"))
+    return Setup(code + found["mark"], anchors, found["mark"].strip("_"))
 
 
 def _anchors(letters: str) -> tuple[Vec2, Vec2] | None:
@@ -93,13 +92,9 @@ def _q(letters: str) -> Vec2 | None:
     x: float | None = None
     y: float | None = None
     for letter in sorted(letters, key="BTLRM".index):
-        if letter in "BT" and x is None:
+        if letter in _QX and x is None:
             x = _QX[letter]
-        elif letter in "LR" and y is None:
-            y = _QY[letter]
-        elif letter == "M" and x is None:
-            x = _QX[letter]
-        elif letter == "M" and y is None:
+        elif letter in _QY and y is None:
             y = _QY[letter]
         else:
             return None

@@ -60,14 +60,7 @@ def read(file: str | os.PathLike[str]) -> Recording:
         raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(
-        name,
-        export.time,
-        export.stroke,
-        export.force,
-        export.remarks,
-        hashlib.sha256(content).hexdigest(),
-    )
+    return Recording(name, *export, hashlib.sha256(content).hexdigest())
 
 
 def read_all(
