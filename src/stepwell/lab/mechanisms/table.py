@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stepwell.base import __version__
+from stepwell.lab.bands import band_line
 from stepwell.lab.mechanisms.calibrate import Calibration
 from stepwell.lab.mechanisms.series import counted_bands
 
@@ -48,17 +49,14 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
             f"# Each band of a cell with {counted_bands(bands)}: k = {value.value:.4g} N/m "
             f"({value.low:.4g} to {value.high:.4g})\n"
         )
-        text += f"{'# ' if k else ''}band = {{ {_keys(calibration, bands)} }}\n"
+        text += f"{'# ' if k else ''}{band_line(_keys(calibration, bands))}"
     return text
 
 
-def _keys(calibration: Calibration, bands: int) -> str:
+def _keys(calibration: Calibration, bands: int) -> dict[str, float]:
     band = calibration.band(bands)
-    keys = {
-        "stiffness_N_per_m": f"{band.stiffness:.5g}",
-        "rest_length_mm": f"{band.rest_length * 1e3:.5g}",
-    }
+    keys = {"stiffness_N_per_m": band.stiffness, "rest_length_mm": band.rest_length * 1e3}
     if calibration.law == "cubic":
-        keys["quadratic_per_mm"] = f"{calibration['quadratic'].value * 1e-3:.5g}"
-        keys["cubic_per_mm2"] = f"{calibration['cubic'].value * 1e-6:.5g}"
-    return ", ".join(f"{key} = {value}" for key, value in keys.items())
+        keys["quadratic_per_mm"] = calibration["quadratic"].value * 1e-3
+        keys["cubic_per_mm2"] = calibration["cubic"].value * 1e-6
+    return keys

@@ -47,9 +47,9 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, t
     names, units = _named(header, delimiter, count)
     found: dict[str, tuple[int, float]] = {}
     for role, words in ROLES.items():
-        at = next((i for i, name in enumerate(names) if _means(name, words)), None)
-        if at is not None:
-            found[role] = at, _factor(role, names[at], units[at])
+        for place, name in enumerate(names):
+            if role not in found and any(word in name.lower() for word in words):
+                found[role] = place, _factor(role, name, units[place])
     for role in NEEDED:
         if role not in found:
             shown = ", ".join(name for name in names if name) or "none"
@@ -94,10 +94,6 @@ def _suffix(field: str) -> str:
 
 def _is_unit(text: str) -> bool:
     return any(text in units for units in UNITS.values())
-
-
-def _means(name: str, words: tuple[str, ...]) -> bool:
-    return any(word in name.lower() for word in words)
 
 
 def _factor(role: str, name: str, unit: str) -> float:

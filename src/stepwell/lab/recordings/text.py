@@ -87,9 +87,6 @@ def _rows(
     body: list[tuple[int, str]], delimiter: str | None, count: int
 ) -> tuple[Array, tuple[str, ...]]:
     """The rows that can be read, and what is to be said of the others."""
-    whole = _at_once([line for _, line in body], delimiter, count)
-    if whole is not None:
-        return whole, ()
     pieces: list[Array] = []
     bad: list[tuple[int, str]] = []
     for first in range(0, len(body), _BLOCK):
