@@ -86,6 +86,7 @@ def _provenance(
         if len(estimate.each) > 1
         else "one sample, so its uncertainty is not known"
     )
+    predicted = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
     ends = f"extensions of {low - candidate.fitted.onset * 1e3:.3g}"
     return [
         *([f"From {source}, by stepwell {__version__}."] if source else []),
@@ -93,12 +94,6 @@ def _provenance(
         f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
         f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
-        f"{_predicted(choice, candidate)}.",
+        f"and {'was tried on no other curve' if choice.folds == NOTHING else predicted}.",
         f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
     ]
-
-
-def _predicted(choice: Choice, candidate: Candidate) -> str:
-    if choice.folds == NOTHING:
-        return "and was tried on no other curve"
-    return f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"

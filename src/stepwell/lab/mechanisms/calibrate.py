@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -233,31 +232,29 @@ def calibrate(
     stiffness = [f"stiffness_{n}" for n in counts]
     names = [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
     whole, jacobian = _fit(samples, names, None)
-    left_out = np.full(len(samples), math.nan)
-    folds: list[Array] = []
-    for done, geometry in enumerate(geometries, 1):
+    folds: dict[Geometry, Array] = {}
+    for geometry in geometries:
         others = [sample for sample in samples if sample.geometry != geometry]
-        values, _ = _fit(others, names, whole)
-        folds.append(values)
-        for k, sample in enumerate(samples):
-            if sample.geometry == geometry:
-                left_out[k] = _error(dict(zip(names, values, strict=True)), sample, reference)
+        folds[geometry], _ = _fit(others, names, whole)
         if progress is not None:
-            progress(done, len(geometries))
-    best = dict(zip(names, whole, strict=True))
-    n = len(folds)
-    scatter = np.sum((np.array(folds) - np.mean(folds, axis=0)) ** 2, axis=0)
+            progress(len(folds), len(geometries))
+    n, each = len(folds), np.array(list(folds.values()))
+    scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
     wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
-    parameters = tuple(
-        FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
-        for name, *row in zip(names, whole, whole - wide, whole + wide, strict=True)
-    )
+
+    def error(values: Array, sample: Sample) -> float:
+        gap = _force(dict(zip(names, values, strict=True)), sample) - sample.force
+        return rms(gap / (sample.bands * reference * sample.cell.lever))
+
     return Calibration(
         law,
-        parameters,
+        tuple(
+            FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
+            for name, *row in zip(names, whole, whole - wide, whole + wide, strict=True)
+        ),
         tuple(samples),
-        np.array([_error(best, sample, reference) for sample in samples]),
-        left_out,
+        np.array([error(whole, sample) for sample in samples]),
+        np.array([error(folds[sample.geometry], sample) for sample in samples]),
         _correlations(jacobian),
         reference,
     )
@@ -266,18 +263,14 @@ def calibrate(
 def fit_record(calibration: Calibration) -> dict[str, Any]:
     """The calibration as JSON can hold it; docs/commands.md describes the names."""
     names = list(calibration.values)
+    errors = calibration.fit_error, calibration.left_out_error
     return {
         "law": calibration.law,
         "k_N_per_m": calibration.reference,
         "parameters": [record(PARAMETER, p) for p in calibration.parameters],
         "errors": [
             record(ERROR, sample, fit=fit, left_out=out)
-            for sample, fit, out in zip(
-                calibration.samples,
-                calibration.fit_error,
-                calibration.left_out_error,
-                strict=True,
-            )
+            for sample, fit, out in zip(calibration.samples, *errors, strict=True)
         ],
         "mean_errors": [
             {
@@ -288,8 +281,8 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
             for n in calibration.counts
         ],
         "correlations": {
-            a: {b: float(c) for b, c in zip(names, row, strict=True)}
-            for a, row in zip(names, calibration.correlations, strict=True)
+            name: dict(zip(names, row.tolist(), strict=True))
+            for name, row in zip(names, calibration.correlations, strict=True)
         },
         "not_told_apart": [list(pair) for pair in calibration.tied],
     }
@@ -358,11 +351,6 @@ def _model(values: dict[str, float], rows: _Rows) -> Array:
 
 def _force(values: dict[str, float], sample: Sample) -> Array:
     return _model(values, _rows([sample]))
-
-
-def _error(values: dict[str, float], sample: Sample, reference: float) -> float:
-    gap = (_force(values, sample) - sample.force) / (sample.bands * reference * sample.cell.lever)
-    return rms(gap)
 
 
 def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tuple[Array, Array]:

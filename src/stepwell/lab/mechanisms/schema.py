@@ -18,10 +18,6 @@ def _beside(told: dict[str, float]) -> str:
     return f"{told['measured']:.3f} ({told['model']:.3f})"
 
 
-def _order(names: list[str]) -> str:
-    return " then ".join(names)
-
-
 def _series(kind: str) -> Schema:
     return (
         Quantity("series", head="series", read="series.name"),
@@ -56,8 +52,10 @@ CELL_TEST: Schema = (
 PAIR_TEST: Schema = (
     *_series("pair"),
     _SPREAD,
-    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), _order),
-    Quantity("order_predicted", "", "model", lambda test: test.names(test.predicted), _order),
+    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), " then ".join),
+    Quantity(
+        "order_predicted", "", "model", lambda test: test.names(test.predicted), " then ".join
+    ),
     Quantity("order_tie", read="tie"),
     Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False),
     Quantity("snaps", "mm"),

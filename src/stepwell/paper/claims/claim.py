@@ -114,7 +114,7 @@ def claim(
 
 
 def judged(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> Finding:
-    """Agreement with a note on how far it goes, or a difference with its reason."""
+    """Agreement with a note on how far it goes, or a difference with its reason or the note."""
     if agrees:
         return Finding(ours, Judgement.AGREES, note)
-    return Finding(ours, Judgement.DIFFERS, otherwise or "Outside the tolerance.")
+    return Finding(ours, Judgement.DIFFERS, otherwise or note or "Outside the tolerance.")

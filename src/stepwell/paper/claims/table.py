@@ -52,10 +52,8 @@ def _count(verdicts: tuple[Verdict, ...]) -> str:
         Judgement.DIFFERS: "differ",
         Judgement.UNDETERMINED: "are undetermined",
         Judgement.NEEDS_DATA: "need data",
+        Judgement.NEEDS_MUJOCO: "need MuJoCo",
     }
-    if Judgement.UNDETERMINED not in found:
-        del words[Judgement.UNDETERMINED]
-    if Judgement.NEEDS_MUJOCO in found:
-        words[Judgement.NEEDS_MUJOCO] = "need MuJoCo"
-    parts = [f"{found.count(judgement)} {word}" for judgement, word in words.items()]
+    seldom = {Judgement.UNDETERMINED, Judgement.NEEDS_MUJOCO}.difference(found)
+    parts = [f"{found.count(one)} {word}" for one, word in words.items() if one not in seldom]
     return f"Of {len(found)} claims {', '.join(parts)}."

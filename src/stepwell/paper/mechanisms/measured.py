@@ -58,7 +58,7 @@ def measured_stiffness(data: Recorded) -> Finding:
         f"linear, so k is that of this window; ± is a 95 % interval with the scatter between bands."
     )
     ours = f"{k.value:.3f} ± {k.value - k.low:.2f} N/m"
-    return judged(abs(k.value - _K) <= _ROUNDING, ours, note=note, otherwise=note)
+    return judged(abs(k.value - _K) <= _ROUNDING, ours, note=note)
 
 
 @claim("robot band tests published with the paper", "47 N/m", "0.5 N/m")
@@ -74,7 +74,7 @@ def measured_robot_stiffness(data: Recorded) -> Finding:
     )
     if abs(four.value - _K_ROBOT) > _ROUNDING_ROBOT:
         note += " With it the mean is outside the tolerance."
-    return judged(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note, otherwise=note)
+    return judged(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note)
 
 
 @claim("unit-cell tests published with the paper", "all", "every series")
@@ -122,7 +122,7 @@ def measured_unit_cell(data: Recorded) -> Finding:
         f"{fitted.mean_error(2):.3f} with two (`stepwell lab calibrate`)."
     )
     ours = f"{one:.3f} k r with one band, {two:.3f} with two"
-    return judged(bool(known) and max(known) <= _CLOSE, ours, note=note, otherwise=note)
+    return judged(bool(known) and max(known) <= _CLOSE, ours, note=note)
 
 
 @claim("Fig. 2, two-cell tests", "they do", "every series that is no tie")
@@ -148,7 +148,7 @@ def measured_snaps(data: Recorded) -> Finding:
     right = [test for test in pairs if test.right_snaps]
     told = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
     ours = f"{len(right)} of {len(pairs)} series"
-    return judged(len(right) == len(pairs) > 0, ours, note=f"{told}.", otherwise=f"{told}.")
+    return judged(len(right) == len(pairs) > 0, ours, note=f"{told}.")
 
 
 @claim("Fig. 2F and 2G, two-cell tests", "no snap", "every run of every series")

@@ -18,15 +18,10 @@ _MOST = 32
 _TRIED, _MADE = 20_000, 1_000_000
 
 
-def back_the_same_way(cells: int) -> str:
-    """The cycle that goes back the way it came: last in, first out."""
-    loading = tuple((i,) for i in range(cells))
-    return str(Sequence("0" * cells, loading + loading[::-1]))
-
-
 def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
-    """Anchors for the cycle that goes back the way it came."""
-    return design(back_the_same_way(cells), tolerances=tolerances, n=n)
+    """Anchors for the cycle that goes back the way it came: last in, first out."""
+    order = tuple((i,) for i in range(cells))
+    return design(str(Sequence("0" * cells, order + order[::-1])), tolerances=tolerances, n=n)
 
 
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:

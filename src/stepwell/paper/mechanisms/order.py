@@ -1,12 +1,9 @@
 """Claims about the order of motion: F0 decides while loading, F1 while unloading."""
 
-from collections.abc import Iterable
-
 import numpy as np
 
-from stepwell.mechanism import Chain
 from stepwell.paper.claims import Finding, claim, judged
-from stepwell.paper.mechanisms import random as _random
+from stepwell.paper.mechanisms.random import chains
 from stepwell.sequences import Cycle
 from stepwell.statics import Event
 
@@ -19,7 +16,7 @@ _SAME = 1e-9  # of the peak force
 @claim("Fig. 2C (rule: our reading)", "always", f"{_COUNT} random pairs, seed {_SEED}")
 def order_two_cells() -> Finding:
     """Two cells load by rising F0 and unload by falling F1, so four forces give the pathway."""
-    cycles = _cycles(_random.chains(_COUNT, 2, 2, _SEED))
+    cycles = [chain.cycle() for chain in chains(_COUNT, 2, 2, _SEED)]
     right = sum(map(_sorted, cycles))
     snapping = sum(bool(cycle.snaps) == _is_directed(cycle) for cycle in cycles)
     return judged(
@@ -39,7 +36,7 @@ def order_two_cells() -> Finding:
 )
 def order_many_cells() -> Finding:
     """More than two cells follow the same rule."""
-    cycles = _cycles(_random.chains(_COUNT, 3, 8, _SEED + 1))
+    cycles = [chain.cycle() for chain in chains(_COUNT, 3, 8, _SEED + 1)]
     right = sum(map(_sorted, cycles))
     snaps = [(cycle, snap) for cycle in cycles for snap in cycle.snaps]
     let_go = [(cycle, snap, _least_held(snap, cycle)) for cycle, snap in snaps]
@@ -56,10 +53,6 @@ def order_many_cells() -> Finding:
         otherwise=f"{len(cycles) - right} chains run in another order; in "
         f"{len(snaps) - at_its_force} snaps another cell lets go.",
     )
-
-
-def _cycles(chains: Iterable[Chain]) -> list[Cycle]:
-    return [chain.cycle() for chain in chains]
 
 
 def _sorted(cycle: Cycle) -> bool:

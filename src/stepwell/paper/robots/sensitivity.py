@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from stepwell.paper.robots.robot import BACKWARD, FORWARD, STANDS_STILL, TURN_DE
 from stepwell.robot import Robot
 
 if TYPE_CHECKING:
-    from stepwell.simulation import Settings, Trial
+    from stepwell.simulation import Trial
 
 CYCLES = 4
 
@@ -62,12 +63,6 @@ VARIATIONS = (
     Variation("feet, sideways [mm]", ("leg.left.at_mm[1]", "-leg.right.at_mm[1]"), 52, 63),
 )
 
-Reading = Callable[["Trial"], float]
-
-
-def _advance(trial: Trial) -> float:
-    return trial.advance
-
 
 def _turn(trial: Trial) -> float:
     return float(np.degrees(trial.turn))
@@ -77,16 +72,16 @@ class Result(NamedTuple):
     """A robot, what is read from its walk, its name on an axis, and where it should lie."""
 
     robot: str
-    read: Reading
+    read: Callable[[Trial], float]
     label: str
     centre: float
     half_width: float
 
 
 RESULTS = (
-    Result("forward", _advance, "q_out = 20 mm: d/u_max", FORWARD[0], FORWARD[1]),
-    Result("backward", _advance, "q_out = 5 mm: d/u_max", -BACKWARD[0], BACKWARD[1]),
-    Result("15", _advance, "q_out = 15 mm: d/u_max", 0.0, STANDS_STILL),
+    Result("forward", attrgetter("advance"), "q_out = 20 mm: d/u_max", FORWARD[0], FORWARD[1]),
+    Result("backward", attrgetter("advance"), "q_out = 5 mm: d/u_max", -BACKWARD[0], BACKWARD[1]),
+    Result("15", attrgetter("advance"), "q_out = 15 mm: d/u_max", 0.0, STANDS_STILL),
     Result("left", _turn, "one of each: turn [°] a cycle", *TURN_DEG),
 )
 
@@ -103,30 +98,13 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     """Each result with every assumed number, and every number of the simulation, changed alone."""
     from stepwell.simulation import Integrator, Settings, sweep
 
-    plain = Settings()
-    numerics: tuple[tuple[str, float, float, Settings, Settings], ...] = (
-        (
-            "time step [ms]",
-            0.5,
-            2.0,
-            Settings(time_step=5e-4),
-            Settings(time_step=2e-3, contact_time=4e-3),
-        ),
-        (
-            "time constant of contacts [ms]",
-            2.0,
-            4.0,
-            plain,
-            Settings(contact_time=4e-3),
-        ),
-        (
-            "integrator: Euler, implicit",
-            0.0,
-            1.0,
-            Settings(integrator=Integrator.EULER),
-            Settings(integrator=Integrator.IMPLICIT),
-        ),
-    )
+    coarse = Settings(time_step=2e-3, contact_time=4e-3)
+    euler, implicit = (Settings(integrator=one) for one in (Integrator.EULER, Integrator.IMPLICIT))
+    numerics = {
+        "time step [ms]": {0.5: Settings(time_step=5e-4), 2.0: coarse},
+        "time constant of contacts [ms]": {2.0: Settings(), 4.0: Settings(contact_time=4e-3)},
+        "integrator: Euler, implicit": {0.0: euler, 1.0: implicit},
+    }
     designs = [robot(result.robot) for result in RESULTS]
     varied = [
         _changed(design, variation, value)
@@ -137,23 +115,17 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     trials = iter(sweep(varied, cycles=CYCLES).trials)
     nominal = sweep(designs, cycles=CYCLES).trials
     stepped = [
-        [sweep(designs, cycles=CYCLES, settings=each).trials for each in (low, high)]
-        for _, _, _, low, high in numerics
+        [sweep(designs, cycles=CYCLES, settings=each).trials for each in settings.values()]
+        for settings in numerics.values()
     ]
     found: list[Sensitivity] = []
     for k, result in enumerate(RESULTS):
         effects = [
-            Effect(
-                variation.label,
-                variation.low,
-                variation.high,
-                result.read(next(trials)),
-                result.read(next(trials)),
-            )
-            for variation in VARIATIONS
+            Effect(one.label, one.low, one.high, *(result.read(next(trials)) for _ in range(2)))
+            for one in VARIATIONS
         ]
-        for (label, low, high, _, _), both in zip(numerics, stepped, strict=True):
-            effects.append(Effect(label, low, high, *(result.read(each[k]) for each in both)))
+        for (label, settings), both in zip(numerics.items(), stepped, strict=True):
+            effects.append(Effect(label, *settings, *(result.read(each[k]) for each in both)))
         target = (result.centre - result.half_width, result.centre + result.half_width)
         found.append(Sensitivity(result.label, result.read(nominal[k]), effects, target))
     return tuple(found)
