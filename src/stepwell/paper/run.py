@@ -1,4 +1,4 @@
-"""All claims judged, and the paper's figures drawn from the model."""
+"""Every claim in the order of the paper, judged, and the figures drawn from the model."""
 
 from __future__ import annotations
 
@@ -9,14 +9,52 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from stepwell import files
-from stepwell.paper.claims import Verdict
-from stepwell.paper.registry import claims
+from stepwell.paper.claims import Claim, Verdict
+from stepwell.paper.mechanisms import (
+    CELLS,
+    MAP,
+    MISPRINTS,
+    MORE_CELLS,
+    ORDER,
+    PATHWAYS,
+    WELLS,
+    measured_claims,
+)
+from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
 from stepwell.results import head
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA = "stepwell.paper/1"
+
+
+def claims(
+    data: str | os.PathLike[str] | None = None, *, everything: bool = False
+) -> tuple[Claim, ...]:
+    """The claims about unit cells, two-cell mechanisms and the robot; nothing is computed yet.
+
+    Args:
+        data: folder of the recordings published with the paper, for the claims they decide.
+        everything: also those that take many simulated runs, minutes of them.
+
+    Source: Kamp et al. 2024.
+    """
+    return (
+        *CELLS,
+        *PATHWAYS,
+        *ORDER,
+        *WELLS,
+        *MAP,
+        *MISPRINTS,
+        *measured_claims(data),
+        *ROBOT,
+        *LOSS,
+        *STEERING,
+        *ANTENNAS,
+        *MORE_CELLS,
+        *(MANY_RUNS if everything else ()),
+    )
 
 
 def run(

@@ -292,9 +292,10 @@ def _sample(series: Series) -> Sample:
     cell, curve, use = series.chain.cells[0], series.curve, series.judged()
     stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     # Means over strips: what is fitted is the curve, not the noise of single samples.
-    parts = [p for p in np.array_split(np.arange(len(stroke)), _POINTS) if len(p)]
-    travel = np.array([float(np.mean(stroke[p])) for p in parts])
-    force = np.array([float(np.mean(net[p])) for p in parts])
+    travel, force = (
+        np.array([np.mean(part) for part in np.array_split(values, _POINTS) if len(part)])
+        for values in (stroke, net)
+    )
     if series.unloading:
         travel, force = travel[::-1], force[::-1]
     return Sample(

@@ -32,6 +32,7 @@ def _series(kind: str) -> Schema:
     )
 
 
+_THEN = " then ".join
 _SPREAD = Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale)
 CELL_TEST: Schema = (
     *_series("cell"),
@@ -52,7 +53,7 @@ CELL_TEST: Schema = (
 PAIR_TEST: Schema = (
     *_series("pair"),
     _SPREAD,
-    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), " then ".join),
+    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), _THEN),
     Quantity(
         "order_predicted", "", "model", lambda test: test.names(test.predicted), " then ".join
     ),

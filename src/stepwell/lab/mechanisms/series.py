@@ -344,9 +344,8 @@ def _used(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) ->
 def _strange(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """What is odd about repeats, a line for each thing with the names it is true of."""
     told: dict[str, list[str]] = defaultdict(list)
-    beside = unlike(repeats)
+    beside = [*gaps.items(), *unlike(repeats)]
     for run in repeats:
-        gap = [gaps[run.source]] if run.source in gaps else []
-        for line in (*oddities(run), *gap, *beside.get(run.source, ())):
+        for line in (*oddities(run), *(line for source, line in beside if source == run.source)):
             told[line].append(run.name)
     return [f"{', '.join(names)}: {line}" for line, names in told.items()]

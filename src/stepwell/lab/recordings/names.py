@@ -80,22 +80,17 @@ def setup_of(name: str) -> Setup | None:
 
 def _anchors(letters: str) -> tuple[Vec2, Vec2] | None:
     """p and q of one cell; None for letters that do not say one thing each."""
-    first, rest = letters[:1], letters[1:]
-    if first not in _P or not rest or len(rest) > 2:
+    p, rest = _P.get(letters[:1]), letters[1:]
+    if p is None or not 1 <= len(rest) <= 2:
         return None
-    q = _q(rest)
-    return None if q is None else (_P[first], q)
-
-
-def _q(letters: str) -> Vec2 | None:
     # M is the middle of x where it stands alone or beside L or R, of y beside B or T.
     x: float | None = None
     y: float | None = None
-    for letter in sorted(letters, key="BTLRM".index):
+    for letter in sorted(rest, key="BTLRM".index):
         if letter in _QX and x is None:
             x = _QX[letter]
         elif letter in _QY and y is None:
             y = _QY[letter]
         else:
             return None
-    return 0.010 if x is None else x, 0.0 if y is None else y
+    return p, (0.010 if x is None else x, 0.0 if y is None else y)

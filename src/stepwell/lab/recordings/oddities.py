@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,13 +41,9 @@ def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
         recording that follows the gap.
     """
     told: dict[str, list[str]] = defaultdict(list)
-    for source, line in missing(recordings).items():
+    beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
+    for source, line in (*missing(recordings).items(), *chain.from_iterable(beside)):
         told[source].append(line)
-    for family in _families(recordings):
-        for source, lines in unlike(family).items():
-            told[source] += lines
-        for source, line in _jumps(family):
-            told[source].append(line)
     return {source: tuple(lines) for source, lines in told.items()}
 
 
@@ -64,11 +60,10 @@ def missing(recordings: Iterable[Recording]) -> dict[str, str]:
     return told
 
 
-def unlike(repeats: Sequence[Recording]) -> dict[str, list[str]]:
+def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
     """Repeats that are shorter, slower, stronger or weaker than the others, three or more."""
-    told: dict[str, list[str]] = defaultdict(list)
     if len(repeats) < 3:
-        return told
+        return
     spans = np.array([float(np.ptp(r.stroke)) for r in repeats])
     speeds = np.array([r.speed for r in repeats])
     means = np.array([float(np.mean(r.force)) for r in repeats])
@@ -76,15 +71,13 @@ def unlike(repeats: Sequence[Recording]) -> dict[str, list[str]]:
     spread = 1.4826 * float(np.median(np.abs(off)))
     usual_span, usual_speed = float(np.median(spans)), float(np.median(speeds))
     for recording, span, speed, force in zip(repeats, spans, speeds, off, strict=True):
-        lines = told[recording.source]
-        others = "where the others have"
+        source, others = recording.source, "where the others have"
         if span < SHORT * usual_span:
-            lines.append(f"stroke of {span * 1e3:.4g} mm {others} {usual_span * 1e3:.4g} mm")
+            yield source, f"stroke of {span * 1e3:.4g} mm {others} {usual_span * 1e3:.4g} mm"
         if abs(speed - usual_speed) > 0.05 * usual_speed:
-            lines.append(f"{speed * 1e3:.3g} mm/s {others} {usual_speed * 1e3:.3g} mm/s")
+            yield source, f"{speed * 1e3:.3g} mm/s {others} {usual_speed * 1e3:.3g} mm/s"
         if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
-            lines.append(f"mean force {force:+.2g} N beside the median run")
-    return told
+            yield source, f"mean force {force:+.2g} N beside the median run"
 
 
 def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:

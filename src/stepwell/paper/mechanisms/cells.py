@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import bisected
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell
 from stepwell.paper.claims import Claim, Finding, claim, judged
@@ -116,10 +117,7 @@ def _highest(cell: Cell) -> float:
         return low
     if cell.force(high) >= 0:
         return high
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if cell.force(middle) > 0 else (low, middle)
-    return 0.5 * (low + high)
+    return bisected(lambda theta: bool(cell.force(theta) > 0), low, high, 60)[0]
 
 
 @claim("Eq. 3, Fig. 1E", "all but (0, -15) mm", "exact")

@@ -70,14 +70,8 @@ def paper_map() -> PaperMap:
     y = -0.015 + 0.030 * (np.arange(_PLACES) + 0.5) / _PLACES
     chain = preset(PAIRS[Pathway.CLOCKWISE])
     found = transition_map(chain, 1, x=x, y=y)
-    return PaperMap(
-        x,
-        y,
-        found["pathway"].to_numpy(),
-        found["snap_loading"].to_numpy(),
-        found["snap_unloading"].to_numpy(),
-        chain.full_stroke,
-    )
+    shown = (found[name].to_numpy() for name in ("pathway", "snap_loading", "snap_unloading"))
+    return PaperMap(x, y, *shown, chain.full_stroke)
 
 
 def _share(pathway: Pathway) -> Finding:

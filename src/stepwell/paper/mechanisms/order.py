@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from stepwell.concave import certify, simple
+from stepwell.mechanism import Band, Cell, Chain
 from stepwell.paper.claims import Finding, claim, judged
-from stepwell.paper.mechanisms.random import chains
 from stepwell.sequences import Cycle
 from stepwell.statics import Event
 
@@ -16,7 +17,7 @@ _SAME = 1e-9  # of the peak force
 @claim("Fig. 2C (rule: our reading)", "always", f"{_COUNT} random pairs, seed {_SEED}")
 def order_two_cells() -> Finding:
     """Two cells load by rising F0 and unload by falling F1, so four forces give the pathway."""
-    cycles = [chain.cycle() for chain in chains(_COUNT, 2, 2, _SEED)]
+    cycles = [chain.cycle() for chain in _chains(_COUNT, 2, 2, _SEED)]
     right = sum(map(_sorted, cycles))
     snapping = sum(bool(cycle.snaps) == _is_directed(cycle) for cycle in cycles)
     return judged(
@@ -36,7 +37,7 @@ def order_two_cells() -> Finding:
 )
 def order_many_cells() -> Finding:
     """More than two cells follow the same rule."""
-    cycles = [chain.cycle() for chain in chains(_COUNT, 3, 8, _SEED + 1)]
+    cycles = [chain.cycle() for chain in _chains(_COUNT, 3, 8, _SEED + 1)]
     right = sum(map(_sorted, cycles))
     snaps = [(cycle, snap) for cycle in cycles for snap in cycle.snaps]
     let_go = [(cycle, snap, _least_held(snap, cycle)) for cycle, snap in snaps]
@@ -53,6 +54,22 @@ def order_many_cells() -> Finding:
         otherwise=f"{len(cycles) - right} chains run in another order; in "
         f"{len(snaps) - at_its_force} snaps another cell lets go.",
     )
+
+
+def _chains(count: int, shortest: int, longest: int, seed: int) -> tuple[Chain, ...]:
+    """Chains of concave cells, anchors anywhere on the paper's map and 15 to 60 N/m."""
+    rng = np.random.default_rng(seed)
+    lengths = rng.integers(shortest, longest + 1, count)
+    return tuple(Chain(tuple(_cell(rng) for _ in range(length))) for length in lengths)
+
+
+def _cell(rng: np.random.Generator) -> Cell:
+    while True:
+        q = (rng.uniform(0.0, 0.020), rng.uniform(-0.015, 0.015))
+        cell = Cell(Band((-0.010, 0.0), q, stiffness=rng.uniform(15.0, 60.0)))
+        plain = simple(cell)
+        if plain is not None and certify(plain, 0.0):
+            return cell
 
 
 def _sorted(cycle: Cycle) -> bool:

@@ -7,7 +7,7 @@ from functools import partial
 
 from stepwell.design.margins import Reprogramming, reprogram
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims import Claim, Finding, Judgement
+from stepwell.paper.claims import Claim, Finding, Judgement, judged
 from stepwell.paper.robots.robot import robot
 from stepwell.sequences import Pathway
 
@@ -61,9 +61,9 @@ def largest_outer(bands: float = 2.0) -> float:
 
 def decided(holds: list[bool], ours: str, reason: str) -> Finding:
     """Agreement or difference where every number of bands gives the same, else undetermined."""
-    if all(holds):
-        return Finding(ours, Judgement.AGREES)
-    return Finding(ours, Judgement.UNDETERMINED if any(holds) else Judgement.DIFFERS, reason)
+    if any(holds) and not all(holds):
+        return Finding(ours, Judgement.UNDETERMINED, reason)
+    return judged(all(holds), ours, otherwise=reason)
 
 
 def _turned_round(q_out: float) -> Finding:
