@@ -83,10 +83,10 @@ class Choice(ByValue):
 
     def rest_length_told(self) -> str:
         """What may be said of the rest length, in a sentence."""
-        onset = self.chosen.fitted.onset
-        if self.gauge is not None:
+        onset, rest = self.chosen.fitted.onset, self.rest_length
+        if rest is not None:
             return (
-                f"Rest length {(self.gauge + onset) * 1e3:.4g} mm: the length at stroke 0 that was "
+                f"Rest length {rest * 1e3:.4g} mm: the length at stroke 0 that was "
                 f"given, and the onset of the force law."
             )
         lengths = [c for c in self.candidates if c.law.needs_length]

@@ -228,8 +228,13 @@ def _series(
         )
 
     if setup is None:
-        chain = _one_design(runs[0], designs)
-        return [made(stem, chain, 1, runs, "configuration: as the design says")]
+        if len(designs) != 1:
+            raise LabError(
+                runs[0].source,
+                f"its name tells no configuration, and {len(designs)} designs are given: give the "
+                f"one that was tested.",
+            )
+        return [made(stem, designs[0], 1, runs, "configuration: as the design says")]
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
@@ -297,16 +302,6 @@ def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
             f"names say the anchors; or compare each design with its own recordings.",
         )
     return tuple(fitting[0].cells) if fitting else (paper_cell(),) * count
-
-
-def _one_design(run: Recording, designs: Sequence[Chain]) -> Chain:
-    if len(designs) != 1:
-        raise LabError(
-            run.source,
-            f"its name tells no configuration, and {len(designs)} designs are given: give the one "
-            f"that was tested.",
-        )
-    return designs[0]
 
 
 def _parts(recording: Recording) -> list[Recording]:
