@@ -180,17 +180,13 @@ def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> CellReading:
     s = np.linspace(0.0, cell.full_travel, _POINTS)
     inside = (s >= travel[0]) & (s <= travel[-1])
     full = np.interp(s, travel, block)
-    full = np.where(s < travel[0], _beyond(travel, block, travel[0], s), full)
-    full = np.where(s > travel[-1], _beyond(travel, block, travel[-1], s), full)
+    for edge, beyond in ((travel[0], s < travel[0]), (travel[-1], s > travel[-1])):
+        near = np.abs(travel - edge) <= _ENDS
+        course = np.polyfit(travel[near] - edge, block[near], 2)
+        full[beyond] = np.polyval(course, s[beyond] - edge)
     steps = 0.5 * (full[1:] + full[:-1]) * np.diff(s)
     energy = np.concatenate([[0.0], np.cumsum(steps)])
     return CellReading(cell.angle(s), full, energy, inside)
-
-
-def _beyond(travel: Array, force: Array, edge: float, s: Array) -> Array:
-    near = np.abs(travel - edge) <= _ENDS
-    course = np.polyfit(travel[near] - edge, force[near], 2)
-    return np.asarray(np.polyval(course, s - edge), float)
 
 
 def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, float, float], ...]:

@@ -31,13 +31,10 @@ class Recorded:
     @cached_property
     def comparison(self) -> lab.Comparison:
         """Unit cells and pairs against the paper's model."""
-        return lab.compare(self._read("1unit", "1unit_2", "2unit_00_11", "2unit_2_00_11"))
+        return lab.compare(self.read("1unit", "1unit_2", "2unit_00_11", "2unit_2_00_11"))
 
-    def band_test(self, folder: str, **options) -> lab.BandTest:
-        """Tension tests in one folder."""
-        return lab.band_test(self._read(folder), **options)
-
-    def _read(self, *folders: str) -> list[lab.Recording]:
+    def read(self, *folders: str) -> list[lab.Recording]:
+        """All recordings of some of its folders, one or more."""
         found = [self.folder / name for name in folders if (self.folder / name).is_dir()]
         batch = lab.read_all(found)
         if not batch.recordings:
@@ -52,7 +49,7 @@ class Recorded:
 @claim("band tests published with the paper", "28.5 N/m", "0.05 N/m")
 def measured_stiffness(data: Recorded) -> Finding:
     """The rubber bands of the unit cells have k = 28.5 N/m."""
-    k = lab.stiffness(data.band_test("Rubber_bands"))
+    k = lab.stiffness(lab.band_test(data.read("Rubber_bands")))
     note = (
         f"Line through 5 to 35 mm, loading, cycles 5 to 9 of {len(k.each)} bands. Rubber is not "
         f"linear, so k is that of this window; ± is a 95 % interval with the scatter between bands."
@@ -65,8 +62,9 @@ def measured_stiffness(data: Recorded) -> Finding:
 def measured_robot_stiffness(data: Recorded) -> Finding:
     """The rubber bands of the robot with antennas have k = 47 N/m."""
     options = {"window": (0.010, 0.020), "cycles": (2, 5), "cycles_per_sample": 5}
-    three = lab.stiffness(data.band_test("Rubber_bands_robot", drop=(2,), **options))
-    four = lab.stiffness(data.band_test("Rubber_bands_robot", **options))
+    bands = data.read("Rubber_bands_robot")
+    three = lab.stiffness(lab.band_test(bands, drop=(2,), **options))
+    four = lab.stiffness(lab.band_test(bands, **options))
     ours = f"{three.value:.2f} N/m of three bands, {four.value:.2f} of all four"
     note = (
         f"Line through 10 to 20 mm, loading, cycles 2 to 5. The paper leaves out the second band, "
