@@ -58,18 +58,14 @@ def parse(data: bytes) -> Export:
 def _decoded(data: bytes) -> str:
     if not data.strip():
         raise InputError("is empty: export it again.")
+    utf_16 = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if b"\0" in data and not utf_16:
+        raise InputError("is binary, not text: export the raw data as text or CSV.")
     try:
-        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-            return data.decode("utf-16")
-        if b"\0" in data:
-            raise ValueError
-        return data.decode("utf-8-sig")
+        return data.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
         # A degree sign or a micro sign in the encoding of an old Windows program.
         return data.decode("latin-1")
-    except ValueError:
-        problem = "is binary, not text: export the raw data as text or CSV."
-        raise InputError(problem) from None
 
 
 def _first_row(lines: list[str]) -> tuple[int, str | None]:

@@ -22,7 +22,8 @@ def markdown(verdicts: Iterable[Verdict]) -> str:
     for verdict in verdicts:
         claim = verdict.claim
         row = (claim.claim, claim.where, claim.paper_value, verdict.ours, claim.tolerance)
-        lines.append(f"| {' | '.join(map(_cell, row))} | **{verdict.verdict}** |")
+        cells = " | ".join(text.replace("|", "\\|") for text in row)
+        lines.append(f"| {cells} | **{verdict.verdict}** |")
     lines += ["", _count(verdicts), ""]
     lines += [f"- {v.claim.claim} *{v.verdict}*: {v.reason}" for v in verdicts if v.reason]
     return "\n".join(lines)
@@ -39,10 +40,6 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
     if not (first and last):
         raise InputError(f"the page has no place for the {what}: put in {begin} and {end}.")
     return f"{before}{begin}\n\n{text}\n\n{end}{after}"
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
 
 
 def _count(verdicts: tuple[Verdict, ...]) -> str:

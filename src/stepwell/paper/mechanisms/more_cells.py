@@ -56,8 +56,7 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
         low, high, best = high, 2 * high, longer
     while high - low > 1:
         middle = (low + high) // 2
-        found = works(middle)
-        if found is None:
+        if (found := works(middle)) is None:
             high = middle
         else:
             low, best = middle, found
