@@ -293,7 +293,7 @@ def _sample(series: Series) -> Sample:
     stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     # Means over strips: what is fitted is the curve, not the noise of single samples.
     travel, force = (
-        np.array([np.mean(part) for part in np.array_split(values, _POINTS) if len(part)])
+        np.array([float(np.mean(part)) for part in np.array_split(values, _POINTS) if len(part)])
         for values in (stroke, net)
     )
     if series.unloading:

@@ -70,8 +70,9 @@ def paper_map() -> PaperMap:
     y = -0.015 + 0.030 * (np.arange(_PLACES) + 0.5) / _PLACES
     chain = preset(PAIRS[Pathway.CLOCKWISE])
     found = transition_map(chain, 1, x=x, y=y)
-    shown = (found[name].to_numpy() for name in ("pathway", "snap_loading", "snap_unloading"))
-    return PaperMap(x, y, *shown, chain.full_stroke)
+    names = "pathway", "snap_loading", "snap_unloading"
+    pathway, loading, unloading = (found[name].to_numpy() for name in names)
+    return PaperMap(x, y, pathway, loading, unloading, chain.full_stroke)
 
 
 def _share(pathway: Pathway) -> Finding:
