@@ -168,7 +168,7 @@ def band_test(
         if is_baseline(recording.name):
             told.append(f"{recording.source}: left out, its name says that no band was on")
             continue
-        sample, first = _place(recording, stems, cycles_per_sample)
+        sample, first = _sample_and_cycle(recording, stems, cycles_per_sample)
         if sample in left_out:
             told.append(f"{recording.source}: left out, sample {sample} as asked")
             continue
@@ -180,7 +180,7 @@ def band_test(
         loops += found
         told += [f"{recording.source}: {line}" for line in odd.get(recording.source, ())]
     test = BandTest(tuple(loops), window, cycles, tuple(told))
-    return replace(test, told=(*_cycles_used(test), *told))
+    return replace(test, told=(*_used_lines(test), *told))
 
 
 def stiffness(test: BandTest) -> Estimate:
@@ -254,7 +254,7 @@ def hysteresis(test: BandTest) -> xr.DataArray:
     )
 
 
-def _place(
+def _sample_and_cycle(
     recording: Recording, stems: dict[str, int], per_sample: int | None
 ) -> tuple[int, int | None]:
     """Sample and first cycle of a recording; the cycle None where it follows from the order."""
@@ -278,7 +278,7 @@ def _loops(recording: Recording, sample: int, first: int) -> list[Hysteresis]:
     return found
 
 
-def _cycles_used(test: BandTest) -> list[str]:
+def _used_lines(test: BandTest) -> list[str]:
     """Which cycles of each sample are used, a line for each.
 
     Raises:
@@ -305,8 +305,8 @@ def _cycles_used(test: BandTest) -> list[str]:
     for sample in sorted({loop.sample for loop in loops}):
         mine = [loop.cycle for loop in used if loop.sample == sample]
         rest = [loop.cycle for loop in loops if loop.sample == sample and loop.cycle not in mine]
-        told = f"cycles {_list(mine)} used, {_list(rest)} not"
-        only = f"not used, it has cycles {_list(rest)} only"
+        told = f"cycles {_listed(mine)} used, {_listed(rest)} not"
+        only = f"not used, it has cycles {_listed(rest)} only"
         lines.append(f"sample {sample}: {told if mine else only}")
     return lines
 
@@ -318,7 +318,7 @@ def _slope(stroke: Array, force: Array) -> float:
     return float(off @ force / (off @ off))
 
 
-def _list(numbers: list[int]) -> str:
+def _listed(numbers: list[int]) -> str:
     return ", ".join(map(str, sorted(numbers))) or "none"
 
 

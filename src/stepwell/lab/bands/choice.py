@@ -81,12 +81,12 @@ class Choice(ByValue):
         """ℓ0 [m] of the chosen law; None where the recordings cannot tell it."""
         return None if self.gauge is None else self.gauge + self.chosen.fitted.onset
 
-    def rest_length_told(self) -> str:
-        """What may be said of the rest length, in a sentence."""
-        onset, rest = self.chosen.fitted.onset, self.rest_length
-        if rest is not None:
+    def rest_length_told(self, candidate: Candidate | None = None) -> str:
+        """What may be said of the rest length by a law, the chosen one by default."""
+        onset = (candidate or self.chosen).fitted.onset
+        if self.gauge is not None:
             return (
-                f"Rest length {rest * 1e3:.4g} mm: the length at stroke 0 that was "
+                f"Rest length {(self.gauge + onset) * 1e3:.4g} mm: the length at stroke 0 that was "
                 f"given, and the onset of the force law."
             )
         lengths = [c for c in self.candidates if c.law.needs_length]

@@ -140,15 +140,15 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
         scale = np.linalg.norm(basis, axis=0)
         scale[scale == 0] = 1.0
         coefficients = np.linalg.lstsq(basis / scale, force, rcond=1e-10)[0] / scale
-        left = rms(basis @ coefficients - force)
-        return Fitted(law, onset, length, exponent, coefficients, left)
+        rmse = rms(basis @ coefficients - force)
+        return Fitted(law, onset, length, exponent, coefficients, rmse)
 
-    def left(x: Array) -> Array:
+    def residual(x: Array) -> Array:
         return made(x).tension(stroke) - force
 
     span = high - low
     tries = [
-        least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
+        least_squares(residual, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
         for start in starts
     ]
     x = min(tries, key=lambda found: found.cost).x

@@ -6,8 +6,6 @@ import math
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stepwell.base import Quantity, Schema, __version__, plain, record, versions
 from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
 from stepwell.lab.bands.choice import Choice
@@ -71,11 +69,7 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
 
 def _known(grid: xr.DataArray) -> list[tuple[Any, Any, float]]:
     """The places of a grid of two dimensions that hold a number, with the number."""
-    down, across = (grid[dim].values.tolist() for dim in grid.dims)
-    return [
-        (down[i], across[j], float(grid.values[i, j]))
-        for i, j in np.argwhere(~np.isnan(grid.values))
-    ]
+    return [(*place, value) for place, value in grid.to_series().dropna().items()]
 
 
 def _loss_used(test: BandTest) -> dict[str, Any] | None:

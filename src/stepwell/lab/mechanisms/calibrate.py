@@ -316,7 +316,7 @@ class _Rows(NamedTuple):
     slope: Array  # of the length by travel [1]
     shorter: Array  # than it has been in this run [m]
     bands: Array
-    way: Array  # +1 loading, -1 unloading
+    direction: Array  # +1 loading, -1 unloading
     force: Array
 
 
@@ -332,8 +332,8 @@ def _rows(samples: Sequence[Sample]) -> _Rows:
         shorter = (np.maximum.accumulate(length) - length)[1:]
         slope, _, _ = length_slopes(np.sin(theta), np.cos(theta), length[1:], dx, dy, lever)
         one = np.ones(len(theta))
-        way = -one if sample.unloading else one
-        parts.append((length[1:], slope, shorter, sample.bands * one, way, sample.force))
+        direction = -one if sample.unloading else one
+        parts.append((length[1:], slope, shorter, sample.bands * one, direction, sample.force))
     return _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
@@ -347,7 +347,7 @@ def _model(values: dict[str, float], rows: _Rows) -> Array:
             k[rows.bands == float(name.removeprefix("stiffness_"))] = value
     kept = 1.0 - values["loss"] * (1.0 - np.exp(-rows.shorter / values["loss_length"]))
     tension = rows.bands * k * shape * kept
-    return band_force(tension, rows.slope) + rows.way * values["friction"]
+    return band_force(tension, rows.slope) + rows.direction * values["friction"]
 
 
 def _force(values: dict[str, float], sample: Sample) -> Array:
@@ -360,15 +360,16 @@ def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tu
 
     limits = np.array([_FITTED[name.rstrip("_0123456789")][1:] for name in names])
     first, low, high, size = limits.T
-
     data = _rows(samples)
 
-    def left(x: Array) -> Array:
+    def residual(x: Array) -> Array:
         # Per band, so that double bands do not count double.
         return (_model(dict(zip(names, x, strict=True)), data) - data.force) / data.bands
 
     inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
-    found = least_squares(left, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10)
+    found = least_squares(
+        residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
+    )
     return found.x, found.jac * size
 
 

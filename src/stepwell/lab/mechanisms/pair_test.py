@@ -185,10 +185,10 @@ def _pair_test(series: Series, first: int, errors: Array, rig: Rig) -> PairTest:
     model = on_path(path, curve.stroke)
     inside = judged(curve.stroke, _zones(series, shown))
     gap = (force - model)[inside] / series.scale
-    who, travels = mover(path, curve.stroke)
+    moving, travels = mover(path, curve.stroke)
     factor = np.ones(len(curve))
     for i, cell in enumerate(chain.cells):
-        mine = who == i
+        mine = moving == i
         factor[mine] = rig.factor(cell, cell.angle(np.clip(travels[mine, i], 0, None)))
     return PairTest(
         series,
@@ -308,13 +308,13 @@ def _pull_and_hold(
     series: Series, first: int, order: Order, stroke: Array, force: Array
 ) -> tuple[float, float]:
     """What the second cell, at its end, pulls against the first one, and what friction holds."""
-    last, end, way = (0, 0.02, -1) if series.unloading else (-1, 0.98, 1)
+    last, end, sign = (0, 0.02, -1) if series.unloading else (-1, 0.98, 1)
     pull = hold = 0.0
     for cell, mine, _ in _one_by_one(series, order, stroke):
         at_end = np.array([end * series.chain.cells[cell].full_travel])
         hold += abs(float(_baseline_force(series, first, cell, at_end)[0]))
-        pull += way * float(force[mine][last])
-        way = -way
+        pull += sign * float(force[mine][last])
+        sign = -sign
     return max(pull, 0.0), hold
 
 

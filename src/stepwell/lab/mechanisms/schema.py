@@ -1,4 +1,4 @@
-"""What is told of unit cells, pairs and calibrations: names, units and words of each number."""
+"""Columns of the results about unit cells, pairs and calibrations: name, unit, heading, format."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def _both(name: str) -> Any:
     }
 
 
-def _beside(told: dict[str, float]) -> str:
-    return f"{told['measured']:.3f} ({told['model']:.3f})"
+def _beside(both: dict[str, float]) -> str:
+    return f"{both['measured']:.3f} ({both['model']:.3f})"
 
 
 def _series(kind: str) -> Schema:

@@ -195,7 +195,7 @@ def sort_series(
         lines = "; ".join(told[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {lines}.")
     families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
-    told += [f"baseline {line}" for runs in families.values() for line in _strange(runs, gaps)]
+    told += [f"baseline {line}" for runs in families.values() for line in _odd_lines(runs, gaps)]
     taken = {recording.source for one in series for recording in one.baseline}
     told += [
         f"{source}: a baseline that no series uses (other stroke or direction)"
@@ -215,7 +215,7 @@ def _series(
 ) -> list[Series]:
     base = _matching(runs[0], unloading, baselines)
 
-    def made(name: str, chain: Chain, bands: int, mine: list[Recording], *told: str) -> Series:
+    def series_of(name: str, chain: Chain, bands: int, mine: list[Recording], *told: str) -> Series:
         return Series(
             f"{name}, {'unloading' if unloading else 'loading'}",
             stem if setup is None else setup.code,
@@ -224,7 +224,7 @@ def _series(
             unloading,
             tuple(mine),
             tuple(base),
-            (*_used(mine, base, gaps), *told),
+            (*_used_lines(mine, base, gaps), *told),
         )
 
     if setup is None:
@@ -234,19 +234,19 @@ def _series(
                 f"its name tells no configuration, and {len(designs)} designs are given: give the "
                 f"one that was tested.",
             )
-        return [made(stem, designs[0], 1, runs, "configuration: as the design says")]
+        return [series_of(stem, designs[0], 1, runs, "configuration: as the design says")]
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
     ]
-    single = made("", Chain(cells), 1, runs)
+    single = series_of("", Chain(cells), 1, runs)
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
         if abs(ratio / bands - 1) > _DOUBT:
             told.append("that is far from a whole number: check how many bands were on")
         chain = Chain([_with_bands(cell, bands) for cell in cells])
-        found.append(made(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
+        found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
     return found
 
 
@@ -330,13 +330,13 @@ def _matching(run: Recording, unloading: bool, baselines: list[Recording]) -> li
     return min(families.values(), key=far) if families else []
 
 
-def _used(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> tuple[str, ...]:
-    lines = [f"runs: {', '.join(run.name for run in runs)}"]
+def _used_lines(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> list[str]:
     names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
-    return (*lines, f"baseline: {names}", *_strange(runs, gaps))
+    used = ", ".join(run.name for run in runs)
+    return [f"runs: {used}", f"baseline: {names}", *_odd_lines(runs, gaps)]
 
 
-def _strange(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
+def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """What is odd about repeats, a line for each thing with the names it is true of."""
     told: dict[str, list[str]] = defaultdict(list)
     beside = [*gaps.items(), *unlike(repeats)]

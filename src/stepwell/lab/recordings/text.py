@@ -17,7 +17,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # Blanks last: a comma between blanks is a decimal comma.
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
-_TELL = 40
+_SHOWN = 40
 _BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 
 
@@ -94,9 +94,9 @@ def _rows(
         number, line = bad[0]
         raise InputError(
             f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
-            f"{line[:_TELL]!r}): export it again."
+            f"{line[:_SHOWN]!r}): export it again."
         )
-    return good, _told(bad, body[-1][0])
+    return good, _remarks(bad, body[-1][0])
 
 
 def _one_by_one(
@@ -124,13 +124,13 @@ def _at_once(lines: list[str], delimiter: str | None, count: int) -> Array | Non
     return rows if rows.shape[1] == count and np.all(np.isfinite(rows)) else None
 
 
-def _told(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
+def _remarks(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
     remarks: list[str] = []
     if bad and bad[-1][0] == last:
-        remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_TELL]!r})")
+        remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_SHOWN]!r})")
         bad = bad[:-1]
     if bad:
         number, line = bad[0]
         rows = "row is" if len(bad) == 1 else "rows are"
-        remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_TELL]!r})")
+        remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_SHOWN]!r})")
     return tuple(remarks)
