@@ -69,7 +69,8 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
 
 def _known(grid: xr.DataArray) -> list[tuple[Any, Any, float]]:
     """The places of a grid of two dimensions that hold a number, with the number."""
-    return [(*place, value) for place, value in grid.to_series().dropna().items()]
+    known = grid.to_series().dropna()
+    return [(*place, k) for place, k in zip(known.index.tolist(), known.tolist(), strict=True)]
 
 
 def _loss_used(test: BandTest) -> dict[str, Any] | None:
