@@ -9,9 +9,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -27,7 +26,6 @@ from stepwell.lab.recordings import (
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 # What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
 WINDOW = (0.005, 0.035)
@@ -48,10 +46,10 @@ class Hysteresis(ByValue):
     sample: int
     cycle: int
     source: str
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
-    back_stroke: Array = field(repr=False)
-    back_force: Array = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    back_stroke: Floats = field(repr=False)
+    back_force: Floats = field(repr=False)
 
     @property
     def work(self) -> float:
@@ -93,7 +91,7 @@ class BandTest(ByValue):
         first, last = self.cycles
         return tuple(loop for loop in self.loops if first <= loop.cycle <= last)
 
-    def curve(self, sample: int, points: int = 61) -> tuple[Array, Array]:
+    def curve(self, sample: int, points: int = 61) -> tuple[Floats, Floats]:
         """Mean loading curve of a sample inside the window.
 
         Args:
@@ -112,7 +110,7 @@ class BandTest(ByValue):
         u = np.bincount(strip, stroke, points)[full] / count[full]
         return u, np.bincount(strip, force, points)[full] / count[full]
 
-    def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Array, Array]:
+    def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Floats, Floats]:
         """Stroke [m] and force [N] of every loading sample of a band inside a window [m]."""
         loops = [loop for loop in self.used if loop.sample == sample]
         stroke = np.concatenate([loop.stroke for loop in loops])
@@ -311,7 +309,7 @@ def _used_lines(test: BandTest) -> list[str]:
     return lines
 
 
-def _slope(stroke: Array, force: Array) -> float:
+def _slope(stroke: Floats, force: Floats) -> float:
     if len(stroke) < 2:
         return math.nan
     off = stroke - np.mean(stroke)

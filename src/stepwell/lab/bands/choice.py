@@ -6,16 +6,12 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Floats, InputError
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import rms
-
-Array = NDArray[np.float64]
-
 
 NOTHING = "nothing"
 
@@ -166,7 +162,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     return Choice(tuple(candidates), best, chosen, folds, gauge)
 
 
-def _curves(test: BandTest) -> tuple[str, list[tuple[Array, Array]]]:
+def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
     if len(test.samples) > 1 or len(test.used) == 1:
         folds = "sample" if len(test.samples) > 1 else NOTHING
         return folds, [test.curve(sample) for sample in test.samples]

@@ -7,12 +7,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Floats, InputError
 from stepwell.lab.recordings import rms
-
-Array = NDArray[np.float64]
 
 # Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
 # so long at rest [m].
@@ -37,7 +34,7 @@ class ForceLaw(ByValue):
 
     name: str
     coefficients: tuple[tuple[str, str], ...]
-    basis: Callable[[Array, float, float], Array]
+    basis: Callable[[Floats, float, float], Floats]
     needs_length: bool = False
     exponents: tuple[float, float] | None = None
     source: str = ""
@@ -67,11 +64,11 @@ class Fitted(ByValue):
     onset: float
     length: float
     exponent: float
-    coefficients: Array
+    coefficients: Floats
     rmse: float
     at_bound: tuple[str, ...] = ()
 
-    def tension(self, stroke: Array) -> Array:
+    def tension(self, stroke: Floats) -> Floats:
         """Tension [N] at strokes [m]; zero before the onset."""
         e = np.maximum(np.asarray(stroke, float) - self.onset, 0.0)
         return self.law.basis(e, self.length, self.exponent) @ self.coefficients
@@ -92,7 +89,7 @@ class Fitted(ByValue):
         return f"Fitted({self.law.name}: {numbers}; leaves {self.rmse * 1e3:.3g} mN)"
 
 
-def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) -> Fitted:
+def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None) -> Fitted:
     """The law that comes nearest to a tension curve, by least squares.
 
     The coefficients follow from a linear problem for every onset, length and exponent, which
@@ -130,7 +127,7 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
     low, high = (np.array([row[k] for row in searched.values()]) for k in (0, 1))
     starts = product(*(row[2] for row in searched.values()))
 
-    def made(x: Array) -> Fitted:
+    def made(x: Floats) -> Fitted:
         onset = float(x[0])
         exponent = np.nan if law.exponents is None else float(x[-1])
         length = np.nan
@@ -143,7 +140,7 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
         rmse = rms(basis @ coefficients - force)
         return Fitted(law, onset, length, exponent, coefficients, rmse)
 
-    def residual(x: Array) -> Array:
+    def residual(x: Floats) -> Floats:
         return made(x).tension(stroke) - force
 
     span = high - low
@@ -156,18 +153,18 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
     return replace(made(x), at_bound=tuple(np.array(list(searched))[edge].tolist()))
 
 
-def _neo_hooke(e: Array, length: float, _: float) -> Array:
+def _neo_hooke(e: Floats, length: float, _: float) -> Floats:
     x = 1.0 + e / length
     return (x - x**-2)[:, None]
 
 
-def _yeoh(e: Array, length: float, _: float) -> Array:
+def _yeoh(e: Floats, length: float, _: float) -> Floats:
     x = 1.0 + e / length
     over = x**2 + 2 / x - 3  # I1 - 3 in uniaxial tension
     return np.stack([(x - x**-2) * over**j for j in range(3)], axis=1)
 
 
-def _ogden(e: Array, length: float, exponent: float) -> Array:
+def _ogden(e: Floats, length: float, exponent: float) -> Floats:
     x = 1.0 + e / length
     return (x ** (exponent - 1) - x ** (-exponent / 2 - 1))[:, None]
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import ByValue, Floats, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
@@ -19,7 +18,6 @@ from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slop
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 _POINTS = 60
 # What is fitted: unit, start, bounds and typical size. Stiffness has one for each number of bands.
@@ -68,8 +66,8 @@ class Sample(ByValue):
     geometry: Geometry
     bands: int
     cell: Cell = field(repr=False)
-    theta: Array = field(repr=False)
-    force: Array = field(repr=False)
+    theta: Floats = field(repr=False)
+    force: Floats = field(repr=False)
     unloading: bool
 
 
@@ -90,9 +88,9 @@ class Calibration(ByValue):
     law: str
     parameters: tuple[FittedParameter, ...]
     samples: tuple[Sample, ...] = field(repr=False)
-    fit_error: Array = field(repr=False)
-    left_out_error: Array = field(repr=False)
-    correlations: Array = field(repr=False)
+    fit_error: Floats = field(repr=False)
+    left_out_error: Floats = field(repr=False)
+    correlations: Floats = field(repr=False)
     reference: float
 
     def __getitem__(self, name: str) -> FittedParameter:
@@ -143,7 +141,7 @@ class Calibration(ByValue):
         band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
         return replace(band, law=law) if law.a2 or law.a3 else band
 
-    def force(self, sample: Sample) -> Array:
+    def force(self, sample: Sample) -> Floats:
         """F of the model [N] at the angles of a sample."""
         return _force(self.values, sample)
 
@@ -232,7 +230,7 @@ def calibrate(
     stiffness = [f"stiffness_{n}" for n in counts]
     names = [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
     whole, jacobian = _fit(samples, names, None)
-    folds: dict[Geometry, Array] = {}
+    folds: dict[Geometry, Floats] = {}
     for geometry in geometries:
         others = [sample for sample in samples if sample.geometry != geometry]
         folds[geometry], _ = _fit(others, names, whole)
@@ -242,7 +240,7 @@ def calibrate(
     scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
     wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
 
-    def error(values: Array, sample: Sample) -> float:
+    def error(values: Floats, sample: Sample) -> float:
         gap = _force(dict(zip(names, values, strict=True)), sample) - sample.force
         return rms(gap / (sample.bands * reference * sample.cell.lever))
 
@@ -312,16 +310,16 @@ def _sample(series: Series) -> Sample:
 class _Rows(NamedTuple):
     """What does not depend on the numbers that are fitted, all samples in a row."""
 
-    length: Array  # of the band [m]
-    slope: Array  # of the length by travel [1]
-    shorter: Array  # than it has been in this run [m]
-    bands: Array
-    direction: Array  # +1 loading, -1 unloading
-    force: Array
+    length: Floats  # of the band [m]
+    slope: Floats  # of the length by travel [1]
+    shorter: Floats  # than it has been in this run [m]
+    bands: Floats
+    direction: Floats  # +1 loading, -1 unloading
+    force: Floats
 
 
 def _rows(samples: Sequence[Sample]) -> _Rows:
-    parts: list[tuple[Array, ...]] = []
+    parts: list[tuple[Floats, ...]] = []
     for sample in samples:
         lever, limit, theta = sample.cell.lever, sample.cell.limit, sample.theta
         dx, dy = sample.geometry
@@ -337,7 +335,7 @@ def _rows(samples: Sequence[Sample]) -> _Rows:
     return _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _model(values: dict[str, float], rows: _Rows) -> Array:
+def _model(values: dict[str, float], rows: _Rows) -> Floats:
     """F of every row [N]; the tension is `Band.tension` written out, for speed."""
     e = np.maximum(rows.length - values["rest_length"], 0.0)
     shape = cubic(e, 0.0, 1.0, values.get("quadratic", 0.0), values.get("cubic", 0.0))[0]
@@ -350,11 +348,13 @@ def _model(values: dict[str, float], rows: _Rows) -> Array:
     return band_force(tension, rows.slope) + rows.direction * values["friction"]
 
 
-def _force(values: dict[str, float], sample: Sample) -> Array:
+def _force(values: dict[str, float], sample: Sample) -> Floats:
     return _model(values, _rows([sample]))
 
 
-def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tuple[Array, Array]:
+def _fit(
+    samples: Sequence[Sample], names: list[str], start: Floats | None
+) -> tuple[Floats, Floats]:
     """Values of the parameters, and the Jacobian by their typical sizes."""
     from scipy.optimize import least_squares
 
@@ -362,7 +362,7 @@ def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tu
     first, low, high, size = limits.T
     data = _rows(samples)
 
-    def residual(x: Array) -> Array:
+    def residual(x: Floats) -> Floats:
         # Per band, so that double bands do not count double.
         return (_model(dict(zip(names, x, strict=True)), data) - data.force) / data.bands
 
@@ -373,7 +373,7 @@ def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tu
     return found.x, found.jac * size
 
 
-def _correlations(jacobian: Array) -> Array:
+def _correlations(jacobian: Floats) -> Floats:
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return np.clip(covariance / np.outer(size, size), -1.0, 1.0)

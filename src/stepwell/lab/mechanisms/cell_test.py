@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import Bools, ByValue, Floats, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.recordings import rms
 from stepwell.mechanism import Cell
-
-Array = NDArray[np.float64]
 
 # Agreement as this room uses the word: the class is right and the force within this of the
 # model's, in k r. F0 of the paper's cell of reference is 0.967 k r.
@@ -37,10 +34,10 @@ class CellReading(ByValue):
         inside: (n,) where the force was measured.
     """
 
-    theta: Array = field(repr=False)
-    force: Array = field(repr=False)
-    energy: Array = field(repr=False)
-    inside: NDArray[np.bool_] = field(repr=False)
+    theta: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    energy: Floats = field(repr=False)
+    inside: Bools = field(repr=False)
 
     @property
     def force_0(self) -> float:
@@ -79,7 +76,7 @@ class CellTest(ByValue):
     series: Series
     plain: CellReading
     corrected: CellReading
-    model: Array = field(repr=False)
+    model: Floats = field(repr=False)
     spread: float
     rises: tuple[tuple[float, float, float], ...]
 
@@ -139,7 +136,7 @@ class CellTest(ByValue):
         """The result as JSON can hold it; docs/commands.md describes the names."""
         return record(CELL_TEST, self)
 
-    def _gap(self, reading: CellReading) -> Array:
+    def _gap(self, reading: CellReading) -> Floats:
         gap = (reading.force - self.cell.force(reading.theta))[reading.inside]
         return gap / self.series.scale
 
@@ -174,7 +171,7 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
     )
 
 
-def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> CellReading:
+def _reading(cell: Cell, stroke: Floats, force: Floats, rig: Rig) -> CellReading:
     theta = rig.angle(cell, stroke)
     travel, block = cell.travel(theta), force / rig.factor(cell, theta)
     s = np.linspace(0.0, cell.full_travel, _POINTS)
@@ -189,7 +186,7 @@ def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> CellReading:
     return CellReading(cell.angle(s), full, energy, inside)
 
 
-def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, float, float], ...]:
+def _rises(stroke: Floats, force: Floats, least: float) -> tuple[tuple[float, float, float], ...]:
     """Where the force climbs by more than `least` above its lowest value so far."""
     edge = _SMOOTH // 2
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")

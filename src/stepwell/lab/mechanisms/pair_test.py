@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import Bools, ByValue, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
@@ -20,7 +19,6 @@ from stepwell.lab.recordings import Recording, from_zero, rms
 from stepwell.mechanism import Chain
 from stepwell.statics import EventKind, Path
 
-Array = NDArray[np.float64]
 Order = tuple[int, int]
 
 _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
@@ -53,10 +51,10 @@ class PairTest(ByValue):
     """
 
     series: Series
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
-    model: Array = field(repr=False)
-    inside: NDArray[np.bool_] = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    model: Floats = field(repr=False)
+    inside: Bools = field(repr=False)
     spread: float
     errors: tuple[float, float]
     rmse: float
@@ -165,7 +163,7 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
         A comparison for each.
     """
     errors = [_errors(one) for one in series]
-    total: dict[tuple[str, ...], Array] = {}
+    total: dict[tuple[str, ...], Floats] = {}
     for one, each in zip(series, errors, strict=True):
         key = _baseline_of(one)
         total[key] = total.get(key, np.zeros(2)) + np.min(each, axis=1) ** 2
@@ -176,7 +174,7 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
     ]
 
 
-def _pair_test(series: Series, first: int, errors: Array, rig: Rig) -> PairTest:
+def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest:
     chain, curve = series.chain, series.curve
     shown = _ORDERS[int(np.argmin(errors))]
     force = curve.force - _friction(series, first, shown, curve.stroke)
@@ -214,7 +212,7 @@ def _baseline_of(series: Series) -> tuple[str, ...]:
     return tuple(run.source for run in series.baseline)
 
 
-def _errors(series: Series) -> Array:
+def _errors(series: Series) -> Floats:
     """RMSE in k r (2, 2): by the cell that moved first in the baseline, and by the order here."""
     curve, past = series.curve, _past_snaps(series)
     errors = np.zeros((2, 2))
@@ -244,9 +242,7 @@ def _past_snaps(series: Series) -> tuple[float, float]:
     return min(found, default=math.inf) - _NEAR, math.inf
 
 
-def _one_by_one(
-    series: Series, order: Order, stroke: Array
-) -> list[tuple[int, NDArray[np.bool_], Array]]:
+def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int, Bools, Floats]]:
     """For each cell in an order: which strokes it moves at, and its travels there."""
     full, first = series.chain.full_stroke, series.chain.cells[order[0]].full_travel
     stroke = np.clip(stroke, 0.0, full)
@@ -259,7 +255,7 @@ def _one_by_one(
     return found
 
 
-def _baseline_force(series: Series, first: int, cell: int, travel: Array) -> Array:
+def _baseline_force(series: Series, first: int, cell: int, travel: Floats) -> Floats:
     """Baseline force [N] while a cell moves, at its travels (n,) [m].
 
     Args:
@@ -276,7 +272,7 @@ def _baseline_force(series: Series, first: int, cell: int, travel: Array) -> Arr
     return series.baseline_curve.at(travel + rest if above else travel)
 
 
-def _friction(series: Series, first: int, order: Order, stroke: Array) -> Array:
+def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
     """The baseline, each cell's share of it put where that cell moves."""
     found = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
@@ -305,7 +301,7 @@ def _snaps_of(path: Path) -> tuple[float, ...]:
 
 
 def _pull_and_hold(
-    series: Series, first: int, order: Order, stroke: Array, force: Array
+    series: Series, first: int, order: Order, stroke: Floats, force: Floats
 ) -> tuple[float, float]:
     """What the second cell, at its end, pulls against the first one, and what friction holds."""
     last, end, sign = (0, 0.02, -1) if series.unloading else (-1, 0.98, 1)

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import Bools, ByValue, Floats, InputError
 from stepwell.mechanism import Cell
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,18 +36,18 @@ class Rig(ByValue):
         if not self.bar > 0:
             raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
 
-    def tilt(self, cell: Cell, theta: ArrayLike) -> Array:
+    def tilt(self, cell: Cell, theta: ArrayLike) -> Floats:
         """b = tan φ [1] of the bar at lever angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         sine = cell.lever * (np.cos(theta) - math.cos(cell.limit)) / self.bar
         return sine / np.sqrt(1.0 - sine**2)
 
-    def factor(self, cell: Cell, theta: ArrayLike) -> Array:
+    def factor(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Force at the machine over force at the block [1] at angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         return 1.0 / (1.0 + self.tilt(cell, theta) * np.tan(theta))
 
-    def stroke(self, cell: Cell, theta: ArrayLike) -> Array:
+    def stroke(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Way of the machine [m] from state 0 on, at angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         if math.isinf(self.bar):
@@ -57,7 +55,7 @@ class Rig(ByValue):
         # φ = 0 at the stops, so the bar is L (1 - cos φ) shorter in height in between.
         return cell.travel(theta) - self.bar * (1.0 - np.cos(np.arctan(self.tilt(cell, theta))))
 
-    def angle(self, cell: Cell, stroke: ArrayLike) -> Array:
+    def angle(self, cell: Cell, stroke: ArrayLike) -> Floats:
         """Lever angle θ [rad] at ways of the machine [m] of any shape, between the stops."""
         stroke = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
         travel = stroke
@@ -92,6 +90,6 @@ def quiet_zones(
     return [(full - high, full - low) for low, high in zones] if unloading else zones
 
 
-def judged(stroke: Array, zones: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+def judged(stroke: Floats, zones: Sequence[tuple[float, float]]) -> Bools:
     """Which strokes (n,) [m] lie in no quiet zone."""
     return ~np.any([(low <= stroke) & (stroke <= high) for low, high in zones], axis=0)

@@ -11,9 +11,8 @@ from functools import cached_property
 from pathlib import PurePath
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.mechanisms.predict import predicted_force
 from stepwell.lab.mechanisms.rig import judged, quiet_zones
 from stepwell.lab.recordings import (
@@ -33,7 +32,6 @@ from stepwell.lab.recordings import (
 )
 from stepwell.mechanism import Band, Cell, Chain
 
-Array = NDArray[np.float64]
 Geometry = tuple[float, float]
 
 # Strokes that a baseline must cover, in those of the series.
@@ -91,12 +89,12 @@ class Series(ByValue):
         dx, dy = self.chain.cells[0].bands[0].d
         return round(dx, 9), round(dy, 9)
 
-    def net(self, stroke: Array, force: Array) -> Array:
+    def net(self, stroke: Floats, force: Floats) -> Floats:
         """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m]."""
         base = self.baseline_curve
         return force - (0.0 if base is None else base.at(stroke))
 
-    def judged(self) -> NDArray[np.bool_]:
+    def judged(self) -> Bools:
         """Which strokes of the mean curve of one cell count (n,)."""
         return judged(self.curve.stroke, quiet_zones(self.chain.full_stroke, self.unloading))
 

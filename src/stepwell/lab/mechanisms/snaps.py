@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.lab.mechanisms.rig import judged
-
-Array = NDArray[np.float64]
 
 # Mean force of 5 samples before and after, 6 samples apart: 120 ms at 50 Hz, where snaps of the
 # paper's rig take 40 to 80 ms.
@@ -37,7 +34,7 @@ class MeasuredSnap(ByValue):
 
 
 def find_snaps(
-    stroke: Array, force: Array, quiet: Sequence[tuple[float, float]] = ()
+    stroke: Floats, force: Floats, quiet: Sequence[tuple[float, float]] = ()
 ) -> tuple[MeasuredSnap, ...]:
     """Jumps of the force along a recording.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-Vec2 = tuple[float, float]
+from stepwell.base import Vec2
 
 _RUN = re.compile(r"^(?P<stem>.*?)_?(?P<run>\d+)$")
 _UNIT = re.compile(r"^(?P<cells>[12])unit_(?P<code>[BMTLR]+)(?P<mark>(?:_[A-Za-z]\w*)?)$")

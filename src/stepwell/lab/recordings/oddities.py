@@ -7,12 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.lab.recordings.names import run_number, stem_of
 from stepwell.lab.recordings.recording import Recording
-
-Array = NDArray[np.float64]
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
 SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack

@@ -9,11 +9,8 @@ from itertools import pairwise
 from pathlib import PurePath
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
-
-Array = NDArray[np.float64]
+from stepwell.base import ByValue, Floats, InputError
 
 # A reversal smaller than this share of the stroke is the machine settling, not a turning point.
 _TURN = 0.02
@@ -36,9 +33,9 @@ class Recording(ByValue):
     """
 
     source: str
-    time: Array = field(repr=False)
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
+    time: Floats = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
     remarks: tuple[str, ...] = ()
     sha256: str = field(default="", repr=False)
 

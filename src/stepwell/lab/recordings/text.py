@@ -6,12 +6,9 @@ import re
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.lab.recordings.columns import columns, split
-
-Array = NDArray[np.float64]
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # Blanks last: a comma between blanks is a decimal comma.
@@ -24,9 +21,9 @@ _BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 class Export(NamedTuple):
     """What the text holds, in SI; `time` is NaN where it is not recorded."""
 
-    time: Array
-    stroke: Array
-    force: Array
+    time: Floats
+    stroke: Floats
+    force: Floats
     remarks: tuple[str, ...]
 
 
@@ -81,9 +78,9 @@ def _first_row(lines: list[str]) -> tuple[int, str | None]:
 
 def _rows(
     body: list[tuple[int, str]], delimiter: str | None, count: int
-) -> tuple[Array, tuple[str, ...]]:
+) -> tuple[Floats, tuple[str, ...]]:
     """The rows that can be read, and what is to be said of the others."""
-    pieces: list[Array] = []
+    pieces: list[Floats] = []
     bad: list[tuple[int, str]] = []
     for first in range(0, len(body), _BLOCK):
         block = body[first : first + _BLOCK]
@@ -101,7 +98,7 @@ def _rows(
 
 def _one_by_one(
     block: list[tuple[int, str]], delimiter: str | None, count: int, bad: list[tuple[int, str]]
-) -> Array:
+) -> Floats:
     """The rows of a block that can be read; the others are added to `bad`."""
     good: list[list[float]] = []
     for number, line in block:
@@ -115,7 +112,7 @@ def _one_by_one(
     return np.array(good).reshape(-1, count)
 
 
-def _at_once(lines: list[str], delimiter: str | None, count: int) -> Array | None:
+def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | None:
     """All rows by NumPy's own reader, ten times as fast; None where one of them needs a look."""
     try:
         rows = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments=None)

@@ -4,15 +4,12 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import bisected
+from stepwell.base import Floats, bisected
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell
 from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import six_cells
-
-Array = NDArray[np.float64]
 
 # F0/(k r) and F1/(k r) that the paper's equations and parameters give, by q [mm].
 _FORCES = {
@@ -61,7 +58,7 @@ def _distance_from_equations(cell: Cell) -> float:
     band, r = cell.bands[0], cell.lever
     k, rest, (dx, dy) = band.stiffness, band.rest_length, band.d
 
-    def energy(travel: Array) -> Array:
+    def energy(travel: Floats) -> Floats:
         theta = np.arcsin(travel / r - math.sin(cell.limit))
         length = np.hypot(r * np.cos(theta) + dx, r * np.sin(theta) + dy)
         return k / 2 * (length - rest) ** 2

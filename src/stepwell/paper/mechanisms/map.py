@@ -8,14 +8,12 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.design import transition_map
 from stepwell.files import preset
 from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS
 from stepwell.sequences import Pathway
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Shares of area that the paper's equations and parameters give, with q_out over x 0 to 20 and
 # y -15 to 15 mm.
@@ -41,24 +39,24 @@ class PaperMap:
         full_stroke: of every design [m].
     """
 
-    x: Array
-    y: Array
+    x: Floats
+    y: Floats
     pathway: NDArray[np.int8]
-    snap_loading: Array
-    snap_unloading: Array
+    snap_loading: Floats
+    snap_unloading: Floats
     full_stroke: float
 
-    def takes(self, *pathways: Pathway) -> Flags:
+    def takes(self, *pathways: Pathway) -> Bools:
         """(n, n) whether a design takes one of these pathways."""
         return np.isin(self.pathway, [list(Pathway).index(pathway) for pathway in pathways])
 
     @property
-    def directed(self) -> Flags:
+    def directed(self) -> Bools:
         """(n, n) whether a design takes different ways up and down."""
         return self.takes(Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE)
 
     @property
-    def undirected(self) -> Flags:
+    def undirected(self) -> Bools:
         """(n, n) whether a design takes the same way up and down."""
         return self.takes(Pathway.VIA_01, Pathway.VIA_10)
 
@@ -121,13 +119,13 @@ def large_qx_directed() -> Finding:
     )
 
 
-def _by_band(along: Array, share: Array) -> Array:
+def _by_band(along: Floats, share: Floats) -> Floats:
     """Means of (n,) shares over bands of (n,) places [m]."""
     number = np.floor(along / _BAND).astype(int)
     return np.array([float(np.mean(share[number == k])) for k in range(number.max() + 1)])
 
 
-def _listed(shares: Array) -> str:
+def _listed(shares: Floats) -> str:
     return ", ".join(f"{share:.2f}" for share in shares)
 
 

@@ -3,10 +3,9 @@
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell, Chain
 from stepwell.paper.claims import Finding, claim, judged
@@ -52,7 +51,7 @@ def _held(cell: Cell) -> str:
     return "0" * (cell.force_0 > 0) + "1" * (cell.force_1 < 0)
 
 
-def landscape(chain: Chain, nodes: int = _NODES) -> NDArray[np.float64]:
+def landscape(chain: Chain, nodes: int = _NODES) -> Floats:
     """(nodes, nodes) total energy [J] over the travels of two cells, stops included."""
     inner, outer = (
         cell.energy(cell.angle(np.linspace(0.0, cell.full_travel, nodes))) for cell in chain.cells
@@ -60,7 +59,7 @@ def landscape(chain: Chain, nodes: int = _NODES) -> NDArray[np.float64]:
     return inner[:, None] + outer
 
 
-def count_minima(energy: NDArray[np.float64]) -> int:
+def count_minima(energy: Floats) -> int:
     """Local minima of a sampled landscape, its edges included.
 
     A node counts where none of its up to eight neighbours is lower, nodes side by side once.
