@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, __version__, plain, record, versions
@@ -67,10 +68,9 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     }
 
 
-def _known(grid: xr.DataArray) -> list[tuple[Any, Any, float]]:
-    """The places of a grid of two dimensions that hold a number, with the number."""
-    known = grid.to_series().dropna()
-    return [(*place, k) for place, k in zip(known.index.tolist(), known.tolist(), strict=True)]
+def _known(grid: xr.DataArray) -> Iterable[tuple[Any, ...]]:
+    """The places of a grid that hold a number, with the number."""
+    return grid.to_series().dropna().reset_index().itertuples(index=False, name=None)
 
 
 def _loss_used(test: BandTest) -> dict[str, Any] | None:
