@@ -7,9 +7,7 @@ import typer
 
 from stepwell.cli.options import ForceFile
 
-_File = Annotated[
-    Path, typer.Argument(metavar="NAME.toml", help="The file to write.", show_default=False)
-]
+_File = Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")]
 _Preset = Annotated[str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")]
 
 

@@ -17,7 +17,6 @@ _Data = Annotated[
     typer.Option(
         metavar="PATH",
         help="The authors' recordings, for the claims that they decide.",
-        show_default=False,
     ),
 ]
 

@@ -24,7 +24,6 @@ _Target = Annotated[
         metavar="TARGET",
         help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or all:N "
         "for N cells with all their states.",
-        show_default=False,
     ),
 ]
 _Side = Annotated[
@@ -34,7 +33,6 @@ _Side = Annotated[
         metavar="FROM:TO",
         help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
         "others in proportion.",
-        show_default=False,
     ),
 ]
 _Holes = Annotated[

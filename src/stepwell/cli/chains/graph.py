@@ -12,7 +12,6 @@ _Start = Annotated[
     typer.Option(
         metavar="STATE",
         help="Only what can be reached from this state, such as 000; all states by default.",
-        show_default=False,
     ),
 ]
 _File = Annotated[
@@ -22,7 +21,6 @@ _File = Annotated[
         "-o",
         metavar="FILE",
         help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
-        show_default=False,
         dir_okay=False,
     ),
 ]

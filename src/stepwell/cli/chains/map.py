@@ -40,7 +40,6 @@ _Parameter = Annotated[
         parser=parameter_range,
         metavar="NAME=FROM:TO:COUNT",
         help=f"A parameter along this axis instead, in mm, deg, N or N/m, as in {EXAMPLE}.",
-        show_default=False,
     ),
 ]
 

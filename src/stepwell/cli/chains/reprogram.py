@@ -15,7 +15,6 @@ _By = Annotated[
         metavar="ANCHOR",
         help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
         ".q on its outer one, as in inner.p.",
-        show_default=False,
     ),
 ]
 _Target = Annotated[
@@ -23,7 +22,6 @@ _Target = Annotated[
     typer.Option(
         metavar="SEQUENCE",
         help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
-        show_default=False,
     ),
 ]
 
@@ -55,7 +53,6 @@ _Along = Annotated[
         parser=along,
         metavar="X:Y|DEGREES",
         help="The line that the anchor keeps to; anywhere in the plane by default.",
-        show_default=False,
     ),
 ]
 _OneWay = Annotated[

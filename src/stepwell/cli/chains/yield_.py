@@ -16,7 +16,6 @@ _Wanted = Annotated[
         metavar="TARGET",
         help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and no "
         "others, as 00,10,11; the cycle of the drawing by default.",
-        show_default=False,
     ),
 ]
 _Program = Annotated[

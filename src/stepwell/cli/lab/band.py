@@ -10,7 +10,7 @@ from stepwell.cli.options import Force, Json, Out
 
 _Folders = Annotated[
     list[Path],
-    typer.Argument(metavar="FOLDER...", help="Tension tests of bands.", show_default=False),
+    typer.Argument(metavar="FOLDER...", help="Tension tests of bands."),
 ]
 _Window = Annotated[
     str,

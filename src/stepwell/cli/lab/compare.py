@@ -13,7 +13,6 @@ _Designs = Annotated[
     typer.Argument(
         metavar="[DESIGN]...",
         help="What was tested, or what file names leave open; the paper's cell by default.",
-        show_default=False,
     ),
 ]
 _AsDesigned = Annotated[

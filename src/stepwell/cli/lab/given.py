@@ -21,7 +21,6 @@ Data = Annotated[
     typer.Argument(
         metavar="DATA",
         help="A folder of recordings, at any depth, or one recording.",
-        show_default=False,
     ),
 ]
 Baseline = Annotated[
@@ -30,7 +29,6 @@ Baseline = Annotated[
         "--baseline",
         metavar="PATH",
         help="Runs without a band; by default those in DATA whose name says friction.",
-        show_default=False,
     ),
 ]
 NoBaseline = Annotated[

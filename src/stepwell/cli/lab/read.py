@@ -12,7 +12,6 @@ _Files = Annotated[
     typer.Argument(
         metavar="FILE...",
         help="Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
-        show_default=False,
     ),
 ]
 

@@ -10,7 +10,6 @@ Design = Annotated[
     typer.Argument(
         metavar="DESIGN",
         help="A design file (TOML), or preset:NAME for a design of `stepwell presets`.",
-        show_default=False,
     ),
 ]
 Out = Annotated[
@@ -20,7 +19,6 @@ Out = Annotated[
         "-o",
         metavar="DIR",
         help="Write the results into this folder.",
-        show_default=False,
         file_okay=False,
     ),
 ]

@@ -30,7 +30,6 @@ def _option(default: str) -> Any:
         parser=drive,
         metavar="stroke|force|K",
         help=f"What the actuator prescribes, or its stiffness [N/m]; {default} by default.",
-        show_default=False,
     )
 
 

@@ -16,14 +16,11 @@ From = Annotated[
         "--from",
         metavar="STATE",
         help="Where it begins, such as 10, inner cell first; all cells at 0 by default.",
-        show_default=False,
     ),
 ]
 To = Annotated[
     str | None,
-    typer.Option(
-        "--to", metavar="STATE", help="The state to end in, such as 01.", show_default=False
-    ),
+    typer.Option("--to", metavar="STATE", help="The state to end in, such as 01."),
 ]
 
 

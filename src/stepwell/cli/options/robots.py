@@ -14,7 +14,6 @@ Robot = Annotated[
     typer.Argument(
         metavar="ROBOT",
         help="A robot's design file (TOML), or the name of one of `stepwell presets`.",
-        show_default=False,
     ),
 ]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]

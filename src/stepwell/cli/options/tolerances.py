@@ -45,7 +45,6 @@ Samples = Annotated[
         metavar="N",
         help=f"How many mechanisms are made at random; {usual.QUICKLY}, or {usual.ONE_BY_ONE} "
         "where each is followed by the engine.",
-        show_default=False,
         min=1,
     ),
 ]

@@ -25,7 +25,6 @@ _Arena = Annotated[
     typer.Argument(
         metavar="ARENA",
         help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
-        show_default=False,
     ),
 ]
 _Limit = Annotated[float, typer.Option(help="Time it is given [s].", min=1)]

@@ -47,7 +47,6 @@ _Ranges = Annotated[
     typer.Argument(
         metavar="KEY=FROM:TO:COUNT...",
         help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
-        show_default=False,
     ),
 ]
 _Random = Annotated[
@@ -68,7 +67,6 @@ _Out = Annotated[
         "-o",
         metavar="DIR",
         help="Write the results into this folder.",
-        show_default=False,
         file_okay=False,
     ),
 ]
