@@ -11,7 +11,7 @@ import typer
 from stepwell.base import __version__
 from stepwell.cli import lab, new, paper, presets
 from stepwell.cli.chains import animate, design, graph, map, program, reprogram, run, yield_
-from stepwell.cli.robots import export, maze, robot, view, walk
+from stepwell.cli.robots import maze, robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
 app = typer.Typer(
@@ -38,7 +38,7 @@ for command in (
 ):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
-for command in (walk.walk, maze.maze, export.export, view.view):
+for command in (walk.walk, maze.maze, viewer.export, viewer.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
 app.add_typer(lab.app, name="lab", epilog=EXIT_CODES)
 

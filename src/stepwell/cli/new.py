@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import ForceFile
+from stepwell.cli.options import ForceFile, free_file
+from stepwell.cli.screen import show_lines
 
 _File = Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")]
 _Preset = Annotated[str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")]
@@ -17,8 +18,6 @@ def new(file: _File, preset: _Preset = "paper-forward", force: ForceFile = False
     It is a copy of one of the designs that come with Stepwell, with its comments.
     """
     from stepwell import files
-    from stepwell.cli.options import free_file
-    from stepwell.cli.screen import show_lines
 
     if file.suffix != ".toml":
         raise typer.BadParameter(

@@ -1,11 +1,12 @@
 """`stepwell paper`: what the paper claims, computed anew."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from stepwell.cli.options import Force, Json, Out
+from stepwell.cli.screen import finish, progress, show_lines, show_table
 
 _All = Annotated[
     bool,
@@ -35,11 +36,26 @@ def paper(
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import paper as _paper_text
 
     with progress("claims") as tell:
         verdicts = claims.run(out, progress=tell, everything=everything, data=data, force=force)
-    names = () if out is None else claims.outputs(everything)
-    record = claims.record(verdicts)
-    show_result(record, _paper_text.show, as_json, out, names)
+    finish(
+        claims.record(verdicts),
+        _show,
+        as_json,
+        out,
+        write=lambda *_, **__: claims.outputs(everything),
+    )
+
+
+def _show(record: dict[str, Any]) -> None:
+    claims = record["claims"]
+    columns = ["claim", "where", "paper", "ours", "verdict"]
+    rows = [[claim[key] for key in ("id", "where", "paper", "ours", "verdict")] for claim in claims]
+    title = "What the paper claims, and what Stepwell computes"
+    show_table(title, columns, rows, left=range(len(columns)))
+    reasons = [f"{claim['id']}: {claim['reason']}" for claim in claims if claim["reason"]]
+    if reasons:
+        show_lines("", *reasons)
+    agreed = sum(claim["verdict"] == "agrees" for claim in claims)
+    show_lines("", f"{agreed} of {len(claims)} claims agree.")

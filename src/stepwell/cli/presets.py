@@ -4,6 +4,8 @@ from typing import Annotated
 
 import typer
 
+from stepwell.cli.screen import finish, show_table
+
 _Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
 
@@ -13,11 +15,11 @@ def presets(as_json: _Json = False) -> None:
     The paper's come first, then some that go further, then robots.
     """
     from stepwell import files
-    from stepwell.cli.screen import show_json, show_table
 
     found = files.presets()
-    if as_json:
-        rows = [{"name": name, "title": title} for name, title in found.items()]
-        show_json({"schema": "stepwell.presets/1", "presets": rows})
-    else:
-        show_table("Designs", ["name", "what it is"], list(found.items()), left=(0, 1))
+    rows = [{"name": name, "title": title} for name, title in found.items()]
+    finish(
+        {"schema": "stepwell.presets/1", "presets": rows},
+        lambda _: show_table("Designs", ["name", "what it is"], list(found.items()), left=(0, 1)),
+        as_json,
+    )

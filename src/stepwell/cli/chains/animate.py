@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options import Design, ForceFile, From, To
+from stepwell.cli.options import Design, ForceFile, From, To, free_file, own, planned
+from stepwell.cli.screen import progress, show_lines
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
@@ -37,8 +38,6 @@ def animate(
     Snaps included, with the energy landscape of two cells, or the force of more, beside it.
     """
     from stepwell import figures
-    from stepwell.cli.options import free_file
-    from stepwell.cli.screen import progress, show_lines
 
     free_file(out, force)
     result = _motion(design, program, start, to)
@@ -53,7 +52,6 @@ def animate(
 def _motion(design: str, program: bool, start: str | None, to: str | None) -> "Cycle | Program":
     """What is to be seen."""
     from stepwell import files
-    from stepwell.cli.options import own, planned
 
     if not program:
         if start or to:

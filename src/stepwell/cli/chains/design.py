@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 from typing import Annotated
 
 import typer
@@ -12,11 +13,15 @@ from stepwell.cli.options import (
     Json,
     NewDrive,
     Out,
-    Span,
+    Range,
+    free,
     span,
     stiffness_of,
+    stock,
     tolerances as given,
+    wish,
 )
+from stepwell.cli.screen import answered, finish, progress, usable
 
 _Target = Annotated[
     str,
@@ -27,7 +32,7 @@ _Target = Annotated[
     ),
 ]
 _Side = Annotated[
-    Span | None,
+    Range | None,
     typer.Option(
         parser=span,
         metavar="FROM:TO",
@@ -118,9 +123,7 @@ def design(
     and the result as JSON are written into a folder.
     """
     from stepwell import reports, results
-    from stepwell.cli.options import free, stock, wish
-    from stepwell.cli.screen import answered, progress, show_result, usable
-    from stepwell.cli.text import design as _design_text
+    from stepwell.cli.text import design as texts
     from stepwell.design import Impossible, design
     from stepwell.design.placement import PAPER_LEVER, usual_box
 
@@ -130,7 +133,6 @@ def design(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
     free(out, "design", force)
-    names: tuple[str, ...] = ()
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
@@ -154,11 +156,8 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, out = results.impossible_record(why), None
+        record, write = results.impossible_record(why), None
     else:
-        record = results.design_record(found)
-        if out is not None:
-            with progress("writing") as tell:
-                names = reports.write_design(found, out, progress=tell, force=force)
-    show_result(record, _design_text.show, as_json, out, names)
+        record, write = results.design_record(found), partial(reports.write_design, found)
+    finish(record, texts.design, as_json, out, force, write)
     answered(record["possible"])

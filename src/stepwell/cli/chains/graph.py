@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Design, Drive, ForceFile, Json
+from stepwell.cli.options import Design, Drive, ForceFile, Json, free_file, read_chain
+from stepwell.cli.screen import progress, show_json, show_lines, usable
 
 _Start = Annotated[
     str | None,
@@ -40,15 +41,13 @@ def graph(
     states, return-point memory, scrambling, accumulators, latches, and states out of reach.
     With --out, the graph is drawn, or written for other programs.
     """
-    from stepwell import files, reports, results
-    from stepwell.cli.options import free_file
-    from stepwell.cli.screen import progress, show_json, show_lines, usable
+    from stepwell import reports, results
 
-    text = files.read(design)
-    chain = files.loads_chain(text, design)
+    text, chain = read_chain(design)
     free_file(out, force)
-    with usable("--out"):
-        _ = None if out is None else reports.checked_suffix(out)
+    if out is not None:
+        with usable("--out"):
+            reports.checked_suffix(out)
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive, start=start, progress=tell)
         record = results.graph_record(found, design=text)
@@ -56,8 +55,7 @@ def graph(
         with usable("--out"):
             reports.write_graph(found, out)
     if as_json:
-        show_json(record, out.parent if out else None, [out.name] if out else ())
-    else:
-        title = [chain.title, ""] if chain.title else []
-        show_lines(*title, str(found.reading))
-        show_lines(*([f"\nWrote {out}"] if out else []))
+        show_json(record, *([out] if out else []))
+        return
+    title = [chain.title, ""] if chain.title else []
+    show_lines(*title, str(found.reading), *(["", f"Wrote {out}"] if out else []))

@@ -1,12 +1,14 @@
 """`stepwell reprogram`: how far an anchor has to be moved to change what a chain does."""
 
 import math
+from functools import partial
 from typing import Annotated, NamedTuple
 
 import typer
 
 from stepwell.base import REACH
-from stepwell.cli.options import Design, Force, Json, Out
+from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
+from stepwell.cli.screen import answered, finish, progress, usable
 
 _By = Annotated[
     str,
@@ -80,23 +82,18 @@ def reprogram(
     anchor on the way: what an antenna must deliver. With --out, the design past the change,
     the way as CSV and the result as JSON are written into a folder.
     """
-    from stepwell import files, reports, results
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import answered, progress, show_result, usable
-    from stepwell.cli.text import reprogram as _reprogram_text
+    from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
     from stepwell.design import reprogram
 
     if one_way and line is None:
         raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
-    text = files.read(design)
-    chain = files.loads_chain(text, design)
+    text, chain = read_chain(design)
     free(out, "reprogram", force)
     ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
     with usable(design), progress("search") as tell:
         found = reprogram(chain, target, by, **ways, progress=tell)
     record = results.reprogram_record(found, design=text)
-    names: tuple[str, ...] = ()
-    if out is not None:
-        names = reports.write_reprogramming(found, out, design=text, force=force)
-    show_result(record, _reprogram_text.show, as_json, out, names)
+    write = partial(reports.write_reprogramming, found, design=text)
+    finish(record, texts.reprogram, as_json, out, force, write)
     answered(record["possible"])

@@ -1,14 +1,12 @@
 """`stepwell yield`: how many built mechanisms do what the drawing does."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from functools import partial
+from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Design, Force, Json, Out, tolerances as given
-
-if TYPE_CHECKING:
-    from stepwell.design import Tolerances
+from stepwell.cli.options import Design, Force, Json, Out, free, own, tolerances as given
+from stepwell.cli.screen import finish, progress, usable
 
 _Wanted = Annotated[
     str | None,
@@ -52,21 +50,26 @@ def yield_(
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
     """
     from stepwell import files, reports, results
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_result, usable
-    from stepwell.cli.text import yields as _yield_text
-    from stepwell.design import yields
+    from stepwell.cli.text import design as texts
+    from stepwell.design import survival, yields
 
     spread = given.tolerances(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
     text = files.read(design)
     free(out, "yield", force, design=text)
+    if program and (wanted or sensitivity):
+        option = "--wanted" if wanted else "--sensitivity"
+        raise typer.BadParameter("cannot stand with --program.", param_hint=option)
     if program:
-        if wanted or sensitivity:
-            option = "--wanted" if wanted else "--sensitivity"
-            raise typer.BadParameter("cannot stand with --program.", param_hint=option)
-        record, names = _survival(text, design, spread, samples, seed, out, force)
+        played = own(text, design)
+        points, start, ends = played.turning_points, played.start, played.to
+        with progress("yield") as tell:
+            kept = survival(
+                played.chain, points, ends, spread, start=start, n=samples, seed=seed, progress=tell
+            )
+        record = results.survival_record(kept, design=text)
+        write = partial(reports.write_survival, kept, design=text)
     else:
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
@@ -79,35 +82,6 @@ def yield_(
                 sensitivity=sensitivity,
                 progress=tell,
             )
-        record, names = results.yield_record(found, design=text), ()
-        if out is not None:
-            with progress("writing") as tell:
-                names = reports.write_yield(found, out, design=text, progress=tell, force=force)
-    show_result(record, _yield_text.show, as_json, out, names)
-
-
-def _survival(
-    text: str,
-    design: str,
-    spread: "Tolerances",
-    samples: int | None,
-    seed: int,
-    out: Path | None,
-    force: bool,
-) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """How many mechanisms the design's own program brings where it should, and files written."""
-    from stepwell import reports, results
-    from stepwell.cli.options import own
-    from stepwell.cli.screen import progress
-    from stepwell.design import survival
-
-    program = own(text, design)
-    points, way = program.turning_points, (program.start, program.to)
-    with progress("yield") as tell:
-        found = survival(
-            program.chain, points, way[1], spread, start=way[0], n=samples, seed=seed, progress=tell
-        )
-    names: tuple[str, ...] = ()
-    if out is not None:
-        names = reports.write_survival(found, out, design=text, force=force)
-    return results.survival_record(found, design=text), names
+        record = results.yield_record(found, design=text)
+        write = partial(reports.write_yield, found, design=text)
+    finish(record, texts.yields, as_json, out, force, write)

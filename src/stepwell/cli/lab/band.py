@@ -1,12 +1,14 @@
 """`stepwell lab band`: how stiff bands are, and which law they follow."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stepwell.cli.lab.given import between, counted, recordings
-from stepwell.cli.options import Force, Json, Out
+from stepwell.cli.lab.given import recordings
+from stepwell.cli.options import Force, Json, Out, free, window as read_window
+from stepwell.cli.screen import finish
 
 _Folders = Annotated[
     list[Path],
@@ -62,18 +64,16 @@ def band(
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import show_result
-    from stepwell.cli.text import lab as _text
+    from stepwell.cli.text import lab as texts
     from stepwell.reports import write_band
 
     free(out, "lab band", force)
-    low, high = between(window)
+    low, high = read_window(window)
     given = recordings(folders)
     test = lab.band_test(
         given,
         window=(low * 1e-3, high * 1e-3),
-        cycles=counted(cycles),
+        cycles=read_window(cycles, whole=True),
         drop=drop or (),
         cycles_per_sample=cycles_per_sample,
     )
@@ -86,5 +86,4 @@ def band(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     record = lab.band_record(test, choice, table) | {"data_sha256": lab.hashes(given)}
-    names = write_band(test, choice, record, out, force=force) if out is not None else ()
-    show_result(record, _text.band, as_json, out, names)
+    finish(record, texts.band, as_json, out, force, partial(write_band, test, choice, record))

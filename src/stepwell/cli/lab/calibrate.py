@@ -1,11 +1,13 @@
 """`stepwell lab calibrate`: one model of rubber and rig for all unit cells."""
 
+from functools import partial
 from typing import Annotated
 
 import typer
 
 from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
-from stepwell.cli.options import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out, free
+from stepwell.cli.screen import finish, progress
 
 _Law = Annotated[
     str | None,
@@ -30,9 +32,7 @@ def calibrate(
     """
     from stepwell import lab
     from stepwell.base import __version__, versions
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import lab as _text
+    from stepwell.cli.text import lab as texts
     from stepwell.reports import write_calibration
 
     free(out, "lab calibrate", force)
@@ -57,5 +57,5 @@ def calibrate(
         + list(found.told),
         "table": lab.calibrated_table(calibration, data.name),
     }
-    names = write_calibration(calibration, record, out, force=force) if out is not None else ()
-    show_result(record, _text.calibration, as_json, out, names)
+    write = partial(write_calibration, calibration, record)
+    finish(record, texts.calibration, as_json, out, force, write)

@@ -1,12 +1,14 @@
 """`stepwell lab compare`: measured against model, a verdict for every series."""
 
 import math
+from functools import partial
 from typing import Annotated
 
 import typer
 
 from stepwell.cli.lab.given import Baseline, Data, NoBaseline, recordings, subtracted
-from stepwell.cli.options import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out, free
+from stepwell.cli.screen import finish
 
 _Designs = Annotated[
     list[str] | None,
@@ -43,26 +45,21 @@ def compare(
     With --out, verdicts, curves and figures are written into a folder.
     """
     from stepwell import files, lab, reports
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import lab as _text
+    from stepwell.cli.text import lab as texts
 
     free(out, "lab compare", force)
     given = recordings([data])
-    texts = {design: files.read(design) for design in designs or ()}
+    designed = {design: files.read(design) for design in designs or ()}
     comparison = lab.compare(
         given,
-        [files.loads(text, design) for design, text in texts.items()],
+        [files.loads(text, design) for design, text in designed.items()],
         baseline=subtracted(baseline, no_baseline),
         as_designed=as_designed,
         rig=lab.Rig(math.inf if math.isinf(bar) else bar * 1e-3),
     )
     record = lab.comparison_record(comparison) | {
-        "designs_sha256": {design: files.digest(text) for design, text in texts.items()},
+        "designs_sha256": {design: files.digest(text) for design, text in designed.items()},
         "data_sha256": lab.hashes(given),
     }
-    names = ()
-    if out is not None:
-        with progress("writing") as tell:
-            names = reports.write_comparison(comparison, record, out, progress=tell, force=force)
-    show_result(record, _text.comparison, as_json, out, names)
+    write = partial(reports.write_comparison, comparison, record)
+    finish(record, texts.comparison, as_json, out, force, write)

@@ -1,8 +1,7 @@
-"""What the commands of the lab take: recordings, ranges, baselines."""
+"""What the commands of the lab take: recordings and baselines."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,8 +12,6 @@ from stepwell.cli.screen import progress, warn
 
 if TYPE_CHECKING:
     from stepwell.lab import Recording
-
-_RANGE = re.compile(r"(\d+(?:\.\d+)?):(\d+(?:\.\d+)?)")
 
 Data = Annotated[
     Path,
@@ -56,19 +53,3 @@ def subtracted(path: Path | None, none: bool) -> list[Recording] | None:
     if none:
         return []
     return None if path is None else recordings([path])
-
-
-def between(text: str) -> tuple[float, float]:
-    """Two numbers that rise, as in 5:35."""
-    found = _RANGE.fullmatch(text.strip())
-    if found is None or not float(found[1]) <= float(found[2]):
-        raise typer.BadParameter(f"{text!r} must be FROM:TO, two numbers that rise, as in 5:35.")
-    return float(found[1]), float(found[2])
-
-
-def counted(text: str) -> tuple[int, int]:
-    """Two whole numbers that rise, as in 5:9."""
-    low, high = between(text)
-    if low != int(low) or high != int(high):
-        raise typer.BadParameter(f"{text!r} must be FROM:TO, two whole numbers, as in 5:9.")
-    return int(low), int(high)

@@ -1,11 +1,13 @@
 """`stepwell lab read`: what recordings hold, and what is odd about them."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Force, Json, Out
+from stepwell.cli.options import Force, Json, Out, free
+from stepwell.cli.screen import finish, progress
 
 _Files = Annotated[
     list[Path],
@@ -24,9 +26,7 @@ def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = F
     """
     from stepwell import lab
     from stepwell.base import __version__, versions
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_json, show_written
-    from stepwell.cli.text import lab as _text
+    from stepwell.cli.text import lab as texts
     from stepwell.reports import write_readings
 
     free(out, "lab read", force)
@@ -41,13 +41,7 @@ def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = F
         "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
         "ignored": list(batch.ignored),
     }
-    names: tuple[str, ...] = ()
-    if out and batch.recordings:
-        names = write_readings(batch.recordings, record, out, force=force)
-    if as_json:
-        show_json(record, out, names)
-    else:
-        _text.readings(record)
-        show_written(out if names else None, names)
+    write = partial(write_readings, batch.recordings, record) if batch.recordings else None
+    finish(record, texts.readings, as_json, out, force, write)
     if not batch.recordings:
         raise typer.Exit(2)

@@ -1,12 +1,13 @@
-"""What `stepwell design` is asked for: the wish, where anchors may be, which bands there are."""
+"""What `stepwell design` is asked for: the wish, and which bands there are."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import typer
+
+from stepwell.cli.screen import usable
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
@@ -31,33 +32,8 @@ def wish(text: str) -> dict[str, Any]:
     )
 
 
-@dataclass(frozen=True)
-class Span:
-    """From one number to a larger one [mm]."""
-
-    start: float
-    stop: float
-
-    def __str__(self):
-        return f"{self.start:g}:{self.stop:g}"
-
-
-def span(text: str | Span) -> Span:
-    """FROM:TO in mm."""
-    if isinstance(text, Span):  # the default
-        return text
-    try:
-        start, stop = map(float, text.split(":"))
-    except ValueError:
-        raise typer.BadParameter(f"{text!r}: must be FROM:TO in mm, as in 0:20.") from None
-    if not -1e6 <= start < stop <= 1e6:
-        raise typer.BadParameter(f"{text!r}: must rise, as 0:20 does, within -1e6 to 1e6 mm.")
-    return Span(start, stop)
-
-
 def stock(text: str) -> Stock:
     """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
-    from stepwell.cli.screen import usable
     from stepwell.design import Stock
 
     if text in BANDS:

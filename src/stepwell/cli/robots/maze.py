@@ -1,11 +1,14 @@
 """`stepwell maze`: a robot simulated among walls and cylinders."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, named, usable
+from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, free, read_robot
+from stepwell.cli.robots.video import with_video
+from stepwell.cli.screen import finish, progress, show_table, stopped, usable
 
 if TYPE_CHECKING:
     import stepwell.robot as values
@@ -14,7 +17,6 @@ if TYPE_CHECKING:
 def _list(wanted: bool) -> None:
     if wanted:
         from stepwell import files
-        from stepwell.cli.screen import show_table
 
         show_table("Arenas", ["name", "what it is"], list(files.arenas().items()), left=(0, 1))
         raise typer.Exit
@@ -68,37 +70,22 @@ def maze(
     as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
     """
     from stepwell import files, reports, results, simulation
-    from stepwell.cli.options import free
-    from stepwell.cli.robots.video import film
-    from stepwell.cli.screen import progress, show_result, stopped
-    from stepwell.cli.text import maze as _maze_text
+    from stepwell.cli.text import robots as texts
 
-    source = named(robot)
-    text = files.read(source)
-    given = files.loads_robot(text, source)
+    text, given = read_robot(robot)
     design = _changed(given, disconnect, no_antennas)
-    kept = text if design is given else None
+    told: dict[str, Any] = {
+        "design": text if design is given else None,
+        "start_seed": start_seed,
+        "layout_seed": layout_seed,
+    }
     free(out, "maze", force)
     place = _jittered(files.load_arena(arena), start_seed, layout_seed)
     with usable(robot), progress("walking") as tell:
         result = simulation.maze(design, place, limit=limit, progress=tell)
-    names: tuple[str, ...] = ()
-    if out is not None:
-        with progress("writing") as tell:
-            names = reports.write_maze(
-                result,
-                out,
-                design=kept,
-                start_seed=start_seed,
-                layout_seed=layout_seed,
-                film=None if no_video else film(result, "maze", tell),
-                progress=tell,
-                force=force,
-            )
-    record = results.maze_record(
-        result, design=kept, start_seed=start_seed, layout_seed=layout_seed
-    )
-    show_result(record, _maze_text.show, as_json, out, names)
+    write = partial(reports.write_maze, **told)
+    write = partial(write, result) if no_video else with_video(write, result, "maze")
+    finish(results.maze_record(result, **told), texts.maze, as_json, out, force, write)
     stopped(result.walk.stopped)
 
 

@@ -1,12 +1,14 @@
 """`stepwell robot`: what a robot is made of, and what it does when that is changed."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Force, Json, Out, Robot, named, usable
-from stepwell.cli.screen import EXIT_CODES, styled
+from stepwell.cli.options import Force, Json, Out, Robot, free, read_robot
+from stepwell.cli.robots import sweep as _sweep
+from stepwell.cli.screen import EXIT_CODES, finish, progress, styled, usable
 
 commands = typer.Typer(
     no_args_is_help=True,
@@ -24,22 +26,15 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     simulation. With --out, drawings from above and the side, the prediction and all numbers
     as JSON are written into a folder, together with the design.
     """
-    from stepwell import files, reports, results
-    from stepwell.cli.options import free
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import robot as _robot_text
+    from stepwell import reports, results
+    from stepwell.cli.text import robots as texts
 
-    source = named(robot)
-    text = files.read(source)
-    design = files.loads_robot(text, source)
+    text, design = read_robot(robot)
     free(out, "robot show", force, robot=text)
-    said = design.predict()
-    names: tuple[str, ...] = ()
-    if out is not None:
-        with progress("writing") as tell:
-            names = reports.write_robot(design, said, out, design=text, progress=tell, force=force)
-    record = results.robot_record(design, said, design=text)
-    show_result(record, _robot_text.show, as_json, out, names)
+    prediction = design.predict()
+    record = results.robot_record(design, prediction, design=text)
+    write = partial(reports.write_robot, design, prediction, design=text)
+    finish(record, texts.robot, as_json, out, force, write)
 
 
 _Ranges = Annotated[
@@ -89,30 +84,21 @@ def sweep(
     it stopped when it is called again. Table (CSV), data (NetCDF), JSON and a figure are
     written into the folder.
     """
-    from stepwell import files, reports, results
-    from stepwell.cli.options import free, ranges as _ranges
-    from stepwell.cli.robots import sweep as _sweep
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import robot as _robot_text
+    from stepwell import reports, results
+    from stepwell.cli.text import robots as texts
 
-    source = named(robot)
-    text = files.read(source)
-    design = files.loads_robot(text, source)
+    text, design = read_robot(robot)
     free(out, "robot sweep", force)
-    found = _ranges.ranges(ranges, random)
-    values = _ranges.points(found, random, seed)
+    values = _sweep.points(_sweep.read_ranges(ranges, random), random, seed)
     drawn = seed if random else None
     keep = out / "unfinished"
     kept = "the robots that are done are kept, and the same command goes on with the others"
     with usable("--out"), progress("robots", kept=kept) as tell:
         result = _sweep.run(design, robot, values, cycles, keep, tell)
-    with progress("writing") as tell:
-        names = reports.write_sweep(
-            result, out, design=text, seed=drawn, progress=tell, force=force
-        )
-    _sweep.forget(keep)
     record = results.sweep_record(result, design=text, seed=drawn)
-    show_result(record, _robot_text.show_sweep, as_json, out, names)
+    write = partial(reports.write_sweep, result, design=text, seed=drawn)
+    finish(record, texts.sweep, as_json, out, force, write)
+    _sweep.forget(keep)
 
 
 _TwoCycles = Annotated[
@@ -127,17 +113,10 @@ def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> Non
     What it does in a cycle, and what the floor carries under feet and supports, against the
     finest of them.
     """
-    from stepwell import files, results, simulation as physics
-    from stepwell.cli.screen import progress, show_json
-    from stepwell.cli.text import robot as _robot_text
+    from stepwell import results, simulation as physics
+    from stepwell.cli.text import robots as texts
 
-    source = named(robot)
-    text = files.read(source)
-    design = files.loads_robot(text, source)
+    text, design = read_robot(robot)
     with usable(robot), progress("walking") as tell:
         found = physics.convergence(design, cycles=cycles, progress=tell)
-    record = results.convergence_record(found, design=text)
-    if as_json:
-        show_json(record)
-    else:
-        _robot_text.show_convergence(record)
+    finish(results.convergence_record(found, design=text), texts.convergence, as_json)

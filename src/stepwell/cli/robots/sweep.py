@@ -1,16 +1,67 @@
-"""Running the robots of a sweep, those that cannot exist told among the others."""
+"""The robots of a sweep: what is varied, and how each of them walks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import typer
+
+from stepwell.base import require
+from stepwell.cli.options import Range, read_range
+from stepwell.cli.screen import Progress
 
 if TYPE_CHECKING:
     from stepwell.robot import Robot
     from stepwell.simulation import Sweep
 
-Progress = Callable[[float, float], None]
+
+def read_ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
+    """KEY=FROM:TO:COUNT each, or KEY=FROM:TO where `drawn` values are drawn."""
+    found = [_range(text, drawn) for text in texts]
+    keys = [one.name for one in found]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise typer.BadParameter(f"{key} is there twice: give each key one range.")
+    total = drawn or 1
+    for one in found:
+        total *= one.count or 1
+    try:
+        require("robots", total, "these are")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    return found
+
+
+def points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
+    """For each key its value in every robot."""
+    import numpy as np
+
+    if drawn is not None:
+        rng = np.random.default_rng(seed)
+        # A robot a row, so that asking for more robots keeps the first ones as they are.
+        shares = rng.random((drawn, len(found)))
+        columns = [
+            one.start + (one.stop - one.start) * share
+            for one, share in zip(found, shares.T, strict=True)
+        ]
+    else:
+        axes = np.meshgrid(*(one.values() for one in found), indexing="ij")
+        columns = [axis.ravel() for axis in axes]
+    # What a file holds is decimal: 0.1 and not 0.1 and a rounding error.
+    return {
+        one.name: [float(f"{value:.12g}") for value in column]
+        for one, column in zip(found, columns, strict=True)
+    }
+
+
+def _range(text: str, drawn: int | None) -> Range:
+    example = "chain.cell.outer.q_mm[0]=5:20" + ("" if drawn else ":4")
+    found = read_range(text, "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT", example)
+    if not (abs(found.start) <= 1e9 and abs(found.stop) <= 1e9) or found.start == found.stop:
+        raise typer.BadParameter(f"{text!r}: must go from one number to another, within ±1e9.")
+    return found
 
 
 def run(

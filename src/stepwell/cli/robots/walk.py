@@ -1,10 +1,13 @@
 """`stepwell walk`: a robot simulated on a bare floor."""
 
+from functools import partial
 from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, named, usable
+from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, free, read_robot
+from stepwell.cli.robots.video import with_video
+from stepwell.cli.screen import finish, progress, stopped, usable
 
 _Cycles = Annotated[float, typer.Option(help="How often the actuator goes out and back.", min=0.01)]
 
@@ -23,29 +26,15 @@ def walk(
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
     """
-    from stepwell import files, reports, results, simulation
-    from stepwell.cli.options import free
-    from stepwell.cli.robots.video import film
-    from stepwell.cli.screen import progress, show_result, stopped
-    from stepwell.cli.text import walk as _walk_text
+    from stepwell import reports, results, simulation
+    from stepwell.cli.text import robots as texts
 
-    source = named(robot)
-    text = files.read(source)
-    design = files.loads_robot(text, source)
+    text, design = read_robot(robot)
     free(out, "walk", force, robot=text)
     with usable(robot), progress("walking") as tell:
         result = simulation.walk(design, cycles, progress=tell)
-    names: tuple[str, ...] = ()
-    if out is not None:
-        with progress("writing") as tell:
-            names = reports.write_walk(
-                result,
-                out,
-                design=text,
-                film=None if no_video else film(result, "walk", tell),
-                progress=tell,
-                force=force,
-            )
     record = results.walk_record(result, design=text)
-    show_result(record, _walk_text.show, as_json, out, names)
+    write = partial(reports.write_walk, design=text)
+    write = partial(write, result) if no_video else with_video(write, result, "walk")
+    finish(record, texts.walk, as_json, out, force, write)
     stopped(result.stopped)

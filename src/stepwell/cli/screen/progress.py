@@ -9,6 +9,7 @@ from time import monotonic
 # pieces has an estimate too [s].
 _EVERY, _REMEMBERED = 0.1, 600.0
 WRITING = "writing"
+Progress = Callable[[float, float], None]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -16,7 +17,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float], None] | None]:
+def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
     """What to call with (done, total); None where nobody is looking.
 
     The bar tells how much is done and how long the rest will take. It goes to standard error, so
@@ -52,7 +53,7 @@ def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float],
 
 
 @contextmanager
-def _bar(label: str) -> Iterator[Callable[[float, float], None] | None]:
+def _bar(label: str) -> Iterator[Progress | None]:
     if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stepwell.base import Columns, printable, shown
+from stepwell.cli.screen.progress import WRITING, progress
 
 _WIDTH = 100
 
@@ -53,33 +54,40 @@ def warn(text: str) -> None:
     echo(plain(text), err=True)
 
 
-def show_json(
-    record: dict[str, Any], folder: Path | None = None, names: Sequence[str] = ()
-) -> None:
+def show_json(record: dict[str, Any], *files: Path) -> None:
     """Print a record as JSON, with the files that were written."""
-    files = {"files": [str(folder / name) for name in names] if folder else []}
-    put(json.dumps(record | files, indent=2, allow_nan=False) + "\n")
+    shown = record | {"files": [str(file) for file in files]}
+    put(json.dumps(shown, indent=2, allow_nan=False) + "\n")
 
 
-def show_written(folder: Path | None, names: Sequence[str]) -> None:
-    """Say what was written and where."""
-    if folder is not None:
-        show_lines("", f"Written into {folder}: {', '.join(names)}")
-
-
-def show_result(
+def finish(
     record: dict[str, Any],
     show: Callable[[dict[str, Any]], None],
     as_json: bool,
-    folder: Path | None,
-    names: Sequence[str],
+    out: Path | None = None,
+    force: bool = False,
+    write: Callable[..., Sequence[str]] | None = None,
 ) -> None:
-    """Print a record as JSON or as `show` tells it, with the files that were written."""
+    """Write results into a folder, and print them as JSON or as `show` tells them.
+
+    Args:
+        record: of the results.
+        show: prints it for people.
+        as_json: what --json says.
+        out: what --out says.
+        force: what --force says.
+        write: of `reports`, with all its arguments but the folder, `progress` and `force`.
+    """
+    names: Sequence[str] = ()
+    if out is not None and write is not None:
+        with progress(WRITING) as tell:
+            names = write(out, progress=tell, force=force)
     if as_json:
-        show_json(record, folder, names)
-    else:
-        show(record)
-        show_written(folder, names)
+        show_json(record, *((out or Path()) / name for name in names))
+        return
+    show(record)
+    if names:
+        show_lines("", f"Written into {out}: {', '.join(names)}")
 
 
 def show_lines(*lines: str) -> None:

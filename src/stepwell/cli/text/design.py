@@ -1,17 +1,16 @@
-"""The result of `stepwell design` as people read it."""
+"""The results of `stepwell design` and `stepwell yield` as people read them."""
 
 from typing import Any
 
-from stepwell.base import number
-from stepwell.cli.screen import show_lines, show_records, show_text, wrapped
-from stepwell.cli.text import yields
-from stepwell.results import BUILT
+from stepwell.base import Column, number
+from stepwell.cli.screen import show_facts, show_lines, show_records, show_text, wrapped
+from stepwell.results import BUILT, SENSITIVITY, TOLERANCES
 
 # A list of more states than these helps nobody.
 MOST_STATES = 16
 
 
-def show(record: dict[str, Any]) -> None:
+def design(record: dict[str, Any]) -> None:
     """Print what `results.design_record` or `results.impossible_record` returns."""
     if not record["possible"]:
         show_lines(*wrapped(record["reason"]))
@@ -19,7 +18,7 @@ def show(record: dict[str, Any]) -> None:
     names = [cell["name"] for cell in record["cells"]]
     show_lines(
         *_states(record),
-        *(line for line in yields.lines(record["yield"], names) if line[:6] != "Wanted"),
+        *(line for line in _shares(record["yield"], names) if line[:6] != "Wanted"),
         *_robustness(record["robustness"], names),
     )
     name, p, q, *others = BUILT
@@ -46,3 +45,69 @@ def _robustness(found: dict[str, Any] | None, names: list[str]) -> list[str]:
         first, second = (names[cell] for cell in found["meet"])
         text += f"; then {first} and {second} change places while {found['while']}"
     return [f"Worst     {text}"]
+
+
+MOST_ROWS = 12
+
+
+def yields(record: dict[str, Any]) -> None:
+    """Print what `results.yield_record` or `results.survival_record` returns."""
+    show_facts(record, {}, 10)
+    show_lines(*_shares(record, record["cells"]))
+    if "outcomes" not in record:
+        show_text(record["assumptions"])
+        return
+    if record["advice"]:
+        show_text(record["advice"])
+    show_records(
+        "What the others do",
+        [
+            Column("outcome", lambda one: one["outcome"]),
+            Column("share", lambda one: _percent(one["count"] / record["samples"]), True),
+        ],
+        record["outcomes"],
+        most=MOST_ROWS,
+    )
+    if record["sensitivities"] is not None:
+        show_records(
+            "Share of the variance of the smallest gap that a part makes, alone and with others",
+            SENSITIVITY,
+            sorted(record["sensitivities"], key=lambda one: -one["total"]),
+            most=MOST_ROWS,
+        )
+        if record["gap_agreement"] is not None:
+            agreed = _percent(record["gap_agreement"])
+            show_lines(f"The gap tells what the engine finds in {agreed}")
+    show_text(record["assumptions"])
+
+
+def _shares(record: dict[str, Any], names: list[str]) -> list[str]:
+    """Share, tolerances and critical pair of a yield."""
+    low, high = _percent(record["share_low"]), _percent(record["share_high"])
+    found = {
+        "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
+        "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
+        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'])}",
+        "Critical": _critical(record.get("critical"), names),
+    }
+    return [f"{name:<10}{value}" for name, value in found.items() if value]
+
+
+def _percent(share: float) -> str:
+    """A share, with digits enough that 99.99 % is not printed as certain."""
+    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
+
+
+def _tolerances(given: dict[str, float]) -> str:
+    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in TOLERANCES if given[q.key]]
+    return ", ".join(told) or "no tolerance"
+
+
+def _critical(pair: dict[str, Any] | None, names: list[str]) -> str:
+    if pair is None:
+        return ""
+    first, second = names[pair["first"]], names[pair["second"]]
+    return (
+        f"{first} before {second} while {pair['while']}: in the other order in "
+        f"{_percent(pair['share'])}"
+    )

@@ -1,14 +1,54 @@
-"""Where the commands that drive a chain get their stroke program from."""
+"""How a chain is driven: by which actuator, and by which program of it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+import math
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from stepwell.cli.screen import progress, usable
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
     from stepwell.sequences import Program
+
+
+def drive(text: str) -> str | float:
+    """stroke, force, or a stiffness in N/m."""
+    from stepwell.mechanism import SOFTEST, STIFFEST
+
+    if text in ("stroke", "force"):
+        return text
+    try:
+        stiffness = float(text)
+    except ValueError:
+        stiffness = -1.0
+    if not SOFTEST <= stiffness <= STIFFEST:
+        raise typer.BadParameter(
+            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, {SOFTEST:g} to "
+            f"{STIFFEST:g}."
+        )
+    return stiffness
+
+
+def _option(default: str) -> Any:
+    return typer.Option(
+        "--drive",
+        parser=drive,
+        metavar="stroke|force|K",
+        help=f"What the actuator prescribes, or its stiffness [N/m]; {default} by default.",
+    )
+
+
+Drive = Annotated[str | None, _option("as in the design")]
+NewDrive = Annotated[str | None, _option("the stroke")]
+
+
+def stiffness_of(drive: str | float | None) -> float:
+    """The stiffness of such an actuator [N/m]; a prescribed stroke where none is named."""
+    return drive if isinstance(drive, float) else 0.0 if drive == "force" else math.inf
+
 
 From = Annotated[
     str | None,
@@ -26,7 +66,6 @@ To = Annotated[
 
 def planned(chain: Chain, start: str | None, to: str | None) -> Program:
     """The shortest program; raises `Unreachable` where there is none."""
-    from stepwell.cli.screen import progress
     from stepwell.sequences import Unreachable
 
     if to is None:
@@ -35,13 +74,8 @@ def planned(chain: Chain, start: str | None, to: str | None) -> Program:
         if state is not None and (len(state) != len(chain) or set(state) - {"0", "1"}):
             problem = f"{state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
             raise typer.BadParameter(problem, param_hint=option)
-    try:
-        with progress("program") as tell:
-            return chain.program(to, start=start, progress=tell)
-    except Unreachable:
-        raise
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--from") from None
+    with usable("--from", Unreachable), progress("program") as tell:
+        return chain.program(to, start=start, progress=tell)
 
 
 def own(text: str, design: str) -> Program:

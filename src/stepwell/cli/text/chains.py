@@ -1,0 +1,196 @@
+"""The results of `stepwell run`, `map`, `program` and `reprogram` as people read them."""
+
+from typing import Any
+
+from stepwell.base import Quantity, number, signed
+from stepwell.cli.screen import (
+    show_facts,
+    show_lines,
+    show_records,
+    show_table,
+    show_text,
+    wrapped,
+)
+from stepwell.design.margins import WAY
+from stepwell.results import CELL, change_columns, event_columns
+from stepwell.sequences import Pathway
+from stepwell.sequences.programs import turn_schema
+
+# The states of a longer chain are too long to be read.
+MOST_CELLS = 12
+
+
+def run(record: dict[str, Any]) -> None:
+    """Print what `results.run_record` returns."""
+    names = [cell["name"] for cell in record["cells"]]
+    found = {
+        "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
+        "Pathway": (record["pathway"] or "").replace("_", " "),
+        "Loading": _order(record["loading_order"], names),
+        "Unloading": _order(record["unloading_order"], names),
+        "Peak force": f"{number(record['peak_force_N'])} N",
+        "Dissipated": f"{number(record['dissipated_mJ'])} mJ in a cycle",
+        "Margin": _nearest(record["margin"]),
+    }
+    show_facts(record, found, 12)
+    show_records("Cells, innermost first", CELL, record["cells"])
+    show_events(record["events"], names)
+    changes = record["margin"]["changes"]
+    show_records(
+        "Margin: the smallest change of one thing that gives another sequence",
+        change_columns(names, changes),
+        changes,
+    )
+    if record["ties"]:
+        show_lines("", "Too close to call", *record["ties"])
+
+
+def _order(cells: list[int], names: list[str]) -> str:
+    shown = ", ".join(names[cell] for cell in cells[:12])
+    return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
+
+
+def _nearest(margin: dict[str, Any]) -> str:
+    found: list[str] = []
+    for key, unit in (("distance_mm", "mm of an anchor"), ("distance_percent", "% of a stiffness")):
+        known = [c[key] for c in margin["changes"] if c.get(key) is not None]
+        if known:
+            found.append(f"{number(min(known))} {unit}")
+    if not found:
+        return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
+    return f"{' or '.join(found)} to another sequence ({margin['method']})"
+
+
+def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
+    """Print a table of switches and snaps."""
+    show_records("Switches and snaps", event_columns(names), events)
+
+
+def map_(record: dict[str, Any]) -> None:
+    """Print what `results.map_record` returns."""
+    ends = {
+        name: f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
+        f"{axis['count']} values"
+        for name, axis in record.items()
+        if name in ("across", "up")
+    }
+    show_lines(record["title"], "", f"Across {ends['across']}; up {ends['up']}")
+    shares = [(name, f"{100 * share:.1f} %") for name, share in record["shares"].items() if share]
+    if "pathway_shares" in record:
+        labels = {pathway.value: pathway.label for pathway in Pathway}
+        rows = [[labels.get(name, ""), name, share] for name, share in shares]
+        show_table("Sequences", ["pathway", "sequence", "share of the map"], rows, left=(0, 1))
+    else:
+        show_table("Sequences", ["sequence", "share of the map"], [list(row) for row in shares])
+    show_lines(
+        "",
+        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
+        f"the map. {record['closed_form_designs']} designs in closed form, "
+        f"{record['engine_designs']} by the engine; {record['degenerate_designs']} sit on a "
+        f"boundary.",
+    )
+    if not record["boundaries"]:
+        return
+    show_table(
+        "Boundaries",
+        ["what changes", "points", "how", "within"],
+        [
+            [
+                boundary["changes"],
+                str(boundary["points"]),
+                boundary["method"],
+                ""
+                if boundary["method"] == "exact"
+                else f"{number(boundary['error_of_axes'], 2)} of the axes",
+            ]
+            for boundary in record["boundaries"]
+        ],
+        left=(0, 2, 3),
+    )
+
+
+def program(record: dict[str, Any]) -> None:
+    """Print what `results.program_record` or `results.unreachable_record` returns."""
+    if record["arrives"] is None:
+        show_facts(record, {}, 10)
+        show_lines(*wrapped(record["reason"]))
+        return
+    unit = "N" if "turning_points_N" in record else "mm"
+    slack = record[f"slack_{unit}"]
+    found = {
+        "Program": f"{record['from']} to {record['to']}: {_verdict(record)}",
+        "Turns at": _points(record[f"turning_points_{unit}"], unit),
+        "Slack": slack is not None
+        and f"every turn may be off by {number(slack, 3)} {unit} at once",
+        "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
+    }
+    show_facts(record, found, 10)
+    # Where a turn can go back to is known of programs that were searched for.
+    columns = turn_schema(unit)[: None if any(turn["branch"] for turn in record["turns"]) else -1]
+    show_records(
+        "Turns: anywhere in its window each does the same",
+        [Quantity("turn", head="turn"), *columns],
+        [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
+    )
+    show_events(record["events"], record["cells"])
+    show_text(f"{record['reason']}.")
+
+
+def _verdict(record: dict[str, Any]) -> str:
+    times = f"{record['strokes']} stroke{'s' * (record['strokes'] != 1)}"
+    return times if record["does_it"] else f"ends in {record['arrives']} after {times}"
+
+
+def _points(points: list[float], unit: str) -> str:
+    more = f" and {len(points) - 12} more" if len(points) > 12 else ""
+    return " → ".join(map(number, points[:12])) + f" {unit}{more}"
+
+
+# Of the places on the way every so manieth is printed; --json and --out have all.
+EVERY = 5
+
+
+def reprogram(record: dict[str, Any]) -> None:
+    """Print what `results.reprogram_record` returns."""
+    if not record["possible"]:
+        wanted = record["target"] or "another sequence"
+        show_facts(record, {}, 0)
+        show_lines(
+            f"No displacement of {record['by']} up to {number(record['reach_mm'])} mm makes it "
+            f"{wanted} ({record['method']}).",
+        )
+    elif not record["distance_mm"]:
+        show_facts(record, {}, 0)
+        show_lines(f"It does {record['before']} already.")
+        return
+    else:
+        _way(record)
+    if record["resolution"]:
+        show_text(f"Searched, not exact: {record['resolution']}")
+
+
+def _way(record: dict[str, Any]) -> None:
+    x, y = record["displacement_mm"]
+    at_x, at_y = record["place_mm"]
+    found = {
+        "Now": record["before"],
+        "Then": record["after"],
+        "Move": f"{record['by']} by ({signed(x)}, {signed(y)}) mm, {number(record['distance_mm'])} "
+        f"mm, to ({number(at_x)}, {number(at_y)}) mm ({record['method']})",
+        "Force": f"up to {number(record['largest_force_N'])} N against the displacement",
+        "Work": f"{number(record['work_at_0_mJ'])} mJ at state 0 of the cell, "
+        f"{number(record['work_at_1_mJ'])} mJ at state 1",
+    }
+    show_facts(record, found, 7)
+    columns = [Quantity("moved", "mm", "moved"), *WAY[1:]]
+    rows = (
+        (one["fraction"] * record["distance_mm"], *one["at_mm"], *list(one.values())[2:])
+        for one in record["way"]
+    )
+    show_records(
+        "On the way: force against the displacement",
+        columns,
+        [{q.key: told for q, told in zip(columns, row, strict=True)} for row in rows],
+        most=None,
+        every=EVERY,
+    )
