@@ -113,7 +113,7 @@ def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:
     chain = keys.chain
-    shared = Shared(chain.lever_mm, chain.limit_deg, chain.unusual, chain.band.given())
+    shared = Shared.of(chain, chain.band.given())
     problems: list[str] = []
     cells = [cell(one, shared, f"chain.cell[{i}]", problems) for i, one in enumerate(chain.cell)]
     if problems:

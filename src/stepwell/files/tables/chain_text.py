@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from stepwell.files.text import Written, array, inline, lines, mm, number, quoted, units
+from stepwell.files.schema import written
+from stepwell.files.text import Written, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 
 
@@ -30,7 +31,7 @@ def chain_text(chain: Chain) -> str:
     text = [f"title = {quoted(chain.title)}", ""] if chain.title else []
     text += ["[chain]", *lines(shared.keys)]
     if chain.actuator_stiffness != math.inf:
-        text.append(f"actuator_stiffness_N_per_m = {number(chain.actuator_stiffness)}")
+        text += lines(_written({"actuator_stiffness_N_per_m": chain.actuator_stiffness}))
     text += shared._replace(keys={}).lines()
     for cell in chain.cells:
         text += ["", "[[chain.cell]]", *cell_lines(cell, shared)]
@@ -78,42 +79,42 @@ def _shared_law(bands: list[Written]) -> Written:
 
 
 def _cell(cell: Cell) -> Written:
-    keys = {"lever_mm": mm(cell.lever), "limit_deg": units.toml(units.degrees(cell.limit))}
+    keys: dict[str, Any] = {"lever_mm": cell.lever, "limit_deg": cell.limit}
     if cell.load is not None:
-        rows = list(zip(cell.load.travel, cell.load.force, strict=True))
+        rows = tuple(zip(cell.load.travel, cell.load.force, strict=True))
         if len(rows) == 1 and rows[0][0] == 0:
-            keys["load_N"] = number(rows[0][1])
+            keys["load_N"] = rows[0][1]
         else:
-            keys["load_mm_N"] = array(f"[{mm(s)}, {number(f)}]" for s, f in rows)
+            keys["load_mm_N"] = rows
     if cell.friction:
-        keys["friction_N"] = number(cell.friction)
+        keys["friction_N"] = cell.friction
     if cell.unusual or slips(cell):  # what the program made is read again, however odd
-        keys["unusual"] = "true"
-    return keys
+        keys["unusual"] = True
+    return _written(keys)
 
 
 def _band(band: Band) -> Written:
-    keys = {
-        "p_mm": array(map(mm, band.p)),
-        "q_mm": array(map(mm, band.q)),
-        "stiffness_N_per_m": number(band.stiffness),
-        "rest_length_mm": mm(band.rest_length),
+    keys: dict[str, Any] = {
+        "p_mm": band.p,
+        "q_mm": band.q,
+        "stiffness_N_per_m": band.stiffness,
+        "rest_length_mm": band.rest_length,
     }
     if band.two_sided:
-        keys["two_sided"] = "true"
+        keys["two_sided"] = True
     if isinstance(band.law, Cubic):
-        keys["quadratic_per_mm"] = units.toml(units.shortest(band.law.a2, -3))
-        keys["cubic_per_mm2"] = units.toml(units.shortest(band.law.a3, -6))
+        keys |= {"quadratic_per_mm": band.law.a2, "cubic_per_mm2": band.law.a3}
     if isinstance(band.law, Table):
         tension = _tension(band, band.law)
         if tension:
             del keys["stiffness_N_per_m"]
-            column, name = list(map(number, tension)), "table_mm_N"
-        else:
-            column, name = list(map(mm, band.law.shape)), "shape_mm"
-        extension = map(mm, band.law.extension)
-        keys[name] = array(f"[{e}, {y}]" for e, y in zip(extension, column, strict=True))
-    return keys
+        name = "table_mm_N" if tension else "shape_mm"
+        keys[name] = tuple(zip(band.law.extension, tension or band.law.shape, strict=True))
+    return _written(keys)
+
+
+def _written(keys: dict[str, Any]) -> Written:
+    return {key: written(key, value) for key, value in keys.items()}
 
 
 def _tension(band: Band, law: Table) -> tuple[float, ...] | None:

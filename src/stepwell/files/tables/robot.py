@@ -76,12 +76,8 @@ def _chain(
     common: schema.LegChainKeys, own: schema.LegChainKeys, leg: str, problems: list[str]
 ) -> Chain | None:
     where = f"{leg}.chain" if own.cell else "chain"
-    shared = Shared(
-        own.lever_mm or common.lever_mm,
-        own.limit_deg or common.limit_deg,
-        own.unusual or common.unusual,
-        merged(common.band.given(), own.band.given(), f"{leg}.chain.band", problems),
-    )
+    band = merged(common.band.given(), own.band.given(), f"{leg}.chain.band", problems)
+    shared = Shared(Shared.of(common, {}).cell | Shared.of(own, {}).cell, band)
     tables = own.cell or common.cell
     if not tables:
         problems.append(

@@ -10,4 +10,4 @@ from stepwell.files.text.errors import (
 )
 from stepwell.files.text.paths import Item, Steps, find, spelled
 from stepwell.files.text.toml import parsed
-from stepwell.files.text.toml_text import Written, array, inline, lines, mm, number, quoted
+from stepwell.files.text.toml_text import Written, array, inline, lines, quoted

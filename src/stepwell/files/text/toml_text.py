@@ -4,22 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from decimal import Decimal
-
-from stepwell.files.text import units
 
 # The keys of a table, each with its value as it stands in the file.
 Written = dict[str, str]
-
-
-def mm(metres: float) -> str:
-    """A length in m, written in mm."""
-    return units.toml(units.shortest(metres, 3))
-
-
-def number(value: float) -> str:
-    """A number in the unit it has."""
-    return units.toml(Decimal(repr(float(value))))
 
 
 def array(items: Iterable[str]) -> str:
