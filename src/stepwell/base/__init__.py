@@ -28,8 +28,8 @@ from stepwell.base.version import __version__, versions
 from stepwell.base.write import (
     csv_text,
     draft_beside,
+    naming,
     sync_folder,
-    told_of,
     write_atomic,
     write_netcdf,
 )

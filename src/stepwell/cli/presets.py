@@ -1,10 +1,12 @@
-"""`stepwell presets`: the designs that come with the package."""
+"""`stepwell presets` and `stepwell new`: the designs that come along, and a copy of one."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stepwell.cli.screen import finish, show_table
+from stepwell.cli.options import ForceFile, free_file
+from stepwell.cli.screen import finish, show_lines, show_table
 
 _Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
@@ -23,3 +25,24 @@ def presets(as_json: _Json = False) -> None:
         lambda _: show_table("Designs", ["name", "what it is"], list(found.items()), left=(0, 1)),
         as_json,
     )
+
+
+_File = Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")]
+_Preset = Annotated[str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")]
+
+
+def new(file: _File, preset: _Preset = "paper-forward", force: ForceFile = False) -> None:
+    """Write a design file to start from.
+
+    It is a copy of one of the designs that come with Stepwell, with its comments.
+    """
+    from stepwell import files
+
+    if file.suffix != ".toml":
+        raise typer.BadParameter(
+            f"must end in .toml, as in {file.stem}.toml.", param_hint=str(file)
+        )
+    free_file(file, force)
+    files.write_atomic(file, files.preset_text(preset))
+    command = "walk" if preset.startswith("robot-") else "run"
+    show_lines(f"Wrote {file}. Next: stepwell {command} {file}")

@@ -12,8 +12,7 @@ from stepwell.files.folder import (
     staged_folder,
 )
 from stepwell.files.outputs import OUTPUTS, pictures
-from stepwell.files.parameters import Given, parameters, vary
-from stepwell.files.provenance import provenance
+from stepwell.files.parameters import Given, parameters, provenance, vary
 from stepwell.files.schema import slips_text
 from stepwell.files.shipped import preset, preset_text, presets
 from stepwell.files.source import load, load_chain, load_program, load_robot, read

@@ -9,12 +9,13 @@ from importlib.resources import files
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import arena as schema, fields, slip_lines, worded
+from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
 from stepwell.files.source import read
 from stepwell.files.tables import drawn
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.robot.parts import of_arena
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
 _SUFFIXES = (".toml", ".txt")
@@ -105,6 +106,20 @@ def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
         raise DesignError(name, slip_lines(error)) from None
     except ValueError as error:
         raise DesignError(name, [f"{where}{line}" for line in str(error).split("\n")]) from None
+
+
+def arena_toml(arena: Arena) -> str:
+    """The file of an arena: start and goal first, then what stands in the way."""
+    left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
+    odd = ["unusual = true"] if arena.unusual or of_arena(arena) else []
+    text = [*odd, *table_lines(schema.ArenaKeys, arena, left_out), ""]
+    if arena.goal is not None:
+        text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]
+    for wall in arena.walls:
+        text += ["[[wall]]", *table_lines(schema.WallKeys, wall), ""]
+    for cylinder in arena.cylinders:
+        text += ["[[cylinder]]", *table_lines(schema.CylinderKeys, cylinder), ""]
+    return "\n".join(text).rstrip("\n") + "\n"
 
 
 @cache

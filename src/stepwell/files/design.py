@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.tables import Shared, WrittenProgram, cell, robot, written
+from stepwell.files.tables import Shared, WrittenProgram, cell, program_of, robot
 from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -120,7 +120,7 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
         raise DesignError(name, problems)
     actuator = float(chain.actuator_stiffness_N_per_m)
     made = Chain(tuple(cell for cell in cells if cell), actuator, keys.title)
-    program = None if keys.program is None else written(keys.program, made, problems)
+    program = None if keys.program is None else program_of(keys.program, made, problems)
     if problems:
         raise DesignError(name, problems)
     return made, program

@@ -1,4 +1,8 @@
-"""Results as plain numbers with the unit in every name."""
+"""Results as plain numbers with the unit in every name.
+
+Every `…_record` takes a result and returns what JSON can hold of it, as docs/commands.md describes
+it. `design` is the text of its design file, for the hash of it; written anew by default.
+"""
 
 from stepwell.results.design import (
     BUILT,

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from stepwell.design import Boundary
 
-MAP_SCHEMA = "stepwell.map/2"
-
 
 def map_record(
     dataset: xarray.Dataset,
@@ -39,7 +37,7 @@ def map_record(
     axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
     pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}
     return {
-        **head(MAP_SCHEMA, text),
+        **head("stepwell.map/2", text),
         "title": str(dataset.attrs["title"]),
         **{name: _axis(dataset[letter], here) for name, letter, here in axes},
         "shares": _shares(dataset["sequence"]),

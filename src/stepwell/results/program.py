@@ -13,8 +13,6 @@ from stepwell.sequences.programs import turn_schema
 if TYPE_CHECKING:
     from stepwell.sequences import Program, Unreachable
 
-PROGRAM_SCHEMA = "stepwell.program/1"
-
 
 def drive_schema(unit: str) -> Schema:
     """What is told of the drives of a program; `unit` is that in which they are."""
@@ -27,12 +25,7 @@ def drive_schema(unit: str) -> Schema:
 
 
 def program_record(program: Program, *, design: str | None = None) -> dict[str, Any]:
-    """A program that was found, as docs/commands.md describes it.
-
-    Args:
-        program: any.
-        design: text of the chain's design file, for the hash of it; written anew by default.
-    """
+    """A program that was found, as docs/commands.md describes it."""
     path, chain = program.path, program.chain
     unit, _ = told_in(chain.drive_unit)
     points, *ends = drive_schema(unit)
@@ -63,10 +56,7 @@ def unreachable_record(
     """That no program does it, as docs/commands.md describes it.
 
     Args:
-        chain: what was to be driven.
         start, to: the states between which there is no way.
-        why: what `chain.program` raised.
-        design: text of its design file, for the hash of it; written anew by default.
     """
     return {
         **_head(chain, start, to, design),
@@ -79,7 +69,7 @@ def unreachable_record(
 
 def _head(chain: Chain, start: str | None, to: str | None, design: str | None) -> dict[str, Any]:
     return {
-        **head(PROGRAM_SCHEMA, design or chain),
+        **head("stepwell.program/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": list(chain.names),

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle
     from stepwell.statics import Event
 
-RUN_SCHEMA = "stepwell.run/1"
 # The states of a chain are as many as its cells, each as long: past this only orders are told.
 LONGEST_SPELLED_OUT = 64
 # What a design becomes past each of its changes takes a cycle a change: longer chains are told
@@ -107,14 +106,12 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
     """What a design does, as docs/commands.md describes it.
 
     Args:
-        cycle: the design's cycle.
         margin: how far the design is from doing something else; None where that is not known.
-        design: text of its design file, for the hash of it; written anew by default.
     """
     chain = cycle.chain
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     return {
-        **head(RUN_SCHEMA, design or chain),
+        **head("stepwell.run/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": [

@@ -21,12 +21,12 @@ def styled() -> bool:
     return at_terminal and not os.environ.get("NO_COLOR")
 
 
-def plain(text: str) -> str:
+def escaped(text: str) -> str:
     """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
     return "\n".join(map(printable, text.split("\n")))
 
 
-def put(text: str) -> None:
+def write_out(text: str) -> None:
     """Write to standard output, and name it where that fails.
 
     Raises:
@@ -51,13 +51,13 @@ def warn(text: str) -> None:
     """Say something on standard error."""
     from typer import echo
 
-    echo(plain(text), err=True)
+    echo(escaped(text), err=True)
 
 
 def show_json(record: dict[str, Any], *files: Path) -> None:
     """Print a record as JSON, with the files that were written."""
     shown = record | {"files": [str(file) for file in files]}
-    put(json.dumps(shown, indent=2, allow_nan=False) + "\n")
+    write_out(json.dumps(shown, indent=2, allow_nan=False) + "\n")
 
 
 def finish(
@@ -92,7 +92,7 @@ def finish(
 
 def show_lines(*lines: str) -> None:
     """Print lines."""
-    put("".join(f"{plain(line)}\n" for line in lines))
+    write_out("".join(f"{escaped(line)}\n" for line in lines))
 
 
 def show_text(*paragraphs: str) -> None:
@@ -124,9 +124,9 @@ def show_table(
         left: columns that start at the left; the others hold numbers.
         hidden: how many rows are left out, for a line below it.
     """
-    draw = _styled if styled() else _plain
+    draw = _styled if styled() else _aligned
     # Escaped here: a column is as wide as what is shown.
-    draw(plain(title), [*map(plain, head)], [[*map(plain, row)] for row in rows], left)
+    draw(escaped(title), [*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
     if hidden > 0:
         show_lines(f"and {hidden} more; --json shows all")
 
@@ -165,7 +165,7 @@ def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) 
     show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
-def _plain(
+def _aligned(
     title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
 ) -> None:
     """Aligned columns, two spaces apart: what other programs and diffs like."""

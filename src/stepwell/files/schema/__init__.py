@@ -7,9 +7,9 @@ from stepwell.files.schema.keys import (
     key_of,
     si,
     slip_lines,
+    slip_text,
     slips_text,
     table_lines,
-    told,
     unit_of,
     written,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from decimal import Decimal
+from functools import cache
 from typing import Any
 
 from stepwell.files.schema.chain import Keys
@@ -41,6 +42,7 @@ _FIELDS = {
 _KEYS = {field: key for key, field in _FIELDS.items()}
 
 
+@cache
 def unit_of(key: str, column: int = 0) -> str:
     """The unit that a key names; "" where it names none. Tables have one for each column."""
     if key.endswith("_mm_N"):
@@ -48,6 +50,7 @@ def unit_of(key: str, column: int = 0) -> str:
     return next((shown for end, shown in UNITS.items() if key.endswith(end)), "")
 
 
+@cache
 def field_of(key: str) -> str:
     """What the value calls the key."""
     if key in _FIELDS:
@@ -91,7 +94,7 @@ def written(key: str, value: Any, column: int = 0) -> str:
 
 def slips_text(error: SlipError) -> str:
     """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
-    lines = [told(slip, slip.name, name_unit=True) for slip in error.slips]
+    lines = [slip_text(slip, slip.name, name_unit=True) for slip in error.slips]
     way = (
         "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
     )
@@ -101,7 +104,7 @@ def slips_text(error: SlipError) -> str:
 def slip_lines(error: SlipError) -> list[str]:
     """Slips of unit in a file whose keys are the fields of a robot or an arena, one line each."""
     way = "If it is meant so, set unusual = true at the top of the file."
-    return [f"{told(slip, key_of(slip))} {way}" for slip in error.slips]
+    return [f"{slip_text(slip, key_of(slip))} {way}" for slip in error.slips]
 
 
 def key_of(slip: Slip) -> str:
@@ -111,7 +114,7 @@ def key_of(slip: Slip) -> str:
     return slip.name if " " in slip.name else place + dot + _KEYS.get(name, name + end)
 
 
-def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
+def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
     """A slip of unit by the key of the file that holds it, in the unit of files."""
     unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
 

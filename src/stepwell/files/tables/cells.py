@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, told
+from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
 from stepwell.files.text import value_text
 from stepwell.mechanism import Band, Cell, Cubic, Load, Slip, SlipError, Table
 
@@ -46,7 +46,7 @@ def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str])
         for slip in error.slips:
             band = None if slip.band is None else tables[slip.band]
             at = f"{where}.bands[{slip.band}]" if keys.bands and band else where
-            problems.append(f"{at}.{told(slip, _key(slip, keys, band))} {UNUSUAL}")
+            problems.append(f"{at}.{slip_text(slip, _key(slip, keys, band))} {UNUSUAL}")
         return None
     except ValueError as error:
         problems.append(f"{where}: {error}")

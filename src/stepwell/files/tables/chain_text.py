@@ -11,7 +11,7 @@ from stepwell.files.text import Written, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 
 
-class Shared(NamedTuple):
+class Common(NamedTuple):
     """What is written once for several cells."""
 
     keys: Written
@@ -22,7 +22,7 @@ class Shared(NamedTuple):
         return lines(self.keys) + ([f"band = {inline(self.band)}"] if self.band else [])
 
 
-NOTHING = Shared({}, {})
+NOTHING = Common({}, {})
 
 
 def chain_text(chain: Chain) -> str:
@@ -38,15 +38,15 @@ def chain_text(chain: Chain) -> str:
     return "\n".join(text) + "\n"
 
 
-def shared_by(cells: Sequence[Cell]) -> Shared:
+def shared_by(cells: Sequence[Cell]) -> Common:
     """What all these cells have in common."""
     every = [_band(band) for cell in cells for band in cell.bands]
     band = _shared(every, ("stiffness_N_per_m", "rest_length_mm", "two_sided"))
     keys = _shared([_cell(cell) for cell in cells], ("lever_mm", "limit_deg"))
-    return Shared(keys, band | _shared_law(every))
+    return Common(keys, band | _shared_law(every))
 
 
-def cell_lines(cell: Cell, shared: Shared) -> list[str]:
+def cell_lines(cell: Cell, shared: Common) -> list[str]:
     """The keys of a [[chain.cell]] table, without those that are shared."""
     keys = _cell(cell)
     bands = [_band(band) for band in cell.bands]

@@ -72,7 +72,7 @@ class WrittenProgram(ByValue):
         return f"[program]\nstart = {quoted(self.start)}\n{key} = {points}\n{ends}{unusual}"
 
 
-def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
+def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
     """The program of a file; `problems` gets a line for everything the chain cannot do."""
     for key, state in (("start", keys.start), ("ends", keys.ends)):
         if state is not None and len(state) != len(chain):

@@ -7,23 +7,23 @@ from typing import Any, TypeVar
 
 from stepwell.files.schema import fields, robot as schema, slip_lines
 from stepwell.files.tables.cells import Shared, cell, merged
-from stepwell.files.tables.sources import sources
+from stepwell.files.tables.tree import sources
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain, SlipError
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
 
 T = TypeVar("T")
 
+# What a robot has one of, under the name of its table.
+PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
+
 
 def robot(keys: schema.RobotKeys, name: str) -> Robot:
     """The robot, with every check; DesignError where that is none, with every reason found."""
     problems: list[str] = []
-    parts = {
-        "body": _made("body", Body, fields(keys.body), problems),
-        "foot": _made("foot", Foot, fields(keys.foot), problems),
-        "blocks": _made("blocks", Blocks, fields(keys.blocks), problems),
-        "floor": _made("floor", Floor, fields(keys.floor), problems),
-        "drive": _made("drive", Drive, fields(keys.drive), problems),
+    parts: dict[str, Any] = {
+        name: _made(name, make, fields(getattr(keys, name)), problems)
+        for name, make in PARTS.items()
     }
     legs = [_leg(keys, i, problems) for i in range(len(keys.leg))]
     antennas = [
@@ -38,7 +38,7 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
                 title=keys.title,
                 sources=said,
                 unusual=keys.unusual,
-                **parts,  # type: ignore[arg-type]
+                **parts,
             )
         except SlipError as error:
             problems += slip_lines(error)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepwell.files.schema import robot as schema, table_lines
-from stepwell.files.tables.chain_text import NOTHING, Shared, cell_lines, shared_by
+from stepwell.files.tables.chain_text import NOTHING, Common, cell_lines, shared_by
 from stepwell.files.text import array, quoted
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -26,18 +26,12 @@ def whole_text(robot: Robot) -> str:
     return _text(robot, [], NOTHING, own_chains=True)
 
 
-def _text(robot: Robot, chain: list[str], shared: Shared, *, own_chains: bool) -> str:
+def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -> str:
     odd = robot.unusual or of_robot(robot)
     head = _title(robot.title) + (["unusual = true"] if odd else [])
     text = [*head, *([""] if head else []), *chain]
-    for name, table in (
-        ("body", schema.BodyKeys),
-        ("foot", schema.FootKeys),
-        ("blocks", schema.BlocksKeys),
-        ("floor", schema.FloorKeys),
-        ("drive", schema.DriveKeys),
-    ):
-        text += [f"[{name}]", *table_lines(table, getattr(robot, name)), ""]
+    for name in ("body", "foot", "blocks", "floor", "drive"):
+        text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
     for leg in robot.legs:
         text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]
         if own_chains:
@@ -48,7 +42,7 @@ def _text(robot: Robot, chain: list[str], shared: Shared, *, own_chains: bool) -
     return "\n".join([*text, *_source(robot)]).rstrip("\n") + "\n"
 
 
-def _cells(table: str, chain: Chain, shared: Shared) -> list[str]:
+def _cells(table: str, chain: Chain, shared: Common) -> list[str]:
     return [
         line for cell in chain.cells for line in (f"[[{table}]]", *cell_lines(cell, shared), "")
     ]
