@@ -15,6 +15,7 @@ from stepwell.base.quantities import (
     number,
     plain,
     record,
+    rows_of,
     shown,
     signed,
     told_in,

@@ -9,8 +9,8 @@ from importlib.resources import files
 
 from pydantic import ValidationError
 
+from stepwell.files.design import read
 from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
-from stepwell.files.source import read
 from stepwell.files.tables import drawn
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import SlipError
@@ -27,14 +27,11 @@ def arenas() -> dict[str, str]:
 
 
 def load_arena(arena: str | os.PathLike[str]) -> Arena:
-    """The arena of a name, or the one that a file describes.
+    """The arena of a name, or the one that a file describes, in SI.
 
     Args:
         arena: a name that `arenas` lists, for example "three-walls"; or a file that ends in
             .toml or .txt, as docs/design-files.md describes them.
-
-    Returns:
-        The arena, in SI.
 
     Raises:
         DesignError: there is none, or its file is wrong; the text has one line for every
@@ -51,13 +48,10 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
 
 
 def arena_text(name: str) -> str:
-    """The file of an arena that comes with the package, with its comments.
+    """The file of an arena that comes with the package, a map or TOML, with its comments.
 
     Args:
         name: as `arenas` lists it.
-
-    Returns:
-        TOML or a map, to be saved and edited.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -68,14 +62,11 @@ def arena_text(name: str) -> str:
 
 
 def loads_arena(text: str, name: str = "arena") -> Arena:
-    """The arena that a text describes.
+    """The arena that a text describes, in SI.
 
     Args:
         text: TOML; or a map, where it starts with the word cell or `name` ends in .txt.
         name: what messages call it.
-
-    Returns:
-        The arena, in SI.
 
     Raises:
         DesignError: the text is neither, or asks for what no arena can be; its own text has one

@@ -5,9 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any
 
-from stepwell.files.design import loads
 from stepwell.files.text import DesignError, did_you_mean
 
 
@@ -16,30 +14,11 @@ def presets() -> dict[str, str]:
     return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
 
 
-def preset(name: str) -> Any:
-    """The design of that name.
-
-    Args:
-        name: as `presets` lists it, for example "paper-forward"; those that start with
-            "robot-" are robots.
-
-    Returns:
-        A Chain or a Robot, in SI.
-
-    Raises:
-        DesignError: there is none of that name; the text says which is nearest.
-    """
-    return loads(preset_text(name), f"preset {name}")
-
-
 def preset_text(name: str) -> str:
-    """The design file of that name, with its comments.
+    """The design file of that name, TOML with its comments, to be saved and edited.
 
     Args:
         name: as `presets` lists it.
-
-    Returns:
-        TOML, to be saved and edited.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.

@@ -72,14 +72,11 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
 
 
 def with_program(text: str, program: WrittenProgram) -> str:
-    """The design file of a chain with another table [program], and all else as it was.
+    """The design file of a chain as TOML with another table [program], all else as it was.
 
     Args:
         text: of the file, with its comments.
         program: what is to stand there.
-
-    Returns:
-        TOML.
 
     Raises:
         DesignError: the text is no chain's design file.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, Schema, record, told_in
+from stepwell.base import Quantity, Schema, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
@@ -206,5 +206,4 @@ def _of(table: Any, name: str) -> Any:
 def _sensitivities(found: Yield) -> list[dict[str, Any]] | None:
     if found.sensitivities is None:
         return None
-    columns = record(SENSITIVITY, found.sensitivities)
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return rows_of(record(SENSITIVITY, found.sensitivities))

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-from stepwell.base import Quantity, number, signed
+from stepwell.base import Column, Quantity, number, signed
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
     show_records,
-    show_table,
     show_text,
     wrapped,
 )
@@ -68,20 +67,24 @@ def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
 
 def map_(record: dict[str, Any]) -> None:
     """Print what `results.map_record` returns."""
-    ends = {
-        name: f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
+    across, up = (
+        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
         f"{axis['count']} values"
-        for name, axis in record.items()
-        if name in ("across", "up")
-    }
-    show_lines(record["title"], "", f"Across {ends['across']}; up {ends['up']}")
-    shares = [(name, f"{100 * share:.1f} %") for name, share in record["shares"].items() if share]
-    if "pathway_shares" in record:
-        labels = {pathway.value: pathway.label for pathway in Pathway}
-        rows = [[labels.get(name, ""), name, share] for name, share in shares]
-        show_table("Sequences", ["pathway", "sequence", "share of the map"], rows, left=(0, 1))
-    else:
-        show_table("Sequences", ["sequence", "share of the map"], [list(row) for row in shares])
+        for axis in (record["across"], record["up"])
+    )
+    show_lines(record["title"], "", f"Across {across}; up {up}")
+    labels = {pathway.value: pathway.label for pathway in Pathway}
+    pathway = Column("pathway", lambda one: labels.get(one["sequence"], ""))
+    show_records(
+        "Sequences",
+        [
+            *([pathway] if "pathway_shares" in record else []),
+            Quantity("sequence", head="sequence"),
+            Column("share of the map", lambda one: f"{100 * one['share']:.1f} %", True),
+        ],
+        [{"sequence": name, "share": share} for name, share in record["shares"].items() if share],
+        most=None,
+    )
     show_lines(
         "",
         f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
@@ -89,24 +92,20 @@ def map_(record: dict[str, Any]) -> None:
         f"{record['engine_designs']} by the engine; {record['degenerate_designs']} sit on a "
         f"boundary.",
     )
-    if not record["boundaries"]:
-        return
-    show_table(
-        "Boundaries",
-        ["what changes", "points", "how", "within"],
-        [
-            [
-                boundary["changes"],
-                str(boundary["points"]),
-                boundary["method"],
-                ""
-                if boundary["method"] == "exact"
-                else f"{number(boundary['error_of_axes'], 2)} of the axes",
-            ]
-            for boundary in record["boundaries"]
-        ],
-        left=(0, 2, 3),
-    )
+    show_records("Boundaries", _BOUNDARY, record["boundaries"], most=None)
+
+
+def _error(boundary: Any) -> str:
+    exact = boundary["method"] == "exact"
+    return "" if exact else f"{number(boundary['error_of_axes'], 2)} of the axes"
+
+
+_BOUNDARY = (
+    Quantity("changes", head="what changes"),
+    Quantity("points", head="points", left=False),
+    Quantity("method", head="how"),
+    Column("within", _error),
+)
 
 
 def program(record: dict[str, Any]) -> None:
@@ -164,12 +163,12 @@ def reprogram(record: dict[str, Any]) -> None:
         show_lines(f"It does {record['before']} already.")
         return
     else:
-        _way(record)
+        _displacement(record)
     if record["resolution"]:
         show_text(f"Searched, not exact: {record['resolution']}")
 
 
-def _way(record: dict[str, Any]) -> None:
+def _displacement(record: dict[str, Any]) -> None:
     x, y = record["displacement_mm"]
     at_x, at_y = record["place_mm"]
     found = {
@@ -183,6 +182,7 @@ def _way(record: dict[str, Any]) -> None:
     }
     show_facts(record, found, 7)
     columns = [Quantity("moved", "mm", "moved"), *WAY[1:]]
+    keys = [column.key for column in columns]
     rows = (
         (one["fraction"] * record["distance_mm"], *one["at_mm"], *list(one.values())[2:])
         for one in record["way"]
@@ -190,7 +190,7 @@ def _way(record: dict[str, Any]) -> None:
     show_records(
         "On the way: force against the displacement",
         columns,
-        [{q.key: told for q, told in zip(columns, row, strict=True)} for row in rows],
+        [dict(zip(keys, row, strict=True)) for row in rows],
         most=None,
         every=EVERY,
     )

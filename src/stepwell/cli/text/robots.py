@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from itertools import groupby
+from textwrap import wrap
 from typing import Any
 
-from stepwell.base import Column, Quantity, number
+from stepwell.base import Column, Quantity, number, rows_of
 from stepwell.cli.screen import show_facts, show_lines, show_records
 from stepwell.results import (
     CHANGE,
@@ -124,14 +125,11 @@ def walk(record: dict[str, Any]) -> None:
     show_facts(record, found, 12)
     _gaits(record["legs"])
     _feet(record)
-    rows = zip(*(record[q.key] for q in CYCLES), strict=True)
+    cycles = rows_of({q.key: record[q.key] for q in CYCLES})
     show_records(
         "Cycle by cycle",
         [Quantity("cycle", head="cycle"), *CYCLES],
-        [
-            {"cycle": k} | {q.key: told for q, told in zip(CYCLES, row, strict=True)}
-            for k, row in enumerate(rows, 1)
-        ],
+        [{"cycle": k} | cycle for k, cycle in enumerate(cycles, 1)],
     )
     _sources(record["parameters"])
 
@@ -223,9 +221,6 @@ def _antennas(antennas: list[dict[str, Any]]) -> str:
     return f"{len(antennas)}, the levers of {', '.join(off)} taken off"
 
 
-_WIDTH = 96
-
-
 def _sources(parameters: list[dict[str, Any]]) -> None:
     """Print which numbers are known, and from where, and which are assumed, with their values."""
     known = [one for one in parameters if one["source"] != "assumed"]
@@ -247,13 +242,11 @@ def _origin(source: str) -> str:
     return {"measured": "measurements"}.get(source, f"the {source}")
 
 
+_WHOLE: Any = {"break_on_hyphens": False, "break_long_words": False}
+
+
 def _wrapped(items: list[str]) -> list[str]:
     """The items one after another, never broken within."""
-    lines: list[str] = []
-    for i, item in enumerate(items):
-        text = item + (";" if i < len(items) - 1 else "")
-        if lines and len(lines[-1]) + 1 + len(text) <= _WIDTH:
-            lines[-1] += f" {text}"
-        else:
-            lines.append(f"  {text}")
-    return lines
+    text = "; ".join(item.replace(" ", "\0") for item in items)
+    lines = wrap(text, 96, initial_indent="  ", subsequent_indent="  ", **_WHOLE)
+    return [line.replace("\0", " ") for line in lines]
