@@ -25,17 +25,20 @@ def lab() -> None:
     """Read recordings of a test machine, fit bands, and compare with the model."""
 
 
-_Files = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="FILE...",
-        help="Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
-    ),
-]
-
-
 @commands.command(epilog=EXIT_CODES)
-def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+def read(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...",
+            help="Recordings or folders of them: Bluehill raw data as text, or CSV with named "
+            "columns.",
+        ),
+    ],
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
     """Read recordings and say what they hold.
 
     A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
@@ -60,50 +63,43 @@ def read(files: _Files, out: Out = None, force: Force = False, as_json: Json = F
         raise typer.Exit(2)
 
 
-_Folders = Annotated[
-    list[Path],
-    typer.Argument(metavar="FOLDER...", help="Tension tests of bands."),
-]
-_Window = Annotated[
-    str,
-    typer.Option("--window-mm", metavar="FROM:TO", help="Stroke between which bands are fitted."),
-]
-_Cycles = Annotated[
-    str, typer.Option(metavar="FROM:TO", help="Cycles that are fitted, from 1; both included.")
-]
-_Drop = Annotated[
-    list[int] | None,
-    typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
-]
-_PerSample = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        min=1,
-        help="How many files in a row are of one sample, where names only count.",
-    ),
-]
-_Gauge = Annotated[
-    float | None,
-    typer.Option(
-        "--gauge-mm", metavar="LENGTH", help="Length of the band at stroke 0, if you know it."
-    ),
-]
-_LawToWrite = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="The law to write, whatever cross-validation chooses."),
-]
-
-
 @commands.command(epilog=EXIT_CODES)
 def band(
-    folders: _Folders,
-    window: _Window = "5:35",
-    cycles: _Cycles = "5:9",
-    drop: _Drop = None,
-    cycles_per_sample: _PerSample = None,
-    gauge: _Gauge = None,
-    law: _LawToWrite = None,
+    folders: Annotated[
+        list[Path],
+        typer.Argument(metavar="FOLDER...", help="Tension tests of bands."),
+    ],
+    window: Annotated[
+        str,
+        typer.Option(
+            "--window-mm", metavar="FROM:TO", help="Stroke between which bands are fitted."
+        ),
+    ] = "5:35",
+    cycles: Annotated[
+        str, typer.Option(metavar="FROM:TO", help="Cycles that are fitted, from 1; both included.")
+    ] = "5:9",
+    drop: Annotated[
+        list[int] | None,
+        typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
+    ] = None,
+    cycles_per_sample: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="How many files in a row are of one sample, where names only count.",
+        ),
+    ] = None,
+    gauge: Annotated[
+        float | None,
+        typer.Option(
+            "--gauge-mm", metavar="LENGTH", help="Length of the band at stroke 0, if you know it."
+        ),
+    ] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="The law to write, whatever cross-validation chooses."),
+    ] = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -158,31 +154,26 @@ _NoBaseline = Annotated[
 ]
 
 
-_Designs = Annotated[
-    list[str] | None,
-    typer.Argument(
-        metavar="[DESIGN]...",
-        help="What was tested, or what file names leave open; the paper's cell by default.",
-    ),
-]
-_AsDesigned = Annotated[
-    bool,
-    typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
-]
-_Bar = Annotated[
-    float,
-    typer.Option("--bar-mm", metavar="LENGTH", min=20, help="Bar of the rig; inf for none."),
-]
-
-
 @commands.command(epilog=EXIT_CODES)
 def compare(
     data: _Data,
-    designs: _Designs = None,
+    designs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[DESIGN]...",
+            help="What was tested, or what file names leave open; the paper's cell by default.",
+        ),
+    ] = None,
     baseline: _Baseline = None,
     no_baseline: _NoBaseline = False,
-    as_designed: _AsDesigned = False,
-    bar: _Bar = 70.0,
+    as_designed: Annotated[
+        bool,
+        typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
+    ] = False,
+    bar: Annotated[
+        float,
+        typer.Option("--bar-mm", metavar="LENGTH", min=20, help="Bar of the rig; inf for none."),
+    ] = 70.0,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -214,16 +205,15 @@ def compare(
     finish(record, texts.comparison, as_json, out, force, write)
 
 
-_Law = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="linear or cubic; by default the one that predicts better."),
-]
-
-
 @commands.command(epilog=EXIT_CODES)
 def calibrate(
     data: _Data,
-    law: _Law = None,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="linear or cubic; by default the one that predicts better."
+        ),
+    ] = None,
     baseline: _Baseline = None,
     no_baseline: _NoBaseline = False,
     out: Out = None,

@@ -8,23 +8,19 @@ import typer
 from stepwell.cli.options import Force, Json, Out
 from stepwell.cli.screen import finish, progress, show_lines, show_table
 
-_All = Annotated[
-    bool,
-    typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
-]
-
-_Data = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="PATH",
-        help="The authors' recordings, for the claims that they decide.",
-    ),
-]
-
 
 def paper(
-    everything: _All = False,
-    data: _Data = None,
+    everything: Annotated[
+        bool,
+        typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
+    ] = False,
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="The authors' recordings, for the claims that they decide.",
+        ),
+    ] = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,

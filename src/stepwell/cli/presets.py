@@ -8,10 +8,10 @@ import typer
 from stepwell.cli.options import ForceFile, free_file
 from stepwell.cli.screen import finish, show_lines, show_table
 
-_Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
-
-def presets(as_json: _Json = False) -> None:
+def presets(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
     """List the designs that come with Stepwell.
 
     The paper's come first, then some that go further, then robots.
@@ -27,11 +27,13 @@ def presets(as_json: _Json = False) -> None:
     )
 
 
-_File = Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")]
-_Preset = Annotated[str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")]
-
-
-def new(file: _File, preset: _Preset = "paper-forward", force: ForceFile = False) -> None:
+def new(
+    file: Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")],
+    preset: Annotated[
+        str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")
+    ] = "paper-forward",
+    force: ForceFile = False,
+) -> None:
     """Write a design file to start from.
 
     It is a copy of one of the designs that come with Stepwell, with its comments.

@@ -6,12 +6,13 @@ import os
 import re
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from pydantic import ValidationError
 
 from stepwell.files.design import read
 from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
-from stepwell.files.tables import drawn
+from stepwell.files.tables import drawn, part_of
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
@@ -82,21 +83,21 @@ def loads_arena(text: str, name: str = "arena") -> Arena:
 
 
 def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
-    where = ""
+    problems: list[str] = []
+    walls: list[Any] = [
+        part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
+    ]
+    if problems:
+        raise DesignError(name, problems)
     try:
-        walls = []
-        for i, wall in enumerate(keys.wall):
-            where = f"wall[{i}]: "
-            walls.append(Wall(**fields(wall)))
         cylinders = [Cylinder(**fields(one)) for one in keys.cylinder]
         goal = None if keys.goal is None else Goal(**fields(keys.goal))
-        where = ""
         rest = fields(keys, left_out=["wall", "cylinder", "goal"])
         return Arena(walls, cylinders, goal=goal, **rest)
     except SlipError as error:
         raise DesignError(name, slip_lines(error)) from None
     except ValueError as error:
-        raise DesignError(name, [f"{where}{line}" for line in str(error).split("\n")]) from None
+        raise DesignError(name, str(error).split("\n")) from None
 
 
 def arena_toml(arena: Arena) -> str:

@@ -12,7 +12,7 @@ from stepwell.base import content_of, nearest_word
 from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
 from stepwell.files.shipped import preset_text, presets
-from stepwell.files.tables import Shared, WrittenProgram, cell, program_of, robot
+from stepwell.files.tables import Shared, WrittenProgram, cells_of, program_of, robot
 from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -211,13 +211,13 @@ def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:
     chain = keys.chain
-    shared = Shared.of(chain, chain.band.given())
+    shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
-    cells = [cell(one, shared, f"chain.cell[{i}]", problems) for i, one in enumerate(chain.cell)]
+    cells = cells_of(chain.cell, shared, "chain", problems)
     if problems:
         raise DesignError(name, problems)
     actuator = float(chain.actuator_stiffness_N_per_m)
-    made = Chain(tuple(cell for cell in cells if cell), actuator, keys.title)
+    made = Chain(cells, actuator, keys.title)
     program = None if keys.program is None else program_of(keys.program, made, problems)
     if problems:
         raise DesignError(name, problems)

@@ -11,24 +11,21 @@ from stepwell.cli.screen import progress, show_lines
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
-_Gif = Annotated[Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")]
-_Seconds = Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)]
-_Fps = Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)]
-_Program = Annotated[
-    bool,
-    typer.Option(
-        "--program",
-        help="Play the design's own program, or one planned to --to, instead of a full cycle.",
-    ),
-]
-
 
 def animate(
     design: Design,
-    out: _Gif = Path("cycle.gif"),
-    seconds: _Seconds = 8.0,
-    fps: _Fps = 20.0,
-    program: _Program = False,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")
+    ] = Path("cycle.gif"),
+    seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program",
+            help="Play the design's own program, or one planned to --to, instead of a full cycle.",
+        ),
+    ] = False,
     start: From = None,
     to: To = None,
     force: ForceFile = False,

@@ -23,14 +23,6 @@ from stepwell.cli.options import (
 )
 from stepwell.cli.screen import answered, finish, progress, usable
 
-_Target = Annotated[
-    str,
-    typer.Argument(
-        metavar="TARGET",
-        help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or all:N "
-        "for N cells with all their states.",
-    ),
-]
 _Side = Annotated[
     Range | None,
     typer.Option(
@@ -39,33 +31,6 @@ _Side = Annotated[
         help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
         "others in proportion.",
     ),
-]
-_Holes = Annotated[
-    float | None,
-    typer.Option(
-        metavar="MM",
-        help="Anchors only in holes this far apart, from the lower left corner on [mm].",
-        min=0.01,
-    ),
-]
-_Band = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--band",
-        metavar="NAME|K:LENGTH[:SPREAD]",
-        help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
-    ),
-]
-_Lever = Annotated[
-    list[float] | None,
-    typer.Option(
-        "--lever",
-        metavar="MM",
-        help="A lever there is [mm]; may be given again. The paper's by default.",
-    ),
-]
-_Mixed = Annotated[
-    bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
 ]
 
 
@@ -76,39 +41,63 @@ class Objective(StrEnum):
     WORST = "worst"
 
 
-_Objective = Annotated[
-    Objective,
-    typer.Option(
-        help="Make the yield largest, or the distance by which all anchors may be off at once.",
-    ),
-]
-_Force = Annotated[
-    float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
-]
-
-
-_Unusual = Annotated[
-    bool, typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit.")
-]
-
-
 def design(
-    target: _Target,
+    target: Annotated[
+        str,
+        typer.Argument(
+            metavar="TARGET",
+            help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
+            "all:N for N cells with all their states.",
+        ),
+    ],
     x: _Side = None,
     y: _Side = None,
-    holes: _Holes = None,
-    bands: _Band = None,
-    levers: _Lever = None,
-    mixed_levers: _Mixed = False,
-    objective: _Objective = Objective.YIELD,
-    force_limit: _Force = None,
+    holes: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="Anchors only in holes this far apart, from the lower left corner on [mm].",
+            min=0.01,
+        ),
+    ] = None,
+    bands: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--band",
+            metavar="NAME|K:LENGTH[:SPREAD]",
+            help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
+        ),
+    ] = None,
+    levers: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--lever",
+            metavar="MM",
+            help="A lever there is [mm]; may be given again. The paper's by default.",
+        ),
+    ] = None,
+    mixed_levers: Annotated[
+        bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
+    ] = False,
+    objective: Annotated[
+        Objective,
+        typer.Option(
+            help="Make the yield largest, or the distance by which all anchors may be off at once.",
+        ),
+    ] = Objective.YIELD,
+    force_limit: Annotated[
+        float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
+    ] = None,
     drive: NewDrive = None,
     anchor: given.Anchor = given.ANCHOR_MM,
     stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    unusual: _Unusual = False,
+    unusual: Annotated[
+        bool,
+        typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit."),
+    ] = False,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,

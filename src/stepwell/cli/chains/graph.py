@@ -8,30 +8,27 @@ import typer
 from stepwell.cli.options import Design, Drive, ForceFile, Json, free_file, read_chain
 from stepwell.cli.screen import progress, show_json, show_lines, usable
 
-_Start = Annotated[
-    str | None,
-    typer.Option(
-        metavar="STATE",
-        help="Only what can be reached from this state, such as 000; all states by default.",
-    ),
-]
-_File = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FILE",
-        help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
-        dir_okay=False,
-    ),
-]
-
 
 def graph(
     design: Design,
     drive: Drive = None,
-    start: _Start = None,
-    out: _File = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            metavar="STATE",
+            help="Only what can be reached from this state, such as 000; all states by default.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
+            dir_okay=False,
+        ),
+    ] = None,
     force: ForceFile = False,
     as_json: Json = False,
 ) -> None:

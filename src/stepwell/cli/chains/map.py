@@ -32,13 +32,6 @@ _Axis = Annotated[
         parser=grid, metavar="FROM:TO:COUNT", help="Places of that anchor along this axis [mm]."
     ),
 ]
-_Cell = Annotated[
-    str,
-    typer.Option(
-        help="Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the "
-        "innermost."
-    ),
-]
 _Parameter = Annotated[
     Range | None,
     typer.Option(
@@ -51,7 +44,13 @@ _Parameter = Annotated[
 
 def map_(
     design: Design,
-    cell: _Cell = CELL,
+    cell: Annotated[
+        str,
+        typer.Option(
+            help="Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the "
+            "innermost."
+        ),
+    ] = CELL,
     x: _Axis = ACROSS,
     y: _Axis = UP,
     across: _Parameter = None,

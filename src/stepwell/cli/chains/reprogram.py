@@ -10,23 +10,6 @@ from stepwell.base import REACH
 from stepwell.cli.options import Design, Force, Json, Out, free, read_chain
 from stepwell.cli.screen import answered, finish, progress, usable
 
-_By = Annotated[
-    str,
-    typer.Option(
-        "--by",
-        metavar="ANCHOR",
-        help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
-        ".q on its outer one, as in inner.p.",
-    ),
-]
-_Target = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SEQUENCE",
-        help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
-    ),
-]
-
 
 class Direction(NamedTuple):
     """A direction in the plane of an anchor, of any length."""
@@ -48,30 +31,40 @@ def along(text: str) -> Direction:
     return Direction(x, y)
 
 
-_Along = Annotated[
-    Direction | None,
-    typer.Option(
-        "--along",
-        parser=along,
-        metavar="X:Y|DEGREES",
-        help="The line that the anchor keeps to; anywhere in the plane by default.",
-    ),
-]
-_OneWay = Annotated[
-    bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
-]
-_Reach = Annotated[
-    float, typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6)
-]
-
-
 def reprogram(
     design: Design,
-    by: _By,
-    target: _Target = None,
-    line: _Along = None,
-    one_way: _OneWay = False,
-    reach: _Reach = REACH * 1e3,
+    by: Annotated[
+        str,
+        typer.Option(
+            "--by",
+            metavar="ANCHOR",
+            help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
+            ".q on its outer one, as in inner.p.",
+        ),
+    ],
+    target: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SEQUENCE",
+            help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
+        ),
+    ] = None,
+    line: Annotated[
+        Direction | None,
+        typer.Option(
+            "--along",
+            parser=along,
+            metavar="X:Y|DEGREES",
+            help="The line that the anchor keeps to; anywhere in the plane by default.",
+        ),
+    ] = None,
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+    ] = False,
+    reach: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
+    ] = REACH * 1e3,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,

@@ -8,24 +8,6 @@ import typer
 from stepwell.cli.options import Design, Force, Json, Out, free, own, tolerances as given
 from stepwell.cli.screen import finish, progress, usable
 
-_Wanted = Annotated[
-    str | None,
-    typer.Option(
-        metavar="TARGET",
-        help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and no "
-        "others, as 00,10,11; the cycle of the drawing by default.",
-    ),
-]
-_Program = Annotated[
-    bool,
-    typer.Option(
-        "--program", help="Count those that the design's own program brings where it should."
-    ),
-]
-_Sensitivity = Annotated[
-    bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
-]
-
 
 def yield_(
     design: Design,
@@ -34,9 +16,23 @@ def yield_(
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    wanted: _Wanted = None,
-    sensitivity: _Sensitivity = False,
-    program: _Program = False,
+    wanted: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TARGET",
+            help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
+            "no others, as 00,10,11; the cycle of the drawing by default.",
+        ),
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
+    ] = False,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program", help="Count those that the design's own program brings where it should."
+        ),
+    ] = False,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,

@@ -37,44 +37,37 @@ def show(robot: Robot, out: Out = None, force: Force = False, as_json: Json = Fa
     finish(record, texts.robot, as_json, out, force, write)
 
 
-_Ranges = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="KEY=FROM:TO:COUNT...",
-        help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
-    ),
-]
-_Random = Annotated[
-    int | None,
-    typer.Option(
-        "--random",
-        metavar="N",
-        help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
-        min=1,
-    ),
-]
-_Seed = Annotated[int, typer.Option(help="Of the draws.", min=0)]
-_Cycles = Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)]
-_Out = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="DIR",
-        help="Write the results into this folder.",
-        file_okay=False,
-    ),
-]
-
-
 @commands.command(epilog=EXIT_CODES)
 def sweep(
     robot: Robot,
-    ranges: _Ranges,
-    out: _Out,
-    random: _Random = None,
-    seed: _Seed = 0,
-    cycles: _Cycles = 4,
+    ranges: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="KEY=FROM:TO:COUNT...",
+            help="What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write the results into this folder.",
+            file_okay=False,
+        ),
+    ],
+    random: Annotated[
+        int | None,
+        typer.Option(
+            "--random",
+            metavar="N",
+            help="Draw N robots instead of a grid; ranges are then KEY=FROM:TO.",
+            min=1,
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the draws.", min=0)] = 0,
+    cycles: Annotated[int, typer.Option(help="How many cycles each robot walks.", min=1)] = 4,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -101,13 +94,14 @@ def sweep(
     _sweep.forget(keep)
 
 
-_TwoCycles = Annotated[
-    int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
-]
-
-
 @commands.command(epilog=EXIT_CODES)
-def converge(robot: Robot, cycles: _TwoCycles = 2, as_json: Json = False) -> None:
+def converge(
+    robot: Robot,
+    cycles: Annotated[
+        int, typer.Option("--cycles", help="How many cycles each walk lasts.", min=2)
+    ] = 2,
+    as_json: Json = False,
+) -> None:
     """Walk a robot at several time steps and say what depends on them.
 
     What it does in a cycle, and what the floor carries under feet and supports, against the

@@ -28,15 +28,14 @@ NO_DISPLAY = (
 )
 
 
-_File = Annotated[
-    Path,
-    typer.Option("--out", "-o", metavar="FILE.xml", help="The file to write.", show_default=False),
-]
-
-
 def export(
     robot: RobotName,
-    out: _File = Path("robot.xml"),
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="FILE.xml", help="The file to write.", show_default=False
+        ),
+    ] = Path("robot.xml"),
     arena: ArenaName = None,
     force: ForceFile = False,
 ) -> None:

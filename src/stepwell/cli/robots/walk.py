@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     import stepwell.robot as values
     from stepwell.simulation import Maze, Walk
 
-_Cycles = Annotated[float, typer.Option(help="How often the actuator goes out and back.", min=0.01)]
-
 
 def walk(
     robot: Robot,
-    cycles: _Cycles = 8,
+    cycles: Annotated[
+        float, typer.Option(help="How often the actuator goes out and back.", min=0.01)
+    ] = 8,
     out: Out = None,
     no_video: NoVideo = False,
     force: Force = False,
@@ -56,45 +56,40 @@ def _list(wanted: bool) -> None:
         raise typer.Exit
 
 
-_Arena = Annotated[
-    str,
-    typer.Argument(
-        metavar="ARENA",
-        help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
-    ),
-]
-_Limit = Annotated[float, typer.Option(help="Time it is given [s].", min=1)]
-_StartSeed = Annotated[
-    int | None,
-    typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
-]
-_LayoutSeed = Annotated[
-    int | None,
-    typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0),
-]
-_Disconnect = Annotated[
-    bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")
-]
-_Bare = Annotated[bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")]
-_List = Annotated[
-    bool,
-    typer.Option("--list", help="List the arenas that come along.", callback=_list, is_eager=True),
-]
-
-
 def maze(
     robot: Robot,
-    arena: _Arena,
-    limit: _Limit = 600.0,
-    start_seed: _StartSeed = None,
-    layout_seed: _LayoutSeed = None,
-    disconnect: _Disconnect = False,
-    no_antennas: _Bare = False,
+    arena: Annotated[
+        str,
+        typer.Argument(
+            metavar="ARENA",
+            help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
+        ),
+    ],
+    limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0,
+    start_seed: Annotated[
+        int | None,
+        typer.Option(help="Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0),
+    ] = None,
+    layout_seed: Annotated[
+        int | None,
+        typer.Option(help="Move walls up to 40 mm and 8°, drawn from this seed.", min=0),
+    ] = None,
+    disconnect: Annotated[
+        bool, typer.Option("--disconnect", help="Take the antennas' levers off the anchors.")
+    ] = False,
+    no_antennas: Annotated[
+        bool, typer.Option("--no-antennas", help="Take the antennas off altogether.")
+    ] = False,
     out: Out = None,
     no_video: NoVideo = False,
     force: Force = False,
     as_json: Json = False,
-    _: _List = False,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--list", help="List the arenas that come along.", callback=_list, is_eager=True
+        ),
+    ] = False,
 ) -> None:
     """Let a robot find its way through an arena.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
@@ -16,15 +17,22 @@ class Shared(NamedTuple):
     band: dict[str, Any]
 
     @classmethod
-    def of(cls, keys: schema.SharedKeys, band: dict[str, Any]) -> Shared:
-        """What a table says of all its cells, and `band` of their bands."""
-        given = keys.given()
-        names = ("lever_mm", "limit_deg", "unusual")
-        return cls({field_of(key): si(key, given[key]) for key in names if key in given}, band)
+    def of(cls, band: dict[str, Any], *tables: schema.SharedKeys) -> Shared:
+        """What `band` says of all bands and the tables of all cells, the last one above all."""
+        given = {key: value for table in tables for key, value in table.given().items()}
+        names = given.keys() & {"lever_mm", "limit_deg", "unusual"}
+        return cls({field_of(key): si(key, given[key]) for key in names}, band)
 
 
-def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
-    """One cell, with what its chain shares; None where that is no cell, and then why."""
+def cells_of(
+    tables: Sequence[schema.CellKeys], shared: Shared, where: str, problems: list[str]
+) -> tuple[Cell, ...]:
+    """The cells of a chain; `problems` gets a line for all that is wrong with each."""
+    cells = [_cell(one, shared, f"{where}.cell[{i}]", problems) for i, one in enumerate(tables)]
+    return tuple(cell for cell in cells if cell)
+
+
+def _cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]

@@ -18,6 +18,7 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from types import EllipsisType
 
 from stepwell.base import InputError, nearest_word
 
@@ -33,12 +34,9 @@ class Item:
 Steps = tuple[str | Item, ...]
 
 
-class _All:
-    """What stands for every item of a list."""
-
-
-ALL = _All()
-Token = str | int | _All
+# What stands for every item of a list.
+ALL = ...
+Token = str | int | EllipsisType
 
 _TOKEN = re.compile(
     r"""
@@ -125,7 +123,9 @@ def _below(tokens: list[Token], steps: Steps) -> Steps | None:
             if token is not ALL and token not in (step.index, step.name):
                 return None
         elif (
-            token == "band" and step == "bands" and not isinstance(_get(tokens, k + 1), int | _All)
+            token == "band"
+            and step == "bands"
+            and not isinstance(_get(tokens, k + 1), int | EllipsisType)
         ):
             at += 1  # what a cell's bands share
         elif token != step:
@@ -171,7 +171,7 @@ def _shown(tokens: list[Token]) -> str:
         if isinstance(token, int):
             path += f"[{token}]"
         else:
-            path += ("." if path else "") + ("*" if isinstance(token, _All) else _word(token))
+            path += ("." if path else "") + ("*" if token is ALL else _word(token))
     return path
 
 
