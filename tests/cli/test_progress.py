@@ -82,17 +82,17 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("room", "arguments"),
+    ("module", "arguments"),
     [
-        ("chains", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
-        ("chains", ("graph", "preset:three-stack")),
-        ("robots", ("robot", "converge", "preset:robot-forward")),
+        ("chains.design", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
+        ("chains.motion", ("graph", "preset:three-stack")),
+        ("robots.robot", ("robot", "converge", "preset:robot-forward")),
     ],
     ids=["reprogram", "graph", "robot"],
 )
-def test_commands_that_may_take_long_tell_their_progress(stepwell, room, arguments, monkeypatch):
+def test_commands_that_may_take_long_tell_their_progress(stepwell, module, arguments, monkeypatch):
     told: list[tuple[float, float]] = []
-    monkeypatch.setattr(f"stepwell.cli.{room}.{arguments[0]}.progress", telling(told))
+    monkeypatch.setattr(f"stepwell.cli.{module}.progress", telling(told))
     if arguments[1] == "converge":
         few = simulation.convergence
         monkeypatch.setattr(

@@ -10,7 +10,7 @@ import typer
 
 from stepwell.base import __version__
 from stepwell.cli import lab, paper, presets
-from stepwell.cli.chains import animate, design, graph, map, program, reprogram, run, yield_
+from stepwell.cli.chains import design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
@@ -24,16 +24,16 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (
-    run.run,
+    motion.run,
     map.map_,
-    graph.graph,
-    program.program,
+    motion.graph,
+    motion.program,
     design.design,
-    yield_.yield_,
-    reprogram.reprogram,
+    design.yield_,
+    design.reprogram,
     presets.new,
     presets.presets,
-    animate.animate,
+    motion.animate,
     paper.paper,
 ):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)

@@ -1,20 +1,24 @@
-"""`stepwell design`: where the bands have to go for a wanted motion."""
+"""`stepwell design`, `yield` and `reprogram`: where anchors go, and how far off they may be."""
 
 import math
 from dataclasses import replace
 from enum import StrEnum
 from functools import partial
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
+from stepwell.base import REACH
 from stepwell.cli.options import (
+    Design,
     Force,
     Json,
     NewDrive,
     Out,
     Range,
     free,
+    own,
+    read_chain,
     span,
     stiffness_of,
     stock,
@@ -149,4 +153,159 @@ def design(
     else:
         record, write = results.design_record(found), partial(reports.write_design, found)
     finish(record, texts.design, as_json, out, force, write)
+    answered(record["possible"])
+
+
+def yield_(
+    design: Design,
+    anchor: given.Anchor = given.ANCHOR_MM,
+    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
+    rest_length_spread: given.RestLengthSpread = 0.0,
+    lever_tolerance: given.LeverTolerance = 0.0,
+    friction: given.Friction = 0.0,
+    wanted: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TARGET",
+            help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
+            "no others, as 00,10,11; the cycle of the drawing by default.",
+        ),
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
+    ] = False,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program", help="Count those that the design's own program brings where it should."
+        ),
+    ] = False,
+    samples: given.Samples = None,
+    seed: given.Seed = 0,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say how many mechanisms, built with these tolerances, do what the design does.
+
+    Mechanisms are made at random and judged one by one; you get the share with its 95 %
+    interval, what the others do, and the two cells that go wrong first. With --out, figures,
+    outcomes as CSV and the result as JSON are written into a folder, together with the design.
+    """
+    from stepwell import files, reports, results
+    from stepwell.cli.text import design as texts
+    from stepwell.design import survival, yields
+
+    spread = given.tolerances(
+        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+    )
+    text = files.read(design)
+    free(out, "yield", force, design=text)
+    if program and (wanted or sensitivity):
+        option = "--wanted" if wanted else "--sensitivity"
+        raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+    if program:
+        played = own(text, design)
+        points, start, ends = played.turning_points, played.start, played.to
+        with progress("yield") as tell:
+            kept = survival(
+                played.chain, points, ends, spread, start=start, n=samples, seed=seed, progress=tell
+            )
+        record = results.survival_record(kept, design=text)
+        write = partial(reports.write_survival, kept, design=text)
+    else:
+        states = wanted.split(",") if wanted and "," in wanted else None
+        with usable(design), progress("yield") as tell:
+            found = yields(
+                files.loads_chain(text, design),
+                spread,
+                n=samples,
+                seed=seed,
+                wanted=states or wanted,
+                sensitivity=sensitivity,
+                progress=tell,
+            )
+        record = results.yield_record(found, design=text)
+        write = partial(reports.write_yield, found, design=text)
+    finish(record, texts.yields, as_json, out, force, write)
+
+
+class Direction(NamedTuple):
+    """A direction in the plane of an anchor, of any length."""
+
+    x: float
+    y: float
+
+
+def along(text: str) -> Direction:
+    """X:Y, or an angle in degrees from the x axis, as a direction."""
+    try:
+        parts = [float(part) for part in text.split(":")]
+        angle = math.radians(parts[0])
+        x, y = parts if len(parts) > 1 else (math.cos(angle), math.sin(angle))
+    except (OverflowError, ValueError):
+        x, y = math.nan, math.nan
+    if not 0 < math.hypot(x, y) < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be X:Y, as in -1:0, or degrees, as in 180.")
+    return Direction(x, y)
+
+
+def reprogram(
+    design: Design,
+    by: Annotated[
+        str,
+        typer.Option(
+            "--by",
+            metavar="ANCHOR",
+            help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
+            ".q on its outer one, as in inner.p.",
+        ),
+    ],
+    target: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SEQUENCE",
+            help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
+        ),
+    ] = None,
+    line: Annotated[
+        Direction | None,
+        typer.Option(
+            "--along",
+            parser=along,
+            metavar="X:Y|DEGREES",
+            help="The line that the anchor keeps to; anywhere in the plane by default.",
+        ),
+    ] = None,
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+    ] = False,
+    reach: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
+    ] = REACH * 1e3,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the smallest displacement of an anchor that changes what a chain does.
+
+    You get the displacement, the sequence just past it, and the force that has to push the
+    anchor on the way: what an antenna must deliver. With --out, the design past the change,
+    the way as CSV and the result as JSON are written into a folder.
+    """
+    from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
+    from stepwell.design import reprogram
+
+    if one_way and line is None:
+        raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
+    text, chain = read_chain(design)
+    free(out, "reprogram", force)
+    ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
+    with usable(design), progress("search") as tell:
+        found = reprogram(chain, target, by, **ways, progress=tell)
+    record = results.reprogram_record(found, design=text)
+    write = partial(reports.write_reprogramming, found, design=text)
+    finish(record, texts.reprogram, as_json, out, force, write)
     answered(record["possible"])

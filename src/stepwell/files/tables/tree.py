@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import Any, NamedTuple
 
 from stepwell.files.schema import ASSUMED
-from stepwell.files.tables.robot_text import whole_text
+from stepwell.files.tables.design_text import whole_text
 from stepwell.files.text import Item, Steps, find, parsed, quoted, value_text
 from stepwell.robot import Robot
 

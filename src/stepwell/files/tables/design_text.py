@@ -1,4 +1,4 @@
-"""A chain as the tables of a design file: what the cells share first, then each cell."""
+"""A chain or a robot as the text of its design file: what cells share first, then each cell."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import written
-from stepwell.files.text import Written, inline, lines, quoted
+from stepwell.files.schema import robot as schema, table_lines, written
+from stepwell.files.text import Written, array, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
+from stepwell.robot import Robot
+from stepwell.robot.parts import of_robot
 
 
 class Common(NamedTuple):
@@ -22,23 +24,20 @@ class Common(NamedTuple):
         return lines(self.keys) + ([f"band = {inline(self.band)}"] if self.band else [])
 
 
-NOTHING = Common({}, {})
-
-
 def chain_text(chain: Chain) -> str:
     """The design file of a chain."""
-    shared = shared_by(chain.cells)
-    text = [f"title = {quoted(chain.title)}", ""] if chain.title else []
+    shared = _shared_by(chain.cells)
+    text = [*_title(chain.title), ""] if chain.title else []
     text += ["[chain]", *lines(shared.keys)]
     if chain.actuator_stiffness != math.inf:
         text += lines(_written({"actuator_stiffness_N_per_m": chain.actuator_stiffness}))
     text += shared._replace(keys={}).lines()
     for cell in chain.cells:
-        text += ["", "[[chain.cell]]", *cell_lines(cell, shared)]
+        text += ["", "[[chain.cell]]", *_cell_lines(cell, shared)]
     return "\n".join(text) + "\n"
 
 
-def shared_by(cells: Sequence[Cell]) -> Common:
+def _shared_by(cells: Sequence[Cell]) -> Common:
     """What all these cells have in common."""
     every = [_band(band) for cell in cells for band in cell.bands]
     band = _shared(every, ("stiffness_N_per_m", "rest_length_mm", "two_sided"))
@@ -46,7 +45,7 @@ def shared_by(cells: Sequence[Cell]) -> Common:
     return Common(keys, band | _shared_law(every))
 
 
-def cell_lines(cell: Cell, shared: Common) -> list[str]:
+def _cell_lines(cell: Cell, shared: Common) -> list[str]:
     """The keys of a [[chain.cell]] table, without those that are shared."""
     keys = _cell(cell)
     bands = [_band(band) for band in cell.bands]
@@ -127,3 +126,58 @@ def _tension(band: Band, law: Table) -> tuple[float, ...] | None:
         if (again.stiffness, again.law) == (band.stiffness, law):
             return tension
     return None
+
+
+def robot_text(robot: Robot) -> str:
+    """The file as a person would write it: what legs and cells share stands once."""
+    chains = [leg.chain for leg in robot.legs]
+    shared = _shared_by([cell for chain in chains for cell in chain.cells])
+    alike = all(chain == chains[0] for chain in chains)
+    text = ["[chain]", *(_title(chains[0].title) if alike else []), *shared.lines(), ""]
+    if alike:
+        text += _cells("chain.cell", chains[0], shared)
+    return _text(robot, text, shared, own_chains=not alike)
+
+
+def whole_text(robot: Robot) -> str:
+    """The file in which every leg and every cell has all its keys to itself."""
+    return _text(robot, [], Common({}, {}), own_chains=True)
+
+
+def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -> str:
+    odd = robot.unusual or of_robot(robot)
+    head = _title(robot.title) + (["unusual = true"] if odd else [])
+    text = [*head, *([""] if head else []), *chain]
+    for name in ("body", "foot", "blocks", "floor", "drive"):
+        text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
+    for leg in robot.legs:
+        text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]
+        if own_chains:
+            text += ["[leg.chain]", *_title(leg.chain.title), ""] if leg.chain.title else []
+            text += _cells("leg.chain.cell", leg.chain, shared)
+    for antenna in robot.antennas:
+        text += ["[[antenna]]", *table_lines(schema.AntennaKeys, antenna), ""]
+    return "\n".join([*text, *_source(robot)]).rstrip("\n") + "\n"
+
+
+def _cells(table: str, chain: Chain, shared: Common) -> list[str]:
+    return [
+        line for cell in chain.cells for line in (f"[[{table}]]", *_cell_lines(cell, shared), "")
+    ]
+
+
+def _title(title: str) -> list[str]:
+    return [f"title = {quoted(title)}"] if title else []
+
+
+def _source(robot: Robot) -> list[str]:
+    labels = [*schema.SOURCES, *sorted(set(robot.sources.values()) - set(schema.SOURCES))]
+    lists = {
+        label: [path for path, said in robot.sources.items() if said == label] for label in labels
+    }
+    rows = [
+        f"{label if label.isalpha() else quoted(label)} = {array(map(quoted, paths))}"
+        for label, paths in lists.items()
+        if paths
+    ]
+    return ["[source]", *rows] if rows else []
