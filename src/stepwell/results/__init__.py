@@ -17,7 +17,6 @@ from stepwell.results.design import (
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head
 from stepwell.results.map import boundary_rows, map_record
-from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
     CHANGE,
     CONTACT,
@@ -33,7 +32,15 @@ from stepwell.results.robot import (
     sweep_record,
     walk_record,
 )
-from stepwell.results.run import CELL, change_columns, event_columns, force_scale, run_record
+from stepwell.results.run import (
+    CELL,
+    change_columns,
+    event_columns,
+    force_scale,
+    program_record,
+    run_record,
+    unreachable_record,
+)
 from stepwell.results.ties import tie_notes
 
 __all__ = [

@@ -167,7 +167,6 @@ def animate(
 
 
 def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cycle | Program:
-    """What is to be seen."""
     from stepwell import files
 
     if not program:

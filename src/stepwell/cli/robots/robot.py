@@ -178,23 +178,7 @@ def _swept(
     keep: Path,
     progress: Progress | None,
 ) -> Sweep:
-    """Walk the robot with each set of values.
-
-    Args:
-        robot: any robot.
-        name: what its user calls it.
-        values: key path to its value in each trial (n,).
-        cycles: of each walk.
-        keep: folder that holds finished robots until all are done.
-        progress: called with (done, total) robots.
-
-    Returns:
-        The sweep; a robot that cannot exist has no numbers, and its `stopped` says why.
-
-    Raises:
-        DesignError: a key that this robot does not have, or no robot that can exist.
-        ValueError: what `simulation.sweep` refuses.
-    """
+    """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
     from stepwell import files, simulation
 
     count = len(next(iter(values.values())))

@@ -33,16 +33,14 @@ def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
     reached = ""
     try:
         with _bar(label) as shown:
-            if shown is None:
-                yield None
-            else:
 
-                def update(done: float, total: float) -> None:
-                    nonlocal reached
-                    reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+            def update(done: float, total: float) -> None:
+                nonlocal reached
+                reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+                if shown is not None:
                     shown(done, total)
 
-                yield update
+            yield None if shown is None else update
     except Interrupted:
         raise
     except KeyboardInterrupt:

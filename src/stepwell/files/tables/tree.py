@@ -25,9 +25,7 @@ def tree_of(robot: Robot) -> Tree:
 
 def leaves(tree: Tree) -> Iterator[tuple[Steps, Any]]:
     """The path and the value of everything but names, titles and sources."""
-    for key, value in tree.items():
-        if key not in ("title", "name", "source"):
-            yield from _leaves((key,), value)
+    return _leaves((), {key: value for key, value in tree.items() if key != "source"})
 
 
 def is_number(value: Any) -> bool:

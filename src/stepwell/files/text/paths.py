@@ -55,14 +55,7 @@ _OF_EVERY_CELL = ("lever_mm", "limit_deg", "band")
 
 def spelled(steps: Iterable[str | Item]) -> str:
     """The path of a number as `parameters` lists it."""
-    path = ""
-    for step in steps:
-        if isinstance(step, Item) and step.name is None:
-            path += f"[{step.index}]"
-        else:
-            word = str(step.name if isinstance(step, Item) else step)
-            path += ("." if path else "") + _word(word)
-    return path
+    return _shown(map(_token, steps))
 
 
 def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
@@ -151,8 +144,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
         return f"{_NONE}: {_shown(before)} is one number, leave out what follows."
     options: dict[str, Token] = {}
     for head in heads:
-        token = head if isinstance(head, str) else head.index if head.name is None else head.name
-        options[_shown([token])] = token
+        options[_shown([_token(head)])] = _token(head)
     more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
     options |= {key: key for key in more}
     near = nearest_word(wrong.strip(".[]"), options)
@@ -165,7 +157,11 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
     return f"{_NONE}. Known{after}: {', '.join(options)}."
 
 
-def _shown(tokens: list[Token]) -> str:
+def _token(step: str | Item) -> str | int:
+    return step if isinstance(step, str) else step.index if step.name is None else step.name
+
+
+def _shown(tokens: Iterable[Token]) -> str:
     path = ""
     for token in tokens:
         if isinstance(token, int):
