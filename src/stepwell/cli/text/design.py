@@ -16,35 +16,33 @@ def design(record: dict[str, Any]) -> None:
         show_lines(*wrapped(record["reason"]))
         return
     names = [cell["name"] for cell in record["cells"]]
-    show_lines(
-        *_states(record),
-        *(line for line in _shares(record["yield"], names) if line[:6] != "Wanted"),
-        *_robustness(record["robustness"], names),
-    )
+    shares = _shares(record["yield"], names) | {"Wanted": ""}
+    found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
+    show_facts({"title": ""}, found, 10)
     name, p, q, *others = BUILT
     show_records("Cells, innermost first", [name, q, p, *others], record["cells"])
     more = f"more states may be in reach: {record['states_how']}"
     show_text(record["reason"], *([] if record["states_whole"] else [more]), record["assumptions"])
 
 
-def _states(record: dict[str, Any]) -> list[str]:
+def _states(record: dict[str, Any]) -> dict[str, str]:
     count, states = record["state_count"], record["states"]
     listed = f"{count} states" if record["states_whole"] else f"{count} states surely"
     if states is None:
-        return [f"In reach  {listed}"]
+        return {"In reach": listed}
     more = f" and {len(states) - MOST_STATES} more" if len(states) > MOST_STATES else ""
     listed += f": {', '.join(states[:MOST_STATES])}{more}"
-    return [f"Sequence  {record['sequence']}", f"In reach  {listed}"]
+    return {"Sequence": record["sequence"], "In reach": listed}
 
 
-def _robustness(found: dict[str, Any] | None, names: list[str]) -> list[str]:
+def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
     if found is None:
-        return []
+        return ""
     text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
     if found["meet"] is not None:
         first, second = (names[cell] for cell in found["meet"])
         text += f"; then {first} and {second} change places while {found['while']}"
-    return [f"Worst     {text}"]
+    return text
 
 
 MOST_ROWS = 12
@@ -52,8 +50,7 @@ MOST_ROWS = 12
 
 def yields(record: dict[str, Any]) -> None:
     """Print what `results.yield_record` or `results.survival_record` returns."""
-    show_facts(record, {}, 10)
-    show_lines(*_shares(record, record["cells"]))
+    show_facts(record, _shares(record, record["cells"]), 10)
     if "outcomes" not in record:
         show_text(record["assumptions"])
         return
@@ -81,16 +78,15 @@ def yields(record: dict[str, Any]) -> None:
     show_text(record["assumptions"])
 
 
-def _shares(record: dict[str, Any], names: list[str]) -> list[str]:
+def _shares(record: dict[str, Any], names: list[str]) -> dict[str, str]:
     """Share, tolerances and critical pair of a yield."""
     low, high = _percent(record["share_low"]), _percent(record["share_high"])
-    found = {
+    return {
         "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
         "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
         "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'])}",
         "Critical": _critical(record.get("critical"), names),
     }
-    return [f"{name:<10}{value}" for name, value in found.items() if value]
 
 
 def _percent(share: float) -> str:

@@ -18,26 +18,20 @@ from stepwell.results import (
     RESOLUTION,
     TOUCHED,
 )
-from stepwell.simulation import TRIAL
+from stepwell.robot import Motion
+from stepwell.simulation import TRIAL, Outcome
 
 MOST_ROWS = 40
-MOTIONS = {
-    "forward": "walks forward",
-    "backward": "walks backward",
-    "left": "turns left",
-    "right": "turns right",
-    "none": "stays where it is",
-}
 _LEG = Column("leg", lambda row: row["leg"])
 
 
 def robot(record: dict[str, Any]) -> None:
     """Print what `results.robot_record` returns."""
     said = record["prediction"]
-    legs = said["legs"]
+    legs, motion = said["legs"], Motion[said["motion"].upper()].value
     found = {
         "Weight": f"{number(record['mass_g'])} g, {number(record['weight_N'])} N",
-        "Predicted": f"{MOTIONS[said['motion']]}: d/u_max {said['advance_over_u_max']:.2f}, "
+        "Predicted": f"{motion}: d/u_max {said['advance_over_u_max']:.2f}, "
         f"{said['turn_deg']:z.1f}° to the left a cycle, u_max {number(record['u_max_mm'])} mm",
     }
     show_facts(record, found, 12)
@@ -180,21 +174,13 @@ def _runs(gaits: list[str]) -> list[tuple[str, str]]:
     return found
 
 
-_OUTCOMES = {
-    "reached": "reached the goal",
-    "timed_out": "ran out of time",
-    "trapped": "got nowhere any more",
-    "stopped": "stopped early",
-}
-
-
 def maze(record: dict[str, Any]) -> None:
     """Print what `results.maze_record` returns."""
     touched = sum(one["time_s"] is not None for one in record["touched"])
     x, y = record["end_mm"] or (None, None)
     found = {
         "Arena": record["arena"],
-        "Outcome": f"{_OUTCOMES[record['outcome']]} after {number(record['duration_s'])} s",
+        "Outcome": f"{Outcome[record['outcome'].upper()]} after {number(record['duration_s'])} s",
         "Touched": record["touched"] and f"{touched} of {len(record['touched'])} obstacles",
         "Antennas": _antennas(record["antennas"]),
         "Ended at": x is not None and f"({number(x)}, {number(y)}) mm",

@@ -5,13 +5,13 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Annotated
 
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
 from stepwell.files.schema import chain as schema
 from stepwell.files.schema.chain import Keys, Line, Point, bounded
 from stepwell.files.schema.robot import Size
 
-Heading = Annotated[Decimal, PlainValidator(bounded("-1e6", "1e6", "from -1e6 to 1e6"))]
+Heading = Annotated[Decimal, bounded("-1e6", "1e6")]
 
 
 class WallKeys(Keys):

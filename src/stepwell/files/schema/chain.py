@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from inspect import isclass
 from typing import Annotated, Any, NoReturn, get_args
@@ -58,14 +58,15 @@ def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decim
     return decimal
 
 
-def bounded(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
-    """A check of one number between two bounds, for which messages say `allowed`."""
-    return lambda value: decimal_of(value, Decimal(least), Decimal(most), allowed)
+def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
+    """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
+    allowed = allowed or f"from {least} to {most}"
+    return PlainValidator(lambda value: decimal_of(value, Decimal(least), Decimal(most), allowed))
 
 
-def between(least: str, most: str) -> Callable[[Any], Decimal]:
-    """A check of one number between two bounds."""
-    return bounded(least, most, f"from {least} to {most}")
+def above_zero(least: str, most: str) -> PlainValidator:
+    """A check of one positive number between two bounds."""
+    return bounded(least, most, f"> 0 ({least} to {most})")
 
 
 def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
@@ -115,10 +116,6 @@ def _tension_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     return rows
 
 
-def _load_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
-    return _rows(value, 1, "[[0, 0.02], [20, 0.05]]")
-
-
 def _actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
@@ -158,17 +155,20 @@ def _switch(value: Any) -> bool:
 Line = Annotated[str, PlainValidator(_line)]
 Switch = Annotated[bool, PlainValidator(_switch)]
 Point = Annotated[tuple[Decimal, ...], PlainValidator(point)]
-Lever = Annotated[Decimal, PlainValidator(bounded("1e-3", "1e6", "from 0.001 to 1e6"))]
-Limit = Annotated[Decimal, PlainValidator(between(*map(short, LIMITS_DEG)))]
-Stiffness = Annotated[Decimal, PlainValidator(bounded("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
-RestLength = Annotated[Decimal, PlainValidator(bounded("0", "1e6", ">= 0 (up to 1e6)"))]
-Coefficient = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
-Force = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
-Friction = Annotated[Decimal, PlainValidator(bounded("0", "1e6", ">= 0 (up to 1e6)"))]
+Lever = Annotated[Decimal, bounded("1e-3", "1e6", "from 0.001 to 1e6")]
+Limit = Annotated[Decimal, bounded(*map(short, LIMITS_DEG))]
+Stiffness = Annotated[Decimal, above_zero("1e-6", "1e9")]
+RestLength = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Coefficient = Annotated[Decimal, bounded("-1e6", "1e6")]
+Force = Annotated[Decimal, bounded("-1e6", "1e6")]
+Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
-LoadRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_load_rows)]
+LoadRows = Annotated[
+    tuple[tuple[Decimal, Decimal], ...],
+    PlainValidator(lambda rows: _rows(rows, 1, "[[0, 0.02], [20, 0.05]]")),
+]
 State = Annotated[str, PlainValidator(_state)]
 Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
 

@@ -17,15 +17,12 @@ from stepwell.files.schema.chain import (
     Point,
     Stiffness,
     Switch,
+    above_zero,
     bounded,
     refuse,
 )
 from stepwell.files.text import did_you_mean
 from stepwell.robot import Profile
-
-
-def _positive(least: str, most: str) -> PlainValidator:
-    return PlainValidator(bounded(least, most, f"> 0 ({least} to {most})"))
 
 
 def _centre(value: Any) -> tuple[Decimal, ...]:
@@ -68,13 +65,13 @@ def _paths(value: Any) -> tuple[str, ...]:
     return tuple(schema.few("sources", value))
 
 
-Size = Annotated[Decimal, _positive("1e-6", "1e6")]
-Mass = Annotated[Decimal, _positive("1e-6", "1e9")]
-Damping = Annotated[Decimal, _positive("1e-12", "1e9")]
-Time = Annotated[Decimal, _positive("1e-6", "1e6")]
-Grip = Annotated[Decimal, _positive("1e-6", "1e6")]
-Swing = Annotated[Decimal, _positive("1e-3", "360")]
-Turned = Annotated[Decimal, PlainValidator(bounded("-360", "360", "from -360 to 360"))]
+Size = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Mass = Annotated[Decimal, above_zero("1e-6", "1e9")]
+Damping = Annotated[Decimal, above_zero("1e-12", "1e9")]
+Time = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Grip = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Swing = Annotated[Decimal, above_zero("1e-3", "360")]
+Turned = Annotated[Decimal, bounded("-360", "360")]
 Centre = Annotated[tuple[Decimal, ...], PlainValidator(_centre)]
 Supports = Annotated[tuple[tuple[Decimal, ...], ...], PlainValidator(_supports)]
 ProfileName = Annotated[str, PlainValidator(_profile)]
