@@ -7,8 +7,8 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
+from stepwell.cli.chains.design import stock, wish
 from stepwell.cli.options.ranges import Range, span
-from stepwell.cli.options.wishes import stock, wish
 from stepwell.design import Stock, Tolerances, yields
 
 BACK = "00>01>11>10>00"

@@ -12,6 +12,8 @@ from stepwell.files.design import (
     loads_program,
     loads_robot,
     preset,
+    preset_text,
+    presets,
     read,
 )
 from stepwell.files.folder import (
@@ -25,7 +27,6 @@ from stepwell.files.folder import (
 from stepwell.files.outputs import OUTPUTS, pictures
 from stepwell.files.parameters import Given, parameters, provenance, vary
 from stepwell.files.schema import slips_text
-from stepwell.files.shipped import preset_text, presets
 from stepwell.files.tables import WrittenProgram
 from stepwell.files.text import DesignError
 from stepwell.files.write import dumps, save, with_program

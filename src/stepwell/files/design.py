@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import tomllib
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +14,8 @@ from pydantic import ValidationError
 from stepwell.base import content_of, nearest_word
 from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.shipped import preset_text, presets
 from stepwell.files.tables import Shared, WrittenProgram, cells_of, program_of, robot
-from stepwell.files.text import DesignError, parsed
+from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
@@ -172,6 +174,26 @@ def read(design: str | os.PathLike[str]) -> str:
     raise DesignError(name, [problem])
 
 
+def presets() -> dict[str, str]:
+    """The name of every design that comes with the package, and its title."""
+    return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
+
+
+def preset_text(name: str) -> str:
+    """The design file of that name, TOML with its comments, to be saved and edited.
+
+    Args:
+        name: as `presets` lists it.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    texts = _texts()
+    if name not in texts:
+        raise DesignError(f"preset {name}", [f"no such design. {did_you_mean(name, texts)}"])
+    return texts[name]
+
+
 def preset(name: str) -> Any:
     """The design of that name that comes with the package.
 
@@ -234,3 +256,17 @@ def _neighbour(path: Path) -> str:
         return ""
     near = nearest_word(path.name, names)
     return f" Did you mean {path.with_name(near)}?" if near else ""
+
+
+@cache
+def _texts() -> dict[str, str]:
+    folder = files("stepwell.files") / "presets"
+    found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
+    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
+    # The paper's first, as a reader of the paper looks for them; robots last.
+    order = sorted(texts, key=lambda name: (_turn(name), name))
+    return {name: texts[name] for name in order}
+
+
+def _turn(name: str) -> int:
+    return 0 if name.startswith("paper-") else 2 if name.startswith("robot-") else 1

@@ -73,9 +73,6 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
             "leg.left.at_mm", which gets as many values as it has. Where two paths mean the
             same number, the later counts.
 
-    Returns:
-        The new robot.
-
     Raises:
         DesignError: a path that means no number, or values no robot can have.
     """

@@ -15,7 +15,7 @@ from stepwell.results.design import (
     yield_record,
 )
 from stepwell.results.graph import graph_record
-from stepwell.results.head import head
+from stepwell.results.head import head, tie_notes
 from stepwell.results.map import boundary_rows, map_record
 from stepwell.results.robot import (
     CHANGE,
@@ -41,7 +41,6 @@ from stepwell.results.run import (
     run_record,
     unreachable_record,
 )
-from stepwell.results.ties import tie_notes
 
 __all__ = [
     "convergence_record",

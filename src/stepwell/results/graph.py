@@ -6,8 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, record, told_in
-from stepwell.results.head import head
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import head, tie_notes
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph

@@ -30,9 +30,6 @@ def map_record(
         boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         design: the two parameters of the design itself, in SI, if it has one place on the map.
         text: of the design file, for the hash of it; unknown by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
     axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
     pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}

@@ -18,8 +18,7 @@ from stepwell.base import (
     told_in,
 )
 from stepwell.mechanism import Cell, Chain
-from stepwell.results.head import head
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import head, tie_notes
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
 

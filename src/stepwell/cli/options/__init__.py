@@ -25,4 +25,3 @@ from stepwell.cli.options.ranges import (
     span,
     window,
 )
-from stepwell.cli.options.wishes import stock, wish

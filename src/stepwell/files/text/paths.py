@@ -167,7 +167,7 @@ def _shown(tokens: Iterable[Token]) -> str:
         if isinstance(token, int):
             path += f"[{token}]"
         else:
-            path += ("." if path else "") + ("*" if token is ALL else _word(token))
+            path += ("." if path else "") + (_word(token) if isinstance(token, str) else "*")
     return path
 
 
