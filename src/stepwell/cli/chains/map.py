@@ -20,9 +20,7 @@ from stepwell.cli.options import (
 from stepwell.cli.screen import finish, progress, usable
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from stepwell.base import Floats
     from stepwell.mechanism import Chain
 
 CELL, ACROSS, UP = "outer", Range(0, 20, 200), Range(-15, 15, 200)
@@ -108,7 +106,7 @@ def _both(
     return across, up
 
 
-def _axis(given: Range, chain: "Chain") -> tuple[tuple[str, "NDArray[np.float64]"], float]:
+def _axis(given: Range, chain: "Chain") -> tuple[tuple[str, "Floats"], float]:
     """A parameter with its values in SI, for a chain that has it; and what it is there."""
     from stepwell.base import told_in
     from stepwell.design import parameter

@@ -11,8 +11,7 @@ import typer
 from stepwell.base import require, short
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from stepwell.base import Floats
 
 EXAMPLE = "outer.q.x=0:20:41"
 _PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
@@ -31,7 +30,7 @@ class Range:
     name: str = ""
     log: bool = False
 
-    def values(self, factor: float = 1.0) -> NDArray[np.float64]:
+    def values(self, factor: float = 1.0) -> Floats:
         """(count,) the numbers, in a unit that is `factor` times the one they are written in."""
         import numpy as np
 
