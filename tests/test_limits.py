@@ -20,9 +20,8 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.files import DesignError
+from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
-from stepwell.files.source import preset_text
 from stepwell.robot import Arena, Body, Cylinder, Wall
 from stepwell.simulation.runs.video import VideoError
 

@@ -7,7 +7,8 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.options.wishes import Span, span, stock, wish
+from stepwell.cli.chains.design import stock, wish
+from stepwell.cli.options.ranges import Range, span
 from stepwell.design import Stock, Tolerances, yields
 
 BACK = "00>01>11>10>00"
@@ -111,8 +112,8 @@ def test_a_band_is_named_or_measured():
 
 
 def test_a_span_rises():
-    assert span("-15:1.5") == Span(-15.0, 1.5)
-    assert str(Span(-15, 15)) == "-15:15"
+    assert span("-15:1.5") == Range(-15.0, 1.5)
+    assert str(Range(-15, 15)) == "-15:15"
 
 
 @pytest.mark.parametrize(

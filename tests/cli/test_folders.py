@@ -5,7 +5,6 @@ import json
 import pytest
 
 from stepwell import files
-from stepwell.cli.options import folders
 
 EVERY = {
     "run": ("forward.toml",),
@@ -31,11 +30,11 @@ OWN = {"paper": "claims.json", "design": "design.toml"}
 def no_work(monkeypatch):
     """Whatever comes after the look at the folder is a failure."""
 
-    def looked(out, command, force, free=folders.free, **texts):
-        free(out, command, force, **texts)
+    def looked(*given, check=files.check_folder, **named):
+        check(*given, **named)
         pytest.fail("the work began")
 
-    monkeypatch.setattr(folders, "free", looked)
+    monkeypatch.setattr(files, "check_folder", looked)
 
 
 def test_every_command_with_a_folder_is_tried_here():

@@ -12,7 +12,8 @@ import xarray as xr
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.options.grid import Grid, cell_of, grid, marks
+from stepwell.cli.chains.map import cell_of, marks
+from stepwell.cli.options.ranges import Range, grid
 from stepwell.design import parameter_boundaries, parameter_map
 
 FOUR = [pathway for pathway in sw.Pathway if pathway is not sw.Pathway.OTHER]
@@ -213,12 +214,12 @@ def test_a_chain_of_any_length_has_a_map_over_an_anchor(stepwell):
 
 
 def test_negative_numbers_are_no_options(stepwell):
-    assert grid("-15:-1.5:7") == Grid(-15.0, -1.5, 7)
+    assert grid("-15:-1.5:7") == Range(-15.0, -1.5, 7)
     assert stepwell("map", "forward.toml", "--x", "1:2:2", "--y", "-3:-1:2").exit_code == 0
 
 
 def test_a_grid_is_in_metres_and_holds_both_ends():
-    assert list(grid("0:20:3").metres) == [0.0, 0.01, 0.02]
+    assert list(grid("0:20:3").values(1e3)) == [0.0, 0.01, 0.02]
 
 
 def test_a_cell_is_found_by_name_before_place_and_number():

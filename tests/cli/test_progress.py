@@ -10,7 +10,6 @@ from time import sleep
 import pytest
 
 from stepwell import simulation
-from stepwell.cli import screen
 from stepwell.cli.screen.progress import progress
 
 
@@ -83,17 +82,17 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "arguments",
+    ("module", "arguments"),
     [
-        ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1"),
-        ("graph", "preset:three-stack"),
-        ("robot", "converge", "preset:robot-forward"),
+        ("chains.design", ("reprogram", "preset:friction", "--by", "outer.q", "--reach", "1")),
+        ("chains.motion", ("graph", "preset:three-stack")),
+        ("robots.robot", ("robot", "converge", "preset:robot-forward")),
     ],
-    ids=lambda arguments: arguments[0],
+    ids=["reprogram", "graph", "robot"],
 )
-def test_commands_that_may_take_long_tell_their_progress(stepwell, arguments, monkeypatch):
+def test_commands_that_may_take_long_tell_their_progress(stepwell, module, arguments, monkeypatch):
     told: list[tuple[float, float]] = []
-    monkeypatch.setattr(screen, "progress", telling(told))
+    monkeypatch.setattr(f"stepwell.cli.{module}.progress", telling(told))
     if arguments[1] == "converge":
         few = simulation.convergence
         monkeypatch.setattr(

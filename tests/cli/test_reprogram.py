@@ -7,7 +7,7 @@ import pytest
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.chains.reprogram import along
+from stepwell.cli.chains.design import along
 from stepwell.design import reprogram
 
 BACK = "00>01>11>10>00"

@@ -12,7 +12,7 @@ from stepwell import figures, files, results
 from stepwell.design import Change, margin
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Load
 from stepwell.reports.page import report
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import tie_notes
 
 VOID = {"meta", "img", "br", "hr", "link"}
 

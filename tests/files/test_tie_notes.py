@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import stepwell as sw
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import tie_notes
 
 FIRST, SECOND = sw.preset("paper-forward").cells
 

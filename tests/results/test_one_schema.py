@@ -13,7 +13,7 @@ import stepwell as sw
 from sizes import examples
 from stepwell import results
 from stepwell.base import Column, Quantity, number, plain, record, shown, told_in, write_csv
-from stepwell.cli.text import program as program_text, reprogram as reprogram_text, run as run_text
+from stepwell.cli.text import chains as texts
 from stepwell.design import margin
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports import report
@@ -81,7 +81,7 @@ def test_console_page_and_json_tell_the_same_numbers_of_a_run(seed, capsys):
         cycle = chain.cycle()
         limits = margin(chain)
         found = results.run_record(cycle, limits)
-        run_text.show(found)
+        texts.run(found)
         screen = on_screen(capsys, "Cells")
         cells, events, changes = Tables(report(cycle, limits, {})).found
         heads = [q.heading for q in shown(results.CELL)]
@@ -163,7 +163,7 @@ def test_a_program_is_told_alike_in_csv_json_and_on_the_console(tmp_path, capsys
     found = chain.program(to="01", start="10")
     found.to_csv(tmp_path / "program.csv")
     held, told = columns_of(tmp_path / "program.csv"), results.program_record(found)
-    program_text.show(told)
+    texts.program(told)
     (row,) = on_screen(capsys, "Turns: anywhere")[1:]
     (turn,) = told["turns"]
     for k, name in enumerate(("drive_mm", "low_mm", "high_mm"), 1):
@@ -177,7 +177,7 @@ def test_a_reprogramming_is_told_alike_in_csv_xarray_json_and_on_the_console(tmp
     found.to_csv(tmp_path / "way.csv")
     held, data = columns_of(tmp_path / "way.csv"), found.to_xarray()
     told = results.reprogram_record(found)
-    reprogram_text.show(told)
+    texts.reprogram(told)
     rows = on_screen(capsys, "On the way")[1:]
     names = {"force_0_N": "force_at_0_N", "force_1_N": "force_at_1_N", "peak_N": "largest_force_N"}
     for key, name in names.items():
@@ -218,7 +218,7 @@ def test_a_new_quantity_is_told_everywhere(tmp_path, capsys, monkeypatch):
 
     new = Quantity("lever", "mm", "lever arm", doc="between the joints")
     wider = (*run.CELL, new)
-    for module in (run, page, run_text):
+    for module in (run, page, texts):
         monkeypatch.setattr(module, "CELL", wider)
     chain = sw.preset("paper-forward")
     cycle, limits = chain.cycle(), margin(chain)
@@ -226,7 +226,7 @@ def test_a_new_quantity_is_told_everywhere(tmp_path, capsys, monkeypatch):
     assert [cell["lever_mm"] for cell in found["cells"]] == [
         cell.lever * 1e3 for cell in chain.cells
     ]
-    run_text.show(found)
+    texts.run(found)
     screen = on_screen(capsys, "Cells")
     table = Tables(report(cycle, limits, {})).found[0]
     told = number(found["cells"][0]["lever_mm"])

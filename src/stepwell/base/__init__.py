@@ -16,6 +16,7 @@ from stepwell.base.quantities import (
     number,
     plain,
     record,
+    rows_of,
     shown,
     signed,
     told_in,
@@ -29,8 +30,8 @@ from stepwell.base.version import __version__, versions
 from stepwell.base.write import (
     csv_text,
     draft_beside,
+    naming,
     sync_folder,
-    told_of,
     write_atomic,
     write_netcdf,
 )

@@ -1,4 +1,4 @@
-"""Checks at the door: what came, what is allowed, what to do."""
+"""Checks of numbers that are given: finite, positive, two of them, rising."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -55,8 +55,8 @@ def most(name: str) -> int:
     Raises:
         SettingError: what STEPWELL_LIMITS says cannot be understood.
     """
-    told = os.environ.get(VARIABLE)
-    return (_told(told).get(name) if told else None) or LIMITS[name].most
+    text = os.environ.get(VARIABLE, "")
+    return _raised(text).get(name, LIMITS[name].most)
 
 
 def require(name: str, count: float, what: str = "") -> None:
@@ -105,7 +105,7 @@ def content_of(path: Path, name: str) -> bytes:
 
 
 @lru_cache(maxsize=8)
-def _told(text: str) -> dict[str, int]:
+def _raised(text: str) -> dict[str, int]:
     """The limits in the text of the variable."""
     found: dict[str, int] = {}
     for part in text.replace(",", " ").split():

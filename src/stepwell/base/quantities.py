@@ -160,6 +160,11 @@ def plain(value: Any, factor: float = 1.0) -> Any:
     return scaled if math.isfinite(scaled) else None
 
 
+def rows_of(columns: Mapping[str, Iterable[Any]]) -> list[dict[str, Any]]:
+    """The rows of a table of which the columns are known, each by its name."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
 def shown(schema: Columns) -> list[Quantity | Column]:
     """The columns that tables have of a schema."""
     return [column for column in schema if column.heading]

@@ -33,7 +33,7 @@ def write_atomic(path: str | os.PathLike[str], data: str | bytes) -> None:
         raise FileNotFoundError(errno.ENOENT, why, os.fspath(path))
     draft = draft_beside(target)
     try:
-        with told_of(draft, Path(path)):
+        with naming(draft, Path(path)):
             # os.open, not tempfile: the new file gets the permissions any other new file gets.
             # O_BINARY: without it Windows would turn every line end into two characters.
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -71,7 +71,7 @@ def draft_beside(target: Path) -> Path:
 
 
 @contextmanager
-def told_of(draft: Path, target: Path) -> Iterator[None]:
+def naming(draft: Path, target: Path) -> Iterator[None]:
     """Errors name the file that the user asked for, not its draft, and never no file at all."""
     try:
         yield

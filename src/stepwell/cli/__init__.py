@@ -1,4 +1,4 @@
-"""The stepwell command: one thin module per subcommand."""
+"""The stepwell command: one thin function per subcommand."""
 
 from stepwell.cli.app import app, main
 

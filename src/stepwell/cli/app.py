@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import lab, new, paper, presets
-from stepwell.cli.chains import animate, design, graph, map, program, reprogram, run, yield_
-from stepwell.cli.robots import export, maze, robot, view, walk
+from stepwell.cli import lab, paper, presets
+from stepwell.cli.chains import design, map, motion
+from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
 app = typer.Typer(
@@ -24,23 +24,23 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (
-    run.run,
+    motion.run,
     map.map_,
-    graph.graph,
-    program.program,
+    motion.graph,
+    motion.program,
     design.design,
-    yield_.yield_,
-    reprogram.reprogram,
-    new.new,
+    design.yield_,
+    design.reprogram,
+    presets.new,
     presets.presets,
-    animate.animate,
+    motion.animate,
     paper.paper,
 ):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
-for command in (walk.walk, maze.maze, export.export, view.view):
+for command in (walk.walk, walk.maze, viewer.export, viewer.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
-app.add_typer(lab.app, name="lab", epilog=EXIT_CODES)
+app.add_typer(lab.commands, name="lab", epilog=EXIT_CODES)
 
 
 def _version(wanted: bool) -> None:

@@ -1,30 +1,26 @@
 """`stepwell paper`: what the paper claims, computed anew."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from stepwell.cli.options import Force, Json, Out
-
-_All = Annotated[
-    bool,
-    typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
-]
-
-_Data = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="PATH",
-        help="The authors' recordings, for the claims that they decide.",
-        show_default=False,
-    ),
-]
+from stepwell.cli.screen import finish, progress, show_lines, show_table
 
 
 def paper(
-    everything: _All = False,
-    data: _Data = None,
+    everything: Annotated[
+        bool,
+        typer.Option("--all", help="Also what takes many simulated runs: several minutes."),
+    ] = False,
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="The authors' recordings, for the claims that they decide.",
+        ),
+    ] = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -36,11 +32,26 @@ def paper(
     With --out, the paper's figures are drawn from the model into a folder.
     """
     import stepwell.paper as claims
-    from stepwell.cli.screen import progress, show_result
-    from stepwell.cli.text import paper as _paper_text
 
     with progress("claims") as tell:
         verdicts = claims.run(out, progress=tell, everything=everything, data=data, force=force)
-    names = () if out is None else claims.outputs(everything)
-    record = claims.record(verdicts)
-    show_result(record, _paper_text.show, as_json, out, names)
+    finish(
+        claims.record(verdicts),
+        _show,
+        as_json,
+        out,
+        write=lambda *_, **__: claims.outputs(everything),
+    )
+
+
+def _show(record: dict[str, Any]) -> None:
+    claims = record["claims"]
+    columns = ["claim", "where", "paper", "ours", "verdict"]
+    rows = [[claim[key] for key in ("id", "where", "paper", "ours", "verdict")] for claim in claims]
+    title = "What the paper claims, and what Stepwell computes"
+    show_table(title, columns, rows, left=range(len(columns)))
+    reasons = [f"{claim['id']}: {claim['reason']}" for claim in claims if claim["reason"]]
+    if reasons:
+        show_lines("", *reasons)
+    agreed = sum(claim["verdict"] == "agrees" for claim in claims)
+    show_lines("", f"{agreed} of {len(claims)} claims agree.")

@@ -2,7 +2,20 @@
 
 from stepwell.base import write_atomic
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
-from stepwell.files.design import loads, loads_chain, loads_program, loads_robot
+from stepwell.files.design import (
+    load,
+    load_chain,
+    load_program,
+    load_robot,
+    loads,
+    loads_chain,
+    loads_program,
+    loads_robot,
+    preset,
+    preset_text,
+    presets,
+    read,
+)
 from stepwell.files.folder import (
     IncompleteError,
     OverwriteError,
@@ -12,11 +25,8 @@ from stepwell.files.folder import (
     staged_folder,
 )
 from stepwell.files.outputs import OUTPUTS, pictures
-from stepwell.files.parameters import Given, parameters, vary
-from stepwell.files.provenance import provenance
+from stepwell.files.parameters import Given, parameters, provenance, vary
 from stepwell.files.schema import slips_text
-from stepwell.files.shipped import preset, preset_text, presets
-from stepwell.files.source import load, load_chain, load_program, load_robot, read
 from stepwell.files.tables import WrittenProgram
 from stepwell.files.text import DesignError
 from stepwell.files.write import dumps, save, with_program

@@ -6,15 +6,17 @@ import os
 import re
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.files.schema import arena as schema, fields, slip_lines, worded
-from stepwell.files.source import read
-from stepwell.files.tables import drawn
+from stepwell.files.design import read
+from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
+from stepwell.files.tables import drawn, part_of
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.robot.parts import of_arena
 
 _EMPTY = "is empty: an arena is tables, as in start_mm = [0, 0], or a map below: cell 100 mm"
 _SUFFIXES = (".toml", ".txt")
@@ -26,14 +28,11 @@ def arenas() -> dict[str, str]:
 
 
 def load_arena(arena: str | os.PathLike[str]) -> Arena:
-    """The arena of a name, or the one that a file describes.
+    """The arena of a name, or the one that a file describes, in SI.
 
     Args:
         arena: a name that `arenas` lists, for example "three-walls"; or a file that ends in
             .toml or .txt, as docs/design-files.md describes them.
-
-    Returns:
-        The arena, in SI.
 
     Raises:
         DesignError: there is none, or its file is wrong; the text has one line for every
@@ -50,13 +49,10 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
 
 
 def arena_text(name: str) -> str:
-    """The file of an arena that comes with the package, with its comments.
+    """The file of an arena that comes with the package, a map or TOML, with its comments.
 
     Args:
         name: as `arenas` lists it.
-
-    Returns:
-        TOML or a map, to be saved and edited.
 
     Raises:
         DesignError: there is none of that name; the text says which is nearest.
@@ -67,14 +63,11 @@ def arena_text(name: str) -> str:
 
 
 def loads_arena(text: str, name: str = "arena") -> Arena:
-    """The arena that a text describes.
+    """The arena that a text describes, in SI.
 
     Args:
         text: TOML; or a map, where it starts with the word cell or `name` ends in .txt.
         name: what messages call it.
-
-    Returns:
-        The arena, in SI.
 
     Raises:
         DesignError: the text is neither, or asks for what no arena can be; its own text has one
@@ -90,21 +83,35 @@ def loads_arena(text: str, name: str = "arena") -> Arena:
 
 
 def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
-    where = ""
+    problems: list[str] = []
+    walls: list[Any] = [
+        part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
+    ]
+    if problems:
+        raise DesignError(name, problems)
     try:
-        walls = []
-        for i, wall in enumerate(keys.wall):
-            where = f"wall[{i}]: "
-            walls.append(Wall(**fields(wall)))
         cylinders = [Cylinder(**fields(one)) for one in keys.cylinder]
         goal = None if keys.goal is None else Goal(**fields(keys.goal))
-        where = ""
         rest = fields(keys, left_out=["wall", "cylinder", "goal"])
         return Arena(walls, cylinders, goal=goal, **rest)
     except SlipError as error:
         raise DesignError(name, slip_lines(error)) from None
     except ValueError as error:
-        raise DesignError(name, [f"{where}{line}" for line in str(error).split("\n")]) from None
+        raise DesignError(name, str(error).split("\n")) from None
+
+
+def arena_toml(arena: Arena) -> str:
+    """The file of an arena: start and goal first, then what stands in the way."""
+    left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
+    odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
+    text = [*odd, *table_lines(schema.ArenaKeys, arena, left_out), ""]
+    if arena.goal is not None:
+        text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]
+    for wall in arena.walls:
+        text += ["[[wall]]", *table_lines(schema.WallKeys, wall), ""]
+    for cylinder in arena.cylinders:
+        text += ["[[cylinder]]", *table_lines(schema.CylinderKeys, cylinder), ""]
+    return "\n".join(text).rstrip("\n") + "\n"
 
 
 @cache

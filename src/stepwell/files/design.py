@@ -1,17 +1,25 @@
-"""The text of a design file in; a chain, its program or a robot out."""
+"""Design files in: a chain, its program or a robot, from a text, a file or the package."""
 
 from __future__ import annotations
 
+import os
+import tomllib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from stepwell.base import content_of, nearest_word
+from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.tables import Shared, WrittenProgram, cell, robot, written
-from stepwell.files.text import DesignError, parsed
+from stepwell.files.tables import Shared, WrittenProgram, cells_of, program_of, robot
+from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
+PRESET = "preset:"
 _EMPTY = "is empty: a design file starts with a [chain] table."
 
 
@@ -34,14 +42,11 @@ def loads(text: str, name: str = "design") -> Any:
 
 
 def loads_chain(text: str, name: str = "design") -> Chain:
-    """The chain that the text of a design file describes.
+    """The chain that the text of a design file describes, in SI.
 
     Args:
         text: TOML.
         name: what messages call it.
-
-    Returns:
-        The chain, in SI.
 
     Raises:
         DesignError: as `loads`, or the text describes a robot.
@@ -50,14 +55,11 @@ def loads_chain(text: str, name: str = "design") -> Chain:
 
 
 def loads_program(text: str, name: str = "design") -> WrittenProgram | None:
-    """The program of the actuator that the design file of a chain holds.
+    """The program of the actuator that the design file of a chain holds, in SI, or None.
 
     Args:
         text: TOML.
         name: what messages call it.
-
-    Returns:
-        The program, in SI; None where there is no table [program].
 
     Raises:
         DesignError: as `loads_chain`.
@@ -66,14 +68,11 @@ def loads_program(text: str, name: str = "design") -> WrittenProgram | None:
 
 
 def loads_robot(text: str, name: str = "design") -> Robot:
-    """The robot that the text of a design file describes.
+    """The robot that the text of a design file describes, in SI.
 
     Args:
         text: TOML with [[leg]].
         name: what messages call it.
-
-    Returns:
-        The robot, in SI.
 
     Raises:
         DesignError: as `loads`, or the text describes a chain.
@@ -88,6 +87,127 @@ def loads_robot(text: str, name: str = "design") -> Robot:
             "--preset robot-forward` writes one to start from."
         ],
     )
+
+
+def load(design: str | os.PathLike[str]) -> Any:
+    """The chain or the robot that a design file describes.
+
+    Args:
+        design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
+            `presets` lists, for example "preset:paper-forward".
+
+    Returns:
+        A Chain, or a Robot where the file has [[leg]]; in SI.
+
+    Raises:
+        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
+            be; its text has one line for every problem.
+    """
+    return loads(read(design), os.fspath(design))
+
+
+def load_chain(design: str | os.PathLike[str]) -> Chain:
+    """The chain that a design file describes, in SI.
+
+    Args:
+        design: as for `load`.
+
+    Raises:
+        DesignError: as for `load`, or the file describes a robot.
+    """
+    return loads_chain(read(design), os.fspath(design))
+
+
+def load_program(design: str | os.PathLike[str]) -> WrittenProgram | None:
+    """The program of the actuator that the design file of a chain holds, in SI, or None.
+
+    Args:
+        design: as for `load`.
+
+    Raises:
+        DesignError: as for `load`, or the file describes a robot.
+    """
+    return loads_program(read(design), os.fspath(design))
+
+
+def load_robot(design: str | os.PathLike[str]) -> Robot:
+    """The robot that a design file describes, in SI.
+
+    Args:
+        design: as for `load`.
+
+    Raises:
+        DesignError: as for `load`, or the file describes a chain.
+    """
+    return loads_robot(read(design), os.fspath(design))
+
+
+def read(design: str | os.PathLike[str]) -> str:
+    """The text of a design file, whatever it says.
+
+    Args:
+        design: a file's path, or "preset:" and a name that `presets` lists.
+
+    Raises:
+        DesignError: there is none, it is not UTF-8 text, or a command was stopped while it
+            replaced it.
+    """
+    name = os.fspath(design)
+    if name.startswith(PRESET):
+        return preset_text(name.removeprefix(PRESET))
+    try:
+        text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
+        unsure = doubt(Path(design))
+        if unsure is None:
+            return text
+        problem = f"its folder {unsure}."
+    except FileNotFoundError:
+        problem = f"no such file.{_neighbour(Path(design))}"
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        byte = error.object[error.start]
+        problem = f"line {line}: byte 0x{byte:02x} is not UTF-8: save the file as UTF-8 text."
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}."
+    except ValueError as error:  # a name with a zero byte in it
+        problem = f"is no file name: {error}."
+    raise DesignError(name, [problem])
+
+
+def presets() -> dict[str, str]:
+    """The name of every design that comes with the package, and its title."""
+    return {name: tomllib.loads(text)["title"] for name, text in _texts().items()}
+
+
+def preset_text(name: str) -> str:
+    """The design file of that name, TOML with its comments, to be saved and edited.
+
+    Args:
+        name: as `presets` lists it.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    texts = _texts()
+    if name not in texts:
+        raise DesignError(f"preset {name}", [f"no such design. {did_you_mean(name, texts)}"])
+    return texts[name]
+
+
+def preset(name: str) -> Any:
+    """The design of that name that comes with the package.
+
+    Args:
+        name: as `presets` lists it, for example "paper-forward"; those that start with
+            "robot-" are robots.
+
+    Returns:
+        A Chain or a Robot, in SI.
+
+    Raises:
+        DesignError: there is none of that name; the text says which is nearest.
+    """
+    return loads(preset_text(name), f"preset {name}")
 
 
 def _read_chain(text: str, name: str) -> tuple[Chain, WrittenProgram | None]:
@@ -113,14 +233,40 @@ def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
 
 def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:
     chain = keys.chain
-    shared = Shared(chain.lever_mm, chain.limit_deg, chain.unusual, chain.band.given())
+    shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
-    cells = [cell(one, shared, f"chain.cell[{i}]", problems) for i, one in enumerate(chain.cell)]
+    cells = cells_of(chain.cell, shared, "chain", problems)
     if problems:
         raise DesignError(name, problems)
     actuator = float(chain.actuator_stiffness_N_per_m)
-    made = Chain(tuple(cell for cell in cells if cell), actuator, keys.title)
-    program = None if keys.program is None else written(keys.program, made, problems)
+    made = Chain(cells, actuator, keys.title)
+    program = None if keys.program is None else program_of(keys.program, made, problems)
     if problems:
         raise DesignError(name, problems)
     return made, program
+
+
+def _neighbour(path: Path) -> str:
+    if str(path) in presets():
+        return f" Did you mean {PRESET}{path}?"
+    try:
+        suffixes = (".toml", path.suffix)
+        names = [other.name for other in path.parent.iterdir() if other.suffix in suffixes]
+    except OSError:
+        return ""
+    near = nearest_word(path.name, names)
+    return f" Did you mean {path.with_name(near)}?" if near else ""
+
+
+@cache
+def _texts() -> dict[str, str]:
+    folder = files("stepwell.files") / "presets"
+    found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
+    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
+    # The paper's first, as a reader of the paper looks for them; robots last.
+    order = sorted(texts, key=lambda name: (_turn(name), name))
+    return {name: texts[name] for name in order}
+
+
+def _turn(name: str) -> int:
+    return 0 if name.startswith("paper-") else 2 if name.startswith("robot-") else 1

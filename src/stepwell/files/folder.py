@@ -19,9 +19,9 @@ from stepwell.base import (
     StepwellError,
     __version__,
     draft_beside,
+    naming,
     printable,
     sync_folder,
-    told_of,
     write_atomic,
 )
 from stepwell.files.outputs import OUTPUTS
@@ -166,7 +166,7 @@ def staged_folder(
             draft = draft_beside(target)
         draft.mkdir()
     try:
-        with told_of(draft, target):
+        with naming(draft, target):
             yield draft
             _commit(shown, draft, target, command, record or {}, known, force)
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -12,9 +13,12 @@ from pydantic import ValidationError
 from stepwell.base import ByValue, InputError
 from stepwell.files.design import loads_robot
 from stepwell.files.schema import robot as schema, unit_of, worded
-from stepwell.files.tables import is_number, leaves, put, robot as robot_of, sources, tree_of
+from stepwell.files.tables import is_number, leaves, robot as robot_of, set_leaf, sources, tree_of
 from stepwell.files.text import DesignError, Item, Steps, find, spelled, value_text
 from stepwell.robot import Robot
+
+_ITEM = r'(?:\."(?:[^"\\]|\\.)*"|\.[^.\[]+|\[\d+\])'
+_SEVERAL = (re.compile(rf"^leg{_ITEM}"), re.compile(rf"(?<=chain\.cell){_ITEM}"))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,9 +73,6 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
             "leg.left.at_mm", which gets as many values as it has. Where two paths mean the
             same number, the later counts.
 
-    Returns:
-        The new robot.
-
     Raises:
         DesignError: a path that means no number, or values no robot can have.
     """
@@ -94,7 +95,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     # A number as `parameters` lists it may lack the last digit of an angle in degrees.
     changed = {steps: value for steps, value in changed.items() if not _same(value, before[steps])}
     for steps, value in changed.items():
-        put(tree, steps, value)
+        set_leaf(tree, steps, value)
     # What is said of sources may need paths of its own, and is checked as it stands.
     tree.pop("source", None)
     try:
@@ -175,3 +176,58 @@ def _of_file(value: Any) -> Any:
         return Decimal(repr(float(value)))
     except (TypeError, ValueError):
         raise InputError(f"{value_text(value)} is no number.") from None
+
+
+def provenance(robot: Robot) -> tuple[Given, ...]:
+    """Every number of a robot with its source; what legs and cells share stands once.
+
+    Args:
+        robot: any robot.
+
+    Returns:
+        In the order of a design file. Coordinates stand together, and `*` in a path means
+        every leg or every cell.
+    """
+    found = _by_list(parameters(robot))
+    for several in _SEVERAL:
+        found = _shared(found, several)
+    return tuple(found)
+
+
+def _by_list(numbers: Iterable[Given]) -> list[Given]:
+    """The numbers of a list put together, where one source gives all of them."""
+    lists: dict[str, list[Given]] = {}
+    for number in numbers:
+        lists.setdefault(re.sub(r"(?:\[\d+\])+$", "", number.path), []).append(number)
+    found: list[Given] = []
+    for path, items in lists.items():
+        if len({(item.unit, item.source) for item in items}) == 1:
+            values = tuple(item.values[0] for item in items)
+            found.append(Given(path, values, items[0].unit, items[0].source))
+        else:
+            found += items
+    return found
+
+
+def _shared(numbers: list[Given], several: re.Pattern[str]) -> list[Given]:
+    """Numbers that are alike in every leg or cell, told once."""
+    alike: dict[str, list[Given]] = {}
+    for number in numbers:
+        alike.setdefault(several.sub(_any, number.path), []).append(number)
+    count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
+    found: list[Given] = []
+    told: set[str] = set()
+    for number in numbers:
+        path = several.sub(_any, number.path)
+        items = alike[path]
+        same = len({(item.values, item.unit, item.source) for item in items}) == 1
+        if path == number.path or not same or len(items) < max(count, 2):
+            found.append(number)
+        elif path not in told:
+            told.add(path)
+            found.append(Given(path, number.values, number.unit, number.source))
+    return found
+
+
+def _any(found: re.Match[str]) -> str:
+    return "leg.*" if found[0].startswith("leg") else ".*"

@@ -6,9 +6,9 @@ import os
 import re
 
 from stepwell.base import InputError, write_atomic
-from stepwell.files.arena import loads_arena
+from stepwell.files.arena import arena_toml, loads_arena
 from stepwell.files.design import loads, loads_chain, loads_program
-from stepwell.files.tables import WrittenProgram, arena_text_of, chain_text, robot_text
+from stepwell.files.tables import WrittenProgram, chain_text, robot_text
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 from stepwell.robot import Arena, Robot
@@ -58,7 +58,7 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
     if program is not None and not isinstance(design, Chain):
         raise InputError("program: only the design file of a chain holds one; leave it out.")
     if isinstance(design, Arena):
-        text = arena_text_of(design)
+        text = arena_toml(design)
         again = loads_arena(text, "this arena, written as a file")
     elif isinstance(design, Robot):
         text = robot_text(design)
@@ -72,14 +72,11 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
 
 
 def with_program(text: str, program: WrittenProgram) -> str:
-    """The design file of a chain with another table [program], and all else as it was.
+    """The design file of a chain as TOML with another table [program], all else as it was.
 
     Args:
         text: of the file, with its comments.
         program: what is to stand there.
-
-    Returns:
-        TOML.
 
     Raises:
         DesignError: the text is no chain's design file.

@@ -70,16 +70,26 @@ def write_yield(
 
 
 def write_survival(
-    found: Survival, folder: Folder, *, design: str | None = None, force: bool = False
+    found: Survival,
+    folder: Folder,
+    *,
+    design: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write how many mechanisms a program works on: design.toml and survival.json."""
     text = design or dumps(found.chain)
     contents = {"design.toml": text, "survival.json": survival_record(found, design=text)}
-    return bundle(folder, "yield", contents, force=force)
+    return bundle(folder, "yield", contents, progress=progress, force=force)
 
 
 def write_reprogramming(
-    found: Reprogramming, folder: Folder, *, design: str | None = None, force: bool = False
+    found: Reprogramming,
+    folder: Folder,
+    *,
+    design: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write the smallest displacement of an anchor: reprogram.json.
 
@@ -88,4 +98,4 @@ def write_reprogramming(
     contents: dict[str, object] = {"reprogram.json": reprogram_record(found, design=design)}
     if found.chain_after is not None:
         contents |= {"design.toml": dumps(found.chain_after), "way.csv": found.to_csv}
-    return bundle(folder, "reprogram", contents, force=force)
+    return bundle(folder, "reprogram", contents, progress=progress, force=force)

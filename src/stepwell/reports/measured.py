@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 
 def write_readings(
-    recordings: Sequence[Recording], record: dict[str, Any], folder: Folder, *, force: bool = False
+    recordings: Sequence[Recording],
+    record: dict[str, Any],
+    folder: Folder,
+    *,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write recordings as one tidy table: recordings.csv, recordings.nc and recordings.json."""
     from stepwell.lab import table, to_csv
@@ -24,18 +29,24 @@ def write_readings(
         "recordings.nc": netcdf(table(recordings)),
         "recordings.json": record,
     }
-    return bundle(folder, "lab read", contents, force=force)
+    return bundle(folder, "lab read", contents, progress=progress, force=force)
 
 
 def write_band(
-    test: BandTest, choice: Choice, record: dict[str, Any], folder: Folder, *, force: bool = False
+    test: BandTest,
+    choice: Choice,
+    record: dict[str, Any],
+    folder: Folder,
+    *,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write tension tests, their laws and what `lab.band_record` returns: band and laws."""
     from stepwell import figures
 
     contents = {"band.toml": record["table"], "band.json": record}
     drawn = {"laws": figures.band_laws(test, choice)}
-    return bundle(folder, "lab band", contents, drawn, force=force)
+    return bundle(folder, "lab band", contents, drawn, progress=progress, force=force)
 
 
 def write_comparison(
@@ -63,7 +74,12 @@ def write_comparison(
 
 
 def write_calibration(
-    calibration: Calibration, record: dict[str, Any], folder: Folder, *, force: bool = False
+    calibration: Calibration,
+    record: dict[str, Any],
+    folder: Folder,
+    *,
+    progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[str, ...]:
     """Write a calibration and its record: band.toml, calibration.json and .nc, calibration."""
     from stepwell import figures
@@ -74,4 +90,4 @@ def write_calibration(
         "calibration.nc": netcdf(calibration.to_xarray()),
     }
     drawn = {"calibration": figures.calibration(calibration)}
-    return bundle(folder, "lab calibrate", contents, drawn, force=force)
+    return bundle(folder, "lab calibrate", contents, drawn, progress=progress, force=force)

@@ -1,4 +1,8 @@
-"""Results as plain numbers with the unit in every name."""
+"""Results as plain numbers with the unit in every name.
+
+Every `…_record` takes a result and returns what JSON can hold of it, as docs/commands.md describes
+it. `design` is the text of its design file, for the hash of it; written anew by default.
+"""
 
 from stepwell.results.design import (
     BUILT,
@@ -11,9 +15,8 @@ from stepwell.results.design import (
     yield_record,
 )
 from stepwell.results.graph import graph_record
-from stepwell.results.head import head
+from stepwell.results.head import head, tie_notes
 from stepwell.results.map import boundary_rows, map_record
-from stepwell.results.program import program_record, unreachable_record
 from stepwell.results.robot import (
     CHANGE,
     CONTACT,
@@ -29,8 +32,15 @@ from stepwell.results.robot import (
     sweep_record,
     walk_record,
 )
-from stepwell.results.run import CELL, change_columns, event_columns, force_scale, run_record
-from stepwell.results.ties import tie_notes
+from stepwell.results.run import (
+    CELL,
+    change_columns,
+    event_columns,
+    force_scale,
+    program_record,
+    run_record,
+    unreachable_record,
+)
 
 __all__ = [
     "convergence_record",

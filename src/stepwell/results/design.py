@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, Schema, record, told_in
+from stepwell.base import Quantity, Schema, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
@@ -14,10 +14,6 @@ from stepwell.results.run import CELL, actuator_record
 if TYPE_CHECKING:
     from stepwell.design import Design, Impossible, Reprogramming, Robustness, Survival, Yield
 
-DESIGN_SCHEMA = "stepwell.design/1"
-YIELD_SCHEMA = "stepwell.yield/1"
-SURVIVAL_SCHEMA = "stepwell.survival/1"
-REPROGRAM_SCHEMA = "stepwell.reprogram/1"
 # The states of a longer chain are too many to be listed.
 MOST_CELLS = 12
 
@@ -91,22 +87,12 @@ SENSITIVITY: Schema = (
 
 
 def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
-    """How many built mechanisms do what is wanted, as docs/commands.md describes it.
-
-    Args:
-        found: what `design.yields` returns.
-        design: text of its design file, for the hash of it; written anew by default.
-    """
-    return {**_about(YIELD_SCHEMA, found, design), **record(YIELD, found)}
+    """How many built mechanisms do what is wanted, as docs/commands.md describes it."""
+    return {**_about("stepwell.yield/1", found, design), **record(YIELD, found)}
 
 
 def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
-    """How many mechanisms a program brings where it should, as docs/commands.md describes it.
-
-    Args:
-        found: what `design.survival` returns.
-        design: text of its design file, for the hash of it; written anew by default.
-    """
+    """How many mechanisms a program brings where it should, as docs/commands.md describes it."""
     schema = (
         Quantity("from", read="start"),
         Quantity("to", read="ends"),
@@ -114,7 +100,7 @@ def survival_record(found: Survival, *, design: str | None = None) -> dict[str, 
         *COUNTED,
         Quantity("assumptions"),
     )
-    return {**_about(SURVIVAL_SCHEMA, found, design), **record(schema, found)}
+    return {**_about("stepwell.survival/1", found, design), **record(schema, found)}
 
 
 def design_record(found: Design) -> dict[str, Any]:
@@ -167,15 +153,10 @@ REPROGRAMMING: Schema = (
 
 
 def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict[str, Any]:
-    """The smallest displacement of an anchor that does it, as docs/commands.md describes it.
-
-    Args:
-        found: what `design.reprogram` returns.
-        design: text of its design file, for the hash of it; written anew by default.
-    """
+    """The smallest displacement of an anchor that does it, as docs/commands.md describes it."""
     columns = record(WAY, found).values()
     return {
-        **head(REPROGRAM_SCHEMA, design or found.chain),
+        **head("stepwell.reprogram/1", design or found.chain),
         "title": found.chain.title,
         **record(REPROGRAMMING, found),
         "way": [
@@ -193,7 +174,7 @@ def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict
 
 def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, Any]:
     return {
-        **head(DESIGN_SCHEMA, chain, seed),
+        **head("stepwell.design/1", chain, seed),
         "title": "" if chain is None else chain.title,
         "possible": chain is not None,
         "proved": proved,
@@ -225,5 +206,4 @@ def _of(table: Any, name: str) -> Any:
 def _sensitivities(found: Yield) -> list[dict[str, Any]] | None:
     if found.sensitivities is None:
         return None
-    columns = record(SENSITIVITY, found.sensitivities)
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return rows_of(record(SENSITIVITY, found.sensitivities))

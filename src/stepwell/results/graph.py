@@ -6,14 +6,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, record, told_in
-from stepwell.results.head import head
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import head, tie_notes
 
 if TYPE_CHECKING:
     from stepwell.sequences import TransitionGraph
     from stepwell.sequences.memory import Latch, ReturnPointMemory
 
-GRAPH_SCHEMA = "stepwell.graph/1"
 _DIRECTION = Quantity("direction", read=lambda one: "loading" if one.direction > 0 else "unloading")
 SCRAMBLING: Schema = (
     Quantity("first_two", read="cells"),
@@ -51,18 +49,13 @@ def accumulator_schema(unit: str) -> Schema:
 
 
 def graph_record(graph: TransitionGraph, *, design: str | None = None) -> dict[str, Any]:
-    """What a transition graph says in the terms of the field, as docs/commands.md describes it.
-
-    Args:
-        graph: any.
-        design: text of its design file, for the hash of it; written anew by default.
-    """
+    """What a transition graph says in the terms of the field, as docs/commands.md describes it."""
     reading = graph.reading
     unit, _ = told_in(graph.unit or "1")
     loop = partial(record, loop_schema(unit))
     loops, gardens = reading.sub_loops, reading.garden_of_eden
     return {
-        **head(GRAPH_SCHEMA, design or graph.chain),
+        **head("stepwell.graph/1", design or graph.chain),
         "title": graph.chain.title if graph.chain else "",
         "actuator": graph.actuator,
         "cells": list(graph.names),

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from stepwell.design import Boundary
 
-MAP_SCHEMA = "stepwell.map/2"
-
 
 def map_record(
     dataset: xarray.Dataset,
@@ -32,14 +30,11 @@ def map_record(
         boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         design: the two parameters of the design itself, in SI, if it has one place on the map.
         text: of the design file, for the hash of it; unknown by default.
-
-    Returns:
-        The record that docs/commands.md describes.
     """
     axes = zip(("across", "up"), "xy", design or (None, None), strict=True)
     pathways = {"pathway_shares": _shares(dataset["pathway"])} if "pathway" in dataset else {}
     return {
-        **head(MAP_SCHEMA, text),
+        **head("stepwell.map/2", text),
         "title": str(dataset.attrs["title"]),
         **{name: _axis(dataset[letter], here) for name, letter, here in axes},
         "shares": _shares(dataset["sequence"]),

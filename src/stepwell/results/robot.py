@@ -15,12 +15,6 @@ from stepwell.statics import StaticsError
 if TYPE_CHECKING:
     from stepwell.simulation import Convergence, Maze, Sweep, Walk
 
-ROBOT_SCHEMA = "stepwell.robot/1"
-WALK_SCHEMA = "stepwell.walk/1"
-MAZE_SCHEMA = "stepwell.maze/1"
-SWEEP_SCHEMA = "stepwell.sweep/1"
-CONVERGENCE_SCHEMA = "stepwell.convergence/1"
-
 
 def _feet(depths: list[float]) -> str:
     return f"{depths[0]:.2f} to {depths[1]:.2f}"
@@ -133,16 +127,10 @@ RESOLUTION: Schema = (
 def robot_record(
     robot: Robot, prediction: Prediction, *, design: str | None = None
 ) -> dict[str, Any]:
-    """A robot's numbers and what statics says of its gait, as docs/commands.md describes it.
-
-    Args:
-        robot: any robot.
-        prediction: of it.
-        design: text of its design file, for the hash of it; written anew by default.
-    """
+    """A robot's numbers and what statics says of its gait, as docs/commands.md describes it."""
     legs = zip(prediction.legs, _depths(robot), strict=True)
     return {
-        **head(ROBOT_SCHEMA, design or robot),
+        **head("stepwell.robot/1", design or robot),
         **record(ROBOT, robot),
         "prediction": {
             **record(PREDICTION, prediction),
@@ -153,18 +141,13 @@ def robot_record(
 
 
 def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
-    """What a robot did while it walked, as docs/commands.md describes it.
-
-    Args:
-        walk: any walk.
-        design: text of the robot's design file, for the hash of it; written anew by default.
-    """
+    """What a robot did while it walked, as docs/commands.md describes it."""
     from stepwell.simulation import Trial
 
     robot = walk.robot
     legs = zip(walk.gaits.items(), walk.slip, _depths(robot), strict=True)
     return {
-        **head(WALK_SCHEMA, design or robot, None, "mujoco"),
+        **head("stepwell.walk/1", design or robot, None, "mujoco"),
         **record(WALKED, walk),
         "u_max_mm": plain(_most(robot), 1e3),
         **record(MEAN, Trial.of(walk)),
@@ -193,13 +176,11 @@ def maze_record(
     """What a robot did in an arena, as docs/commands.md describes it.
 
     Args:
-        maze: a way through any arena.
-        design: text of the robot's design file, for the hash of it; written anew by default.
         start_seed, layout_seed: from which start and obstacles were drawn, if they were.
     """
     walk, arena, robot = maze.walk, maze.arena, maze.walk.robot
     return {
-        **head(MAZE_SCHEMA, design or robot, None, "mujoco"),
+        **head("stepwell.maze/1", design or robot, None, "mujoco"),
         "arena_sha256": _arena_hash(arena),
         "start_seed": start_seed,
         "layout_seed": layout_seed,
@@ -226,7 +207,6 @@ def sweep_record(
     """What many robots did, as docs/commands.md describes it.
 
     Args:
-        sweep: any.
         design: text of the design file that was varied, for the hash of it; unknown by default.
         seed: from which the values were drawn, if they were.
     """
@@ -234,7 +214,7 @@ def sweep_record(
 
     values = zip(*sweep.values.values(), strict=True) if sweep.values else ((),) * len(sweep.trials)
     return {
-        **head(SWEEP_SCHEMA, design, seed, "mujoco"),
+        **head("stepwell.sweep/1", design, seed, "mujoco"),
         "keys": list(sweep.values),
         "trials": [
             {"values": [float(value) for value in row], **record(TRIAL, trial)}
@@ -244,14 +224,9 @@ def sweep_record(
 
 
 def convergence_record(found: Convergence, *, design: str | None = None) -> dict[str, Any]:
-    """How far a walk depends on the time step, as docs/commands.md describes it.
-
-    Args:
-        found: any.
-        design: text of the robot's design file, for the hash of it; written anew by default.
-    """
+    """How far a walk depends on the time step, as docs/commands.md describes it."""
     return {
-        **head(CONVERGENCE_SCHEMA, design or found.robot, None, "mujoco"),
+        **head("stepwell.convergence/1", design or found.robot, None, "mujoco"),
         "title": found.robot.title,
         "time_steps": [record(RESOLUTION, row) for row in found.rows],
     }

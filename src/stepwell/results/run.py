@@ -1,4 +1,4 @@
-"""Results as plain numbers with the unit in every name, for other programs to read."""
+"""Cycles and stroke programs as plain numbers with the unit in every name."""
 
 from __future__ import annotations
 
@@ -18,16 +18,15 @@ from stepwell.base import (
     told_in,
 )
 from stepwell.mechanism import Cell, Chain
-from stepwell.results.head import head
-from stepwell.results.ties import tie_notes
+from stepwell.results.head import head, tie_notes
+from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
 
 if TYPE_CHECKING:
     from stepwell.design import Change, Margin
-    from stepwell.sequences import Cycle
+    from stepwell.sequences import Cycle, Program, Unreachable
     from stepwell.statics import Event
 
-RUN_SCHEMA = "stepwell.run/1"
 # The states of a chain are as many as its cells, each as long: past this only orders are told.
 LONGEST_SPELLED_OUT = 64
 # What a design becomes past each of its changes takes a cycle a change: longer chains are told
@@ -107,14 +106,12 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
     """What a design does, as docs/commands.md describes it.
 
     Args:
-        cycle: the design's cycle.
         margin: how far the design is from doing something else; None where that is not known.
-        design: text of its design file, for the hash of it; written anew by default.
     """
     chain = cycle.chain
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     return {
-        **head(RUN_SCHEMA, design or chain),
+        **head("stepwell.run/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": [
@@ -214,3 +211,67 @@ def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
         Column("which way", way),
         *([past] if any(change["becomes"] for change in changes) else []),
     )
+
+
+def drive_schema(unit: str) -> Schema:
+    """What is told of the drives of a program; `unit` is that in which they are."""
+    return (
+        Quantity("turning_points", unit),
+        Quantity("end_low", unit, read="low"),
+        Quantity("end_high", unit, read="high"),
+        Quantity("slack", unit),
+    )
+
+
+def program_record(program: Program, *, design: str | None = None) -> dict[str, Any]:
+    """A program that was found, as docs/commands.md describes it."""
+    path, chain = program.path, program.chain
+    unit, _ = told_in(chain.drive_unit)
+    points, *ends = drive_schema(unit)
+    return {
+        **_head(chain, program.start, program.to, design),
+        "arrives": program.arrives,
+        "does_it": program.arrives == program.to,
+        "proved": program.shortest,
+        "reason": program.method,
+        "strokes": program.strokes,
+        **record([points], program),
+        "sequence": str(program.sequence) if len(chain) <= LONGEST_SPELLED_OUT else None,
+        "events": event_records(path.events, chain),
+        **record([Quantity("dissipated", "mJ")], path),
+        "turns": [record(turn_schema(unit), turn) for turn in program.turns],
+        **record(ends, program),
+    }
+
+
+def unreachable_record(
+    chain: Chain,
+    start: str | None,
+    to: str | None,
+    why: Unreachable,
+    *,
+    design: str | None = None,
+) -> dict[str, Any]:
+    """That no program does it, as docs/commands.md describes it.
+
+    Args:
+        start, to: the states between which there is no way.
+    """
+    return {
+        **_head(chain, start, to, design),
+        "arrives": None,
+        "does_it": False,
+        "proved": why.proved,
+        "reason": str(why),
+    }
+
+
+def _head(chain: Chain, start: str | None, to: str | None, design: str | None) -> dict[str, Any]:
+    return {
+        **head("stepwell.program/1", design or chain),
+        "title": chain.title,
+        "actuator": actuator_record(chain),
+        "cells": list(chain.names),
+        "from": start or "0" * len(chain),
+        "to": to,
+    }

@@ -1,68 +1,45 @@
-"""`stepwell design`: where the bands have to go for a wanted motion."""
+"""`stepwell design`, `yield` and `reprogram`: where anchors go, and how far off they may be."""
 
 import math
+import re
 from dataclasses import replace
 from enum import StrEnum
-from typing import Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from stepwell.base import REACH
 from stepwell.cli.options import (
+    Design,
     Force,
     Json,
     NewDrive,
     Out,
-    Span,
+    Range,
+    free,
+    own,
+    read_chain,
     span,
     stiffness_of,
     tolerances as given,
 )
+from stepwell.cli.screen import answered, finish, progress, usable
 
-_Target = Annotated[
-    str,
-    typer.Argument(
-        metavar="TARGET",
-        help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or all:N "
-        "for N cells with all their states.",
-        show_default=False,
-    ),
-]
+if TYPE_CHECKING:
+    from stepwell.design import Stock
+
+# Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
+BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
+
 _Side = Annotated[
-    Span | None,
+    Range | None,
     typer.Option(
         parser=span,
         metavar="FROM:TO",
         help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
         "others in proportion.",
-        show_default=False,
     ),
-]
-_Holes = Annotated[
-    float | None,
-    typer.Option(
-        metavar="MM",
-        help="Anchors only in holes this far apart, from the lower left corner on [mm].",
-        min=0.01,
-    ),
-]
-_Band = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--band",
-        metavar="NAME|K:LENGTH[:SPREAD]",
-        help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
-    ),
-]
-_Lever = Annotated[
-    list[float] | None,
-    typer.Option(
-        "--lever",
-        metavar="MM",
-        help="A lever there is [mm]; may be given again. The paper's by default.",
-    ),
-]
-_Mixed = Annotated[
-    bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
 ]
 
 
@@ -73,39 +50,63 @@ class Objective(StrEnum):
     WORST = "worst"
 
 
-_Objective = Annotated[
-    Objective,
-    typer.Option(
-        help="Make the yield largest, or the distance by which all anchors may be off at once.",
-    ),
-]
-_Force = Annotated[
-    float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
-]
-
-
-_Unusual = Annotated[
-    bool, typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit.")
-]
-
-
 def design(
-    target: _Target,
+    target: Annotated[
+        str,
+        typer.Argument(
+            metavar="TARGET",
+            help="A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
+            "all:N for N cells with all their states.",
+        ),
+    ],
     x: _Side = None,
     y: _Side = None,
-    holes: _Holes = None,
-    bands: _Band = None,
-    levers: _Lever = None,
-    mixed_levers: _Mixed = False,
-    objective: _Objective = Objective.YIELD,
-    force_limit: _Force = None,
+    holes: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="Anchors only in holes this far apart, from the lower left corner on [mm].",
+            min=0.01,
+        ),
+    ] = None,
+    bands: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--band",
+            metavar="NAME|K:LENGTH[:SPREAD]",
+            help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
+        ),
+    ] = None,
+    levers: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--lever",
+            metavar="MM",
+            help="A lever there is [mm]; may be given again. The paper's by default.",
+        ),
+    ] = None,
+    mixed_levers: Annotated[
+        bool, typer.Option("--mixed-levers", help="Cells may have different ones of these levers.")
+    ] = False,
+    objective: Annotated[
+        Objective,
+        typer.Option(
+            help="Make the yield largest, or the distance by which all anchors may be off at once.",
+        ),
+    ] = Objective.YIELD,
+    force_limit: Annotated[
+        float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
+    ] = None,
     drive: NewDrive = None,
     anchor: given.Anchor = given.ANCHOR_MM,
     stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
-    unusual: _Unusual = False,
+    unusual: Annotated[
+        bool,
+        typer.Option("--unusual", help="Sizes far off the levers are meant, and no slip of unit."),
+    ] = False,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
@@ -120,9 +121,7 @@ def design(
     and the result as JSON are written into a folder.
     """
     from stepwell import reports, results
-    from stepwell.cli.options import free, stock, wish
-    from stepwell.cli.screen import answered, progress, show_result, usable
-    from stepwell.cli.text import design as _design_text
+    from stepwell.cli.text import chains as texts
     from stepwell.design import Impossible, design
     from stepwell.design.placement import PAPER_LEVER, usual_box
 
@@ -132,7 +131,6 @@ def design(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
     free(out, "design", force)
-    names: tuple[str, ...] = ()
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
@@ -156,11 +154,199 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, out = results.impossible_record(why), None
+        record, write = results.impossible_record(why), None
     else:
-        record = results.design_record(found)
-        if out is not None:
-            with progress("writing") as tell:
-                names = reports.write_design(found, out, progress=tell, force=force)
-    show_result(record, _design_text.show, as_json, out, names)
+        record, write = results.design_record(found), partial(reports.write_design, found)
+    finish(record, texts.design, as_json, out, force, write)
     answered(record["possible"])
+
+
+def yield_(
+    design: Design,
+    anchor: given.Anchor = given.ANCHOR_MM,
+    stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
+    rest_length_spread: given.RestLengthSpread = 0.0,
+    lever_tolerance: given.LeverTolerance = 0.0,
+    friction: given.Friction = 0.0,
+    wanted: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TARGET",
+            help="The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
+            "no others, as 00,10,11; the cycle of the drawing by default.",
+        ),
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="Say which part's tolerance counts for how much.")
+    ] = False,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program", help="Count those that the design's own program brings where it should."
+        ),
+    ] = False,
+    samples: given.Samples = None,
+    seed: given.Seed = 0,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say how many mechanisms, built with these tolerances, do what the design does.
+
+    Mechanisms are made at random and judged one by one; you get the share with its 95 %
+    interval, what the others do, and the two cells that go wrong first. With --out, figures,
+    outcomes as CSV and the result as JSON are written into a folder, together with the design.
+    """
+    from stepwell import files, reports, results
+    from stepwell.cli.text import chains as texts
+    from stepwell.design import survival, yields
+
+    spread = given.tolerances(
+        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+    )
+    text = files.read(design)
+    free(out, "yield", force, design=text)
+    if program and (wanted or sensitivity):
+        option = "--wanted" if wanted else "--sensitivity"
+        raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+    if program:
+        played = own(text, design)
+        points, start, ends = played.turning_points, played.start, played.to
+        with progress("yield") as tell:
+            kept = survival(
+                played.chain, points, ends, spread, start=start, n=samples, seed=seed, progress=tell
+            )
+        record = results.survival_record(kept, design=text)
+        write = partial(reports.write_survival, kept, design=text)
+    else:
+        states = wanted.split(",") if wanted and "," in wanted else None
+        with usable(design), progress("yield") as tell:
+            found = yields(
+                files.loads_chain(text, design),
+                spread,
+                n=samples,
+                seed=seed,
+                wanted=states or wanted,
+                sensitivity=sensitivity,
+                progress=tell,
+            )
+        record = results.yield_record(found, design=text)
+        write = partial(reports.write_yield, found, design=text)
+    finish(record, texts.yields, as_json, out, force, write)
+
+
+class Direction(NamedTuple):
+    """A direction in the plane of an anchor, of any length."""
+
+    x: float
+    y: float
+
+
+def along(text: str) -> Direction:
+    """X:Y, or an angle in degrees from the x axis, as a direction."""
+    try:
+        parts = [float(part) for part in text.split(":")]
+        angle = math.radians(parts[0])
+        x, y = parts if len(parts) > 1 else (math.cos(angle), math.sin(angle))
+    except (OverflowError, ValueError):
+        x, y = math.nan, math.nan
+    if not 0 < math.hypot(x, y) < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be X:Y, as in -1:0, or degrees, as in 180.")
+    return Direction(x, y)
+
+
+def reprogram(
+    design: Design,
+    by: Annotated[
+        str,
+        typer.Option(
+            "--by",
+            metavar="ANCHOR",
+            help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
+            ".q on its outer one, as in inner.p.",
+        ),
+    ],
+    target: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SEQUENCE",
+            help="The cycle wanted, as in '00>01>11>10>00'; any other than now by default.",
+        ),
+    ] = None,
+    line: Annotated[
+        Direction | None,
+        typer.Option(
+            "--along",
+            parser=along,
+            metavar="X:Y|DEGREES",
+            help="The line that the anchor keeps to; anywhere in the plane by default.",
+        ),
+    ] = None,
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Only in the sense of --along, not against it.")
+    ] = False,
+    reach: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Farthest that is looked at [mm].", min=0.001, max=1e6),
+    ] = REACH * 1e3,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the smallest displacement of an anchor that changes what a chain does.
+
+    You get the displacement, the sequence just past it, and the force that has to push the
+    anchor on the way: what an antenna must deliver. With --out, the design past the change,
+    the way as CSV and the result as JSON are written into a folder.
+    """
+    from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
+    from stepwell.design import reprogram
+
+    if one_way and line is None:
+        raise typer.BadParameter("needs --along X:Y, the way to go.", param_hint="--one-way")
+    text, chain = read_chain(design)
+    free(out, "reprogram", force)
+    ways = {"along": line, "one_way": one_way, "reach": reach / 1e3}
+    with usable(design), progress("search") as tell:
+        found = reprogram(chain, target, by, **ways, progress=tell)
+    record = results.reprogram_record(found, design=text)
+    write = partial(reports.write_reprogramming, found, design=text)
+    finish(record, texts.reprogram, as_json, out, force, write)
+    answered(record["possible"])
+
+
+def wish(text: str) -> dict[str, Any]:
+    """A sequence, a list of states, or all:N, as `design.design` takes it."""
+    every = re.fullmatch(r"all:(\d{1,2})", text)
+    if every:
+        return {"states": "all", "cells": int(every[1])}
+    if ">" in text:
+        return {"sequence": text}
+    if "," in text:
+        return {"states": [state.strip() for state in text.split(",")]}
+    raise typer.BadParameter(
+        f"{text!r}: must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or all:N for "
+        f"N cells in all their states (quotes keep > from the shell).",
+        param_hint="TARGET",
+    )
+
+
+def stock(text: str) -> "Stock":
+    """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
+    from stepwell.design import Stock
+
+    if text in BANDS:
+        k, length = BANDS[text]
+        return Stock(k, length / 1e3, name=text)
+    try:
+        k, length, *spread = map(float, text.split(":"))
+        (part,) = spread or (None,)
+    except ValueError:
+        raise typer.BadParameter(
+            f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:SPREAD] in N/m, mm and %, as in "
+            f"28.5:10:5.",
+            param_hint="--band",
+        ) from None
+    with usable("--band"):
+        return Stock(k, length / 1e3, None if part is None else part / 1e2)

@@ -1,27 +1,37 @@
-"""Arguments that several commands share."""
+"""Arguments that several commands share, and what they name."""
+
+from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    import stepwell.robot as values
+    from stepwell.mechanism import Chain
 
 Design = Annotated[
     str,
     typer.Argument(
         metavar="DESIGN",
         help="A design file (TOML), or preset:NAME for a design of `stepwell presets`.",
-        show_default=False,
     ),
+]
+Robot = Annotated[
+    str,
+    typer.Argument(
+        metavar="ROBOT",
+        help="A robot's design file (TOML), or the name of one of `stepwell presets`.",
+    ),
+]
+Arena = Annotated[
+    str | None, typer.Option(metavar="ARENA", help="Put it there; see `stepwell maze --list`.")
 ]
 Out = Annotated[
     Path | None,
     typer.Option(
-        "--out",
-        "-o",
-        metavar="DIR",
-        help="Write the results into this folder.",
-        show_default=False,
-        file_okay=False,
+        "--out", "-o", metavar="DIR", help="Write the results into this folder.", file_okay=False
     ),
 ]
 Force = Annotated[
@@ -32,3 +42,45 @@ Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
 ]
+NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
+
+
+def read_chain(design: str) -> tuple[str, Chain]:
+    """The text of a design file, and the chain that it describes."""
+    from stepwell import files
+
+    text = files.read(design)
+    return text, files.loads_chain(text, design)
+
+
+def read_robot(robot: str) -> tuple[str, values.Robot]:
+    """The text of a robot's design file, and the robot; a preset goes by its name alone too."""
+    from stepwell import files
+
+    if robot in files.presets() and not Path(robot).exists():
+        robot = f"preset:{robot}"
+    text = files.read(robot)
+    return text, files.loads_robot(text, robot)
+
+
+def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
+    """Refuse a folder where results would replace others' work, or cannot be written.
+
+    Args:
+        out: what --out says.
+        command: whose results they are.
+        force: what --force says.
+        texts: of files whose content is known, by their names without .toml.
+    """
+    from stepwell import files
+
+    if out is not None:
+        known = {f"{name}.toml": text for name, text in texts.items()}
+        files.check_folder(out, command, force=force, texts=known)
+
+
+def free_file(file: Path | None, force: bool) -> None:
+    """Refuse a file that exists, unless it may be replaced."""
+    if file is not None and file.exists() and not force:
+        message = "exists: choose another name, or pass --force to replace it."
+        raise typer.BadParameter(message, param_hint=str(file))

@@ -1,81 +1,106 @@
-"""Reading the ranges of `stepwell robot sweep`, and what lies in them."""
+"""Ranges of numbers as commands take them: FROM:TO, FROM:TO:COUNT, either behind NAME=."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import typer
 
-from stepwell.base import require
+from stepwell.base import require, short
+
+if TYPE_CHECKING:
+    from stepwell.base import Floats
+
+EXAMPLE = "outer.q.x=0:20:41"
+_PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
 
 
 @dataclass(frozen=True)
 class Range:
-    """Values of one key, from `start` to `stop`, `count` of them where they are on a grid."""
+    """Numbers from `start` to `stop`, both included, in the unit in which they are written.
 
-    key: str
+    On a grid there are `count` of them, at equal steps or, with `log`, in equal ratios.
+    """
+
     start: float
     stop: float
-    count: int | None
+    count: int | None = None
+    name: str = ""
+    log: bool = False
+
+    def values(self, factor: float = 1.0) -> Floats:
+        """(count,) the numbers, in a unit that is `factor` times the one they are written in."""
+        import numpy as np
+
+        space = np.geomspace if self.log else np.linspace
+        return space(self.start / factor, self.stop / factor, self.count or 1)
+
+    def __str__(self):
+        parts = self.start, self.stop, self.count
+        return ":".join(f"{part:g}" for part in parts if part is not None)
 
 
-def ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
-    """KEY=FROM:TO:COUNT each, or KEY=FROM:TO where `drawn` values are drawn."""
-    found = [_range(text, drawn) for text in texts]
-    keys = [one.key for one in found]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise typer.BadParameter(f"{key} is there twice: give each key one range.")
-    total = drawn or 1
-    for one in found:
-        total *= one.count or 1
+def read_range(text: str, form: str, example: str) -> Range:
+    """A range that is written as `form` says, such as "FROM:TO in mm"; "COUNT" is 2 or more."""
+    parts = _PARTS.fullmatch(text)
+    wrong = typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
+    if parts is None:
+        raise wrong
+    name, start, stop, count, log = parts.groups()
+    asked = [(name, "="), (count, ":COUNT")] + [(log, ":log")] * bool(log)
+    if any((part is not None) != (sign in form) for part, sign in asked):
+        raise wrong
     try:
-        require("robots", total, "these are")
+        found = Range(
+            float(start), float(stop), int(count) if count else None, name or "", bool(log)
+        )
+    except ValueError:
+        raise wrong from None
+    if found.count is not None and found.count < 2:
+        raise typer.BadParameter(f"{text!r}: the count must be 2 or more.")
+    return found
+
+
+def _rising(text: str | Range, form: str, example: str, most: float, unit: str = "") -> Range:
+    if isinstance(text, Range):  # the default
+        return text
+    found = read_range(text, form, example)
+    if not -most <= found.start < found.stop <= most:
+        bounds = f"-{short(most)} to {short(most)}{unit}"
+        raise typer.BadParameter(f"{text!r}: must rise, as {example} does, within {bounds}.")
+    try:
+        require("points", found.count or 0, f"{text!r}:")
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     return found
 
 
-def points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
-    """For each key its value in every robot."""
-    import numpy as np
-
-    if drawn is not None:
-        rng = np.random.default_rng(seed)
-        # A robot a row, so that asking for more robots keeps the first ones as they are.
-        shares = rng.random((drawn, len(found)))
-        columns = [
-            one.start + (one.stop - one.start) * share
-            for one, share in zip(found, shares.T, strict=True)
-        ]
-    else:
-        axes = [np.linspace(one.start, one.stop, one.count or 1) for one in found]
-        columns = [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
-    # What a file holds is decimal: 0.1 and not 0.1 and a rounding error.
-    return {
-        one.key: [float(f"{value:.12g}") for value in column]
-        for one, column in zip(found, columns, strict=True)
-    }
+def span(text: str | Range) -> Range:
+    """FROM:TO in mm."""
+    return _rising(text, "FROM:TO in mm", "0:20", 1e6, " mm")
 
 
-def _range(text: str, drawn: int | None) -> Range:
-    example = "chain.cell.outer.q_mm[0]=5:20" + ("" if drawn else ":4")
-    form = "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT"
-    wrong = typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
-    parsed = re.fullmatch(r"(.+?)=([^:=]+):([^:=]+)(?::(\d{1,15}))?", text)
-    if parsed is None:
-        raise wrong
-    try:
-        start, stop = float(parsed[2]), float(parsed[3])
-    except ValueError:
-        raise wrong from None
-    if (parsed[4] is None) != (drawn is not None):
-        raise wrong
-    if not (abs(start) <= 1e9 and abs(stop) <= 1e9) or start == stop:
-        raise typer.BadParameter(f"{text!r}: must go from one number to another, within ±1e9.")
-    count = None if parsed[4] is None else int(parsed[4])
-    if count is not None and count < 2:
-        raise typer.BadParameter(f"{text!r}: the count must be 2 or more.")
-    return Range(parsed[1], start, stop, count)
+def grid(text: str | Range) -> Range:
+    """FROM:TO:COUNT in mm."""
+    return _rising(text, "FROM:TO:COUNT in mm", "0:20:200", 1e6, " mm")
+
+
+def parameter_range(text: str | Range) -> Range:
+    """NAME=FROM:TO:COUNT, with :log at the end for equal ratios instead of equal steps."""
+    found = _rising(text, "NAME=FROM:TO:COUNT or NAME=FROM:TO:COUNT:log", EXAMPLE, 1e9)
+    if found.log and found.start <= 0:
+        raise typer.BadParameter(f"{text!r}: must start above 0 for equal ratios.")
+    return found
+
+
+def window(text: str, *, whole: bool = False) -> tuple[float, float]:
+    """FROM:TO of a recording, not negative: `whole` numbers, or any; they may be equal."""
+    form, example = ("whole numbers", "5:9") if whole else ("numbers that rise", "5:35")
+    form = f"FROM:TO, two {form}"
+    found = read_range(text.strip(), form, example)
+    exact = not whole or (found.start == int(found.start) and found.stop == int(found.stop))
+    if not (0 <= found.start <= found.stop < float("inf") and exact):
+        raise typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
+    return found.start, found.stop

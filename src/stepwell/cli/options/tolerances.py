@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stepwell.base import usual
+from stepwell.cli.screen import usable
 
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
@@ -45,7 +46,6 @@ Samples = Annotated[
         metavar="N",
         help=f"How many mechanisms are made at random; {usual.QUICKLY}, or {usual.ONE_BY_ONE} "
         "where each is followed by the engine.",
-        show_default=False,
         min=1,
     ),
 ]
@@ -56,7 +56,6 @@ def tolerances(
     anchor: float, stiffness: float, rest_length: float, lever: float, friction: float
 ) -> Tolerances:
     """The tolerances of these options: mm, %, %, mm, N."""
-    from stepwell.cli.screen import usable
     from stepwell.design import Tolerances
 
     with usable("tolerances"):

@@ -1,18 +1,74 @@
-"""MuJoCo's viewer with the actuator's command applied."""
+"""`stepwell export` and `stepwell view`: a robot's MuJoCo model in a file, or on the screen."""
 
 from __future__ import annotations
 
 import os
 import sys
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from stepwell.robot import Arena, Robot
+import typer
+
+from stepwell.cli.options import (
+    Arena as ArenaName,
+    ForceFile,
+    Robot as RobotName,
+    free_file,
+    read_robot,
+)
+from stepwell.cli.screen import show_lines, usable
+
+if TYPE_CHECKING:
+    from stepwell.robot import Arena, Robot
 
 NO_DISPLAY = (
     "There is no display here, and the viewer is a window. `stepwell walk` and `stepwell maze` "
     "write videos without one; `stepwell export` writes a model to look at elsewhere."
 )
+
+
+def export(
+    robot: RobotName,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="FILE.xml", help="The file to write.", show_default=False
+        ),
+    ] = Path("robot.xml"),
+    arena: ArenaName = None,
+    force: ForceFile = False,
+) -> None:
+    """Write a robot as MJCF.
+
+    MuJoCo's own viewer opens it: bands, levers, links and antennas are there to be seen. Its
+    keyframe `start` stands on the floor with every cell at 0.
+    """
+    from stepwell import files, simulation
+
+    free_file(out, force)
+    _, design = read_robot(robot)
+    place = files.load_arena(arena) if arena is not None else None
+    with usable(robot):
+        text = simulation.mjcf(design, place)
+    files.write_atomic(out, text)
+    show_lines(f"Wrote {out}")
+
+
+def view(robot: RobotName, arena: ArenaName = None) -> None:
+    """Watch a robot walk in MuJoCo's viewer.
+
+    It needs a display. The actuator's command runs, and the mouse can push the robot about.
+    """
+    from stepwell import files
+
+    _, design = read_robot(robot)
+    place = files.load_arena(arena) if arena is not None else None
+    if not has_display():
+        typer.echo(NO_DISPLAY, err=True)
+        raise typer.Exit(1)
+    with usable(robot):
+        _show(design, place)
 
 
 def has_display() -> bool:
@@ -41,7 +97,7 @@ def model(robot: Robot, arena: Arena | None) -> tuple[Any, Any]:
     return compiled, data
 
 
-def show(robot: Robot, arena: Arena | None) -> None:
+def _show(robot: Robot, arena: Arena | None) -> None:
     """Open the viewer, and come back when it is closed."""
     from importlib import import_module
 

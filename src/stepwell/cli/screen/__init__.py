@@ -1,16 +1,15 @@
 """What all commands do on the screen: tables, progress, errors."""
 
 from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
-from stepwell.cli.screen.progress import progress
+from stepwell.cli.screen.progress import Progress, progress
 from stepwell.cli.screen.show import (
+    finish,
     show_facts,
     show_json,
     show_lines,
     show_records,
-    show_result,
     show_table,
     show_text,
-    show_written,
     styled,
     warn,
     wrapped,

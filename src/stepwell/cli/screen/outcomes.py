@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from stepwell.base import ExtraError, SettingError
-from stepwell.cli.screen.show import plain, warn
+from stepwell.cli.screen.show import escaped, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
 # Wrong usage of any kind, which Typer does not export.
@@ -41,7 +41,7 @@ class Commands(TyperGroup):
             for part in ("message", "param_hint"):
                 text = getattr(error, part, None)
                 if isinstance(text, str):
-                    setattr(error, part, plain(text))
+                    setattr(error, part, escaped(text))
             raise
         except (ImportError, OSError, RuntimeError, ValueError) as error:
             known = outcome(error)

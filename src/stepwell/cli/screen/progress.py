@@ -9,6 +9,7 @@ from time import monotonic
 # pieces has an estimate too [s].
 _EVERY, _REMEMBERED = 0.1, 600.0
 WRITING = "writing"
+Progress = Callable[[float, float], None]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -16,7 +17,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float], None] | None]:
+def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
     """What to call with (done, total); None where nobody is looking.
 
     The bar tells how much is done and how long the rest will take. It goes to standard error, so
@@ -32,16 +33,14 @@ def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float],
     reached = ""
     try:
         with _bar(label) as shown:
-            if shown is None:
-                yield None
-            else:
 
-                def update(done: float, total: float) -> None:
-                    nonlocal reached
-                    reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+            def update(done: float, total: float) -> None:
+                nonlocal reached
+                reached = f", {done:.0f} of {total:.0f} done" if total > 2 else ""
+                if shown is not None:
                     shown(done, total)
 
-                yield update
+            yield None if shown is None else update
     except Interrupted:
         raise
     except KeyboardInterrupt:
@@ -52,7 +51,7 @@ def progress(label: str, *, kept: str = "") -> Iterator[Callable[[float, float],
 
 
 @contextmanager
-def _bar(label: str) -> Iterator[Callable[[float, float], None] | None]:
+def _bar(label: str) -> Iterator[Progress | None]:
     if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return

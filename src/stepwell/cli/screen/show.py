@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stepwell.base import Columns, printable, shown
+from stepwell.cli.screen.progress import WRITING, progress
 
 _WIDTH = 100
 
@@ -20,12 +21,12 @@ def styled() -> bool:
     return at_terminal and not os.environ.get("NO_COLOR")
 
 
-def plain(text: str) -> str:
+def escaped(text: str) -> str:
     """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
     return "\n".join(map(printable, text.split("\n")))
 
 
-def put(text: str) -> None:
+def write_out(text: str) -> None:
     """Write to standard output, and name it where that fails.
 
     Raises:
@@ -50,41 +51,48 @@ def warn(text: str) -> None:
     """Say something on standard error."""
     from typer import echo
 
-    echo(plain(text), err=True)
+    echo(escaped(text), err=True)
 
 
-def show_json(
-    record: dict[str, Any], folder: Path | None = None, names: Sequence[str] = ()
-) -> None:
+def show_json(record: dict[str, Any], *files: Path) -> None:
     """Print a record as JSON, with the files that were written."""
-    files = {"files": [str(folder / name) for name in names] if folder else []}
-    put(json.dumps(record | files, indent=2, allow_nan=False) + "\n")
+    shown = record | {"files": [str(file) for file in files]}
+    write_out(json.dumps(shown, indent=2, allow_nan=False) + "\n")
 
 
-def show_written(folder: Path | None, names: Sequence[str]) -> None:
-    """Say what was written and where."""
-    if folder is not None:
-        show_lines("", f"Written into {folder}: {', '.join(names)}")
-
-
-def show_result(
+def finish(
     record: dict[str, Any],
     show: Callable[[dict[str, Any]], None],
     as_json: bool,
-    folder: Path | None,
-    names: Sequence[str],
+    out: Path | None = None,
+    force: bool = False,
+    write: Callable[..., Sequence[str]] | None = None,
 ) -> None:
-    """Print a record as JSON or as `show` tells it, with the files that were written."""
+    """Write results into a folder, and print them as JSON or as `show` tells them.
+
+    Args:
+        record: of the results.
+        show: prints it for people.
+        as_json: what --json says.
+        out: what --out says.
+        force: what --force says.
+        write: of `reports`, with all its arguments but the folder, `progress` and `force`.
+    """
+    names: Sequence[str] = ()
+    if out is not None and write is not None:
+        with progress(WRITING) as tell:
+            names = write(out, progress=tell, force=force)
     if as_json:
-        show_json(record, folder, names)
-    else:
-        show(record)
-        show_written(folder, names)
+        show_json(record, *((out or Path()) / name for name in names))
+        return
+    show(record)
+    if names:
+        show_lines("", f"Written into {out}: {', '.join(names)}")
 
 
 def show_lines(*lines: str) -> None:
     """Print lines."""
-    put("".join(f"{plain(line)}\n" for line in lines))
+    write_out("".join(f"{escaped(line)}\n" for line in lines))
 
 
 def show_text(*paragraphs: str) -> None:
@@ -116,9 +124,9 @@ def show_table(
         left: columns that start at the left; the others hold numbers.
         hidden: how many rows are left out, for a line below it.
     """
-    draw = _styled if styled() else _plain
+    draw = _styled if styled() else _aligned
     # Escaped here: a column is as wide as what is shown.
-    draw(plain(title), [*map(plain, head)], [[*map(plain, row)] for row in rows], left)
+    draw(escaped(title), [*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
     if hidden > 0:
         show_lines(f"and {hidden} more; --json shows all")
 
@@ -157,7 +165,7 @@ def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) 
     show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
-def _plain(
+def _aligned(
     title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
 ) -> None:
     """Aligned columns, two spaces apart: what other programs and diffs like."""

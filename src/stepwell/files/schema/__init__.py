@@ -1,6 +1,17 @@
 """The keys of design files: what each may hold, and in which unit."""
 
 from stepwell.files.schema import arena, chain, robot
-from stepwell.files.schema.keys import fields, slip_lines, slips_text, table_lines, told, unit_of
+from stepwell.files.schema.keys import (
+    field_of,
+    fields,
+    key_of,
+    si,
+    slip_lines,
+    slip_text,
+    slips_text,
+    table_lines,
+    unit_of,
+    written,
+)
 from stepwell.files.schema.robot import ASSUMED
 from stepwell.files.schema.wording import worded

@@ -5,13 +5,13 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Annotated
 
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
 from stepwell.files.schema import chain as schema
-from stepwell.files.schema.chain import Keys, Line, Point, numbers
+from stepwell.files.schema.chain import Keys, Line, Point, bounded
 from stepwell.files.schema.robot import Size
 
-Heading = Annotated[Decimal, PlainValidator(numbers("-1e6", "1e6", "from -1e6 to 1e6"))]
+Heading = Annotated[Decimal, bounded("-1e6", "1e6")]
 
 
 class WallKeys(Keys):
@@ -51,9 +51,4 @@ class ArenaKeys(Keys):
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES: schema.Tables = {
-    "": ArenaKeys,
-    "goal": GoalKeys,
-    "wall": WallKeys,
-    "cylinder": CylinderKeys,
-}
+TABLES = schema.tables_of(ArenaKeys)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
-from typing import Annotated, Any, NoReturn
+from inspect import isclass
+from typing import Annotated, Any, NoReturn, get_args
 
 from pydantic import (
     BaseModel,
@@ -43,7 +44,7 @@ def at_most(name: str) -> BeforeValidator:
     return BeforeValidator(lambda value: few(name, value))
 
 
-def number(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
+def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
     """`value` as a decimal between `least` and `most`; `allowed` says so in words."""
     if isinstance(value, bool) or not isinstance(value, int | Decimal):
         refuse(f"must be a number {allowed}.")
@@ -57,23 +58,31 @@ def number(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
     return decimal
 
 
-def numbers(least: str, most: str, allowed: str) -> Callable[[Any], Decimal]:
-    """A check of one number between two bounds, for which messages say `allowed`."""
-    return lambda value: number(value, Decimal(least), Decimal(most), allowed)
+def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
+    """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
+    allowed = allowed or f"from {least} to {most}"
+    return PlainValidator(lambda value: decimal_of(value, Decimal(least), Decimal(most), allowed))
 
 
-def between(least: str, most: str) -> Callable[[Any], Decimal]:
-    """A check of one number between two bounds."""
-    return numbers(least, most, f"from {least} to {most}")
+def above_zero(least: str, most: str) -> PlainValidator:
+    """A check of one positive number between two bounds."""
+    return bounded(least, most, f"> 0 ({least} to {most})")
 
 
-def point(value: Any) -> tuple[Decimal, Decimal]:
-    """Two lengths, as the file has them."""
+def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
+    """`count` numbers of a list, or all, as the file has them; `problem` says what it must be."""
     try:
-        x, y = (number(v, *LENGTH, "") for v in value)
+        found = tuple(decimal_of(v, *LENGTH, "") for v in value)
     except (TypeError, ValueError):
-        refuse("must be two numbers from -1e6 to 1e6, in mm, as in [10, 0].")
-    return x, y
+        refuse(problem)
+    if count not in (None, len(found)):
+        refuse(problem)
+    return found
+
+
+def point(value: Any) -> tuple[Decimal, ...]:
+    """Two lengths, as the file has them."""
+    return lengths(value, 2, "must be two numbers from -1e6 to 1e6, in mm, as in [10, 0].")
 
 
 def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
@@ -82,10 +91,8 @@ def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal]
     few("rows", value)
     rows: list[tuple[Decimal, Decimal]] = []
     for i, row in enumerate(value):
-        try:
-            x, y = (number(v, *LENGTH, "") for v in row)
-        except (TypeError, ValueError):
-            refuse(f"row {i + 1} must be two numbers from -1e6 to 1e6, as in {example}.")
+        allowed = f"two numbers from -1e6 to 1e6, as in {example}"
+        x, y = lengths(row, 2, f"row {i + 1} must be {allowed}.")
         if rows and x - rows[-1][0] < ROW_STEP_MM:
             refuse(f"row {i + 1} must lie {ROW_STEP_MM} mm or more above the row before it.")
         rows.append((x, y))
@@ -109,17 +116,13 @@ def _tension_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     return rows
 
 
-def _load_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
-    return _rows(value, 1, "[[0, 0.02], [20, 0.05]]")
-
-
 def _actuator(value: Any) -> Decimal:
     if value == "rigid":
         return Decimal("Infinity")
     allowed = f'from {short(SOFTEST)} to {short(STIFFEST)}, 0, or "rigid"'
-    stiffness = number(value, Decimal(0), Decimal(STIFFEST), allowed)
+    stiffness = decimal_of(value, Decimal(0), Decimal(STIFFEST), allowed)
     softest = Decimal(short(SOFTEST))
-    return stiffness if stiffness == 0 else number(value, softest, stiffness, allowed)
+    return stiffness if stiffness == 0 else decimal_of(value, softest, stiffness, allowed)
 
 
 def _line(value: Any) -> str:
@@ -140,10 +143,7 @@ def _drives(value: Any) -> tuple[Decimal, ...]:
     if not isinstance(value, list) or not value:
         refuse("must be a list of 1 or more numbers, as in [0, 45, 20].")
     few("turns", value)
-    try:
-        return tuple(number(v, *LENGTH, "") for v in value)
-    except (TypeError, ValueError):
-        refuse("must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
+    return lengths(value, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
 
 
 def _switch(value: Any) -> bool:
@@ -154,18 +154,21 @@ def _switch(value: Any) -> bool:
 
 Line = Annotated[str, PlainValidator(_line)]
 Switch = Annotated[bool, PlainValidator(_switch)]
-Point = Annotated[tuple[Decimal, Decimal], PlainValidator(point)]
-Lever = Annotated[Decimal, PlainValidator(numbers("1e-3", "1e6", "from 0.001 to 1e6"))]
-Limit = Annotated[Decimal, PlainValidator(between(*map(short, LIMITS_DEG)))]
-Stiffness = Annotated[Decimal, PlainValidator(numbers("1e-6", "1e9", "> 0 (1e-6 to 1e9)"))]
-RestLength = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
-Coefficient = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
-Force = Annotated[Decimal, PlainValidator(between("-1e6", "1e6"))]
-Friction = Annotated[Decimal, PlainValidator(numbers("0", "1e6", ">= 0 (up to 1e6)"))]
+Point = Annotated[tuple[Decimal, ...], PlainValidator(point)]
+Lever = Annotated[Decimal, bounded("1e-3", "1e6", "from 0.001 to 1e6")]
+Limit = Annotated[Decimal, bounded(*map(short, LIMITS_DEG))]
+Stiffness = Annotated[Decimal, above_zero("1e-6", "1e9")]
+RestLength = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Coefficient = Annotated[Decimal, bounded("-1e6", "1e6")]
+Force = Annotated[Decimal, bounded("-1e6", "1e6")]
+Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
-LoadRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_load_rows)]
+LoadRows = Annotated[
+    tuple[tuple[Decimal, Decimal], ...],
+    PlainValidator(lambda rows: _rows(rows, 1, "[[0, 0.02], [20, 0.05]]")),
+]
 State = Annotated[str, PlainValidator(_state)]
 Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
 
@@ -307,16 +310,23 @@ class FileKeys(Keys):
 
 
 Tables = Mapping[str, type[Keys]]
+
+
+def tables_of(table: type[Keys], path: str = "") -> Tables:
+    """A table and all tables in it, by their paths from the top of the file."""
+    found = {path: table}
+    for key, field in table.model_fields.items():
+        for inner in _tables_in(field.annotation):
+            found |= tables_of(inner, f"{path}.{key}".lstrip("."))
+    return found
+
+
+def _tables_in(annotation: Any) -> Iterator[type[Keys]]:
+    for part in get_args(annotation):
+        yield from _tables_in(part)
+    if isclass(annotation) and issubclass(annotation, Keys):
+        yield annotation
+
+
 # Where a reader may come from when a path holds one of these keys.
-CHAIN_TABLES: Tables = {
-    "chain.band": BandKeys,
-    "chain.cell": CellKeys,
-    "chain.cell.band": BandKeys,
-    "chain.cell.bands": PlacedBandKeys,
-}
-TABLES: Tables = {
-    "": FileKeys,
-    "chain": ChainKeys,
-    **CHAIN_TABLES,
-    "program": ProgramKeys,
-}
+TABLES = tables_of(FileKeys)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from decimal import Decimal
+from functools import cache
 from typing import Any
 
 from stepwell.files.schema.chain import Keys
@@ -25,15 +26,23 @@ UNITS = {
     "_N": "N",
     "_s": "s",
 }
+# Decimal places from a unit of files to SI; angles are turned, and all others are SI.
+_PLACES = {"mm": -3, "g": -3, "1/mm": 3, "1/mm²": 6}
 # Names that the values give these keys; other keys are called as they are, without the unit.
 _FIELDS = {
     "stroke_mm": "amplitude",
     "hook_deg": "hook_angle",
     "from_mm": "start",
     "to_mm": "end",
+    "quadratic_per_mm": "a2",
+    "cubic_per_mm2": "a3",
+    "table_mm_N": "table",
+    "load_mm_N": "load",
 }
+_KEYS = {field: key for key, field in _FIELDS.items()}
 
 
+@cache
 def unit_of(key: str, column: int = 0) -> str:
     """The unit that a key names; "" where it names none. Tables have one for each column."""
     if key.endswith("_mm_N"):
@@ -41,6 +50,7 @@ def unit_of(key: str, column: int = 0) -> str:
     return next((shown for end, shown in UNITS.items() if key.endswith(end)), "")
 
 
+@cache
 def field_of(key: str) -> str:
     """What the value calls the key."""
     if key in _FIELDS:
@@ -54,39 +64,37 @@ def fields(keys: Keys, left_out: Iterable[str] = ()) -> dict[str, Any]:
     return {field_of(key): si(key, given[key]) for key in given if key not in left_out}
 
 
-def si(key: str, value: Any) -> Any:
+def si(key: str, value: Any, column: int = 0) -> Any:
     """A value of the file in SI; rows and points number by number."""
     if isinstance(value, tuple):
-        return tuple(si(key, part) for part in value)
+        return tuple(si(key, part, i) for i, part in enumerate(value))
     if key == "cell" and isinstance(value, int):
         return value - 1  # people count from 1
     if not isinstance(value, Decimal):
         return value
-    unit = unit_of(key)
-    if unit in ("mm", "g"):
-        return units.moved(value, -3)
-    return units.radians(value) if unit == "deg" else float(value)
+    unit = unit_of(key, column)
+    return units.radians(value) if unit == "deg" else units.moved(value, _PLACES.get(unit, 0))
 
 
-def written(key: str, value: Any) -> str:
+def written(key: str, value: Any, column: int = 0) -> str:
     """A value in SI as the file writes it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return quoted(str(value))
     if isinstance(value, tuple):
-        return array(written(key, part) for part in value)
+        return array(written(key, part, i) for i, part in enumerate(value))
     if key == "cell":
         return str(value + 1)
-    unit = unit_of(key)
-    if unit in ("mm", "g"):
-        return units.toml(units.shortest(value, 3))
-    return units.toml(units.degrees(value) if unit == "deg" else Decimal(repr(float(value))))
+    unit = unit_of(key, column)
+    if unit == "deg":
+        return units.toml(units.degrees(value))
+    return units.toml(units.shortest(value, -_PLACES.get(unit, 0)))
 
 
 def slips_text(error: SlipError) -> str:
     """Slips of unit as commands tell them: in mm, degrees and N, one line each."""
-    lines = [told(slip, slip.name, name_unit=True) for slip in error.slips]
+    lines = [slip_text(slip, slip.name, name_unit=True) for slip in error.slips]
     way = (
         "If it is meant so, set unusual = true in the design file; `stepwell design` has --unusual."
     )
@@ -95,18 +103,18 @@ def slips_text(error: SlipError) -> str:
 
 def slip_lines(error: SlipError) -> list[str]:
     """Slips of unit in a file whose keys are the fields of a robot or an arena, one line each."""
-    keys = {field: key for key, field in _FIELDS.items()}
-    lines: list[str] = []
-    for slip in error.slips:
-        place, dot, name = slip.name.rpartition(".")
-        end = _SHOWN.get(slip.unit, ("", f"_{slip.unit}", 0))[1]
-        key = slip.name if " " in slip.name else place + dot + keys.get(name, name + end)
-        way = "If it is meant so, set unusual = true at the top of the file."
-        lines.append(f"{told(slip, key)} {way}")
-    return lines
+    way = "If it is meant so, set unusual = true at the top of the file."
+    return [f"{slip_text(slip, key_of(slip))} {way}" for slip in error.slips]
 
 
-def told(slip: Slip, key: str, *, name_unit: bool = False) -> str:
+def key_of(slip: Slip) -> str:
+    """The key of a file that holds the size of a slip."""
+    place, dot, name = slip.name.rpartition(".")
+    end = _SHOWN.get(slip.unit, ("", f"_{slip.unit.replace('/', '_per_')}", 0))[1]
+    return slip.name if " " in slip.name else place + dot + _KEYS.get(name, name + end)
+
+
+def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
     """A slip of unit by the key of the file that holds it, in the unit of files."""
     unit, end, places = _SHOWN.get(slip.unit, (slip.unit, "", 0))
 

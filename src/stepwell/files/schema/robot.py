@@ -17,36 +17,28 @@ from stepwell.files.schema.chain import (
     Point,
     Stiffness,
     Switch,
-    numbers,
+    above_zero,
+    bounded,
     refuse,
 )
 from stepwell.files.text import did_you_mean
 from stepwell.robot import Profile
 
 
-def _positive(least: str, most: str) -> PlainValidator:
-    return PlainValidator(numbers(least, most, f"> 0 ({least} to {most})"))
-
-
 def _centre(value: Any) -> tuple[Decimal, ...]:
-    try:
-        x, y, z = (schema.number(v, *schema.LENGTH, "") for v in value)
-    except (TypeError, ValueError):
-        refuse("must be three numbers from -1e6 to 1e6, in mm, as in [24, 0, 12].")
-    return x, y, z
+    problem = "must be three numbers from -1e6 to 1e6, in mm, as in [24, 0, 12]."
+    return schema.lengths(value, 3, problem)
 
 
-def _supports(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
+def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
+    problem = (
+        "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
+        "[38, -45]]."
+    )
     schema.few("supports", value)
-    try:
-        if not isinstance(value, list) or len(value) < 3:
-            raise ValueError
-        return tuple(schema.point(v) for v in value)
-    except (TypeError, ValueError):
-        refuse(
-            "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
-            "[38, -45]]."
-        )
+    if not isinstance(value, list) or len(value) < 3:
+        refuse(problem)
+    return tuple(schema.lengths(point, 2, problem) for point in value)
 
 
 def _profile(value: Any) -> str:
@@ -73,15 +65,15 @@ def _paths(value: Any) -> tuple[str, ...]:
     return tuple(schema.few("sources", value))
 
 
-Size = Annotated[Decimal, _positive("1e-6", "1e6")]
-Mass = Annotated[Decimal, _positive("1e-6", "1e9")]
-Damping = Annotated[Decimal, _positive("1e-12", "1e9")]
-Time = Annotated[Decimal, _positive("1e-6", "1e6")]
-Grip = Annotated[Decimal, _positive("1e-6", "1e6")]
-Swing = Annotated[Decimal, _positive("1e-3", "360")]
-Turned = Annotated[Decimal, PlainValidator(numbers("-360", "360", "from -360 to 360"))]
+Size = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Mass = Annotated[Decimal, above_zero("1e-6", "1e9")]
+Damping = Annotated[Decimal, above_zero("1e-12", "1e9")]
+Time = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Grip = Annotated[Decimal, above_zero("1e-6", "1e6")]
+Swing = Annotated[Decimal, above_zero("1e-3", "360")]
+Turned = Annotated[Decimal, bounded("-360", "360")]
 Centre = Annotated[tuple[Decimal, ...], PlainValidator(_centre)]
-Supports = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_supports)]
+Supports = Annotated[tuple[tuple[Decimal, ...], ...], PlainValidator(_supports)]
 ProfileName = Annotated[str, PlainValidator(_profile)]
 CellName = Annotated[int | str, PlainValidator(_cell)]
 Paths = Annotated[tuple[str, ...], PlainValidator(_paths)]
@@ -213,21 +205,7 @@ class RobotKeys(Keys):
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES: schema.Tables = {
-    "": RobotKeys,
-    "chain": LegChainKeys,
-    **schema.CHAIN_TABLES,
-    "body": BodyKeys,
-    "foot": FootKeys,
-    "blocks": BlocksKeys,
-    "floor": FloorKeys,
-    "drive": DriveKeys,
-    "leg": LegKeys,
-    "leg.chain": LegChainKeys,
-    **{f"leg.{path}": table for path, table in schema.CHAIN_TABLES.items()},
-    "antenna": AntennaKeys,
-    "source": SourceKeys,
-}
+TABLES = schema.tables_of(RobotKeys)
 _LOOKED_AT = 100  # keys of a file that may be misspelt ones
 _ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
 

@@ -1,11 +1,8 @@
 """The tables of a design file as values, and back."""
 
 from stepwell.files.tables.arena_map import drawn
-from stepwell.files.tables.arena_text import arena_text_of
-from stepwell.files.tables.cells import Shared, cell
-from stepwell.files.tables.chain_text import chain_text
-from stepwell.files.tables.program import WrittenProgram, written
-from stepwell.files.tables.robot import robot
-from stepwell.files.tables.robot_text import robot_text
-from stepwell.files.tables.sources import sources
-from stepwell.files.tables.tree import is_number, leaves, put, tree_of
+from stepwell.files.tables.cells import Shared, cells_of
+from stepwell.files.tables.design_text import chain_text, robot_text
+from stepwell.files.tables.program import WrittenProgram, program_of
+from stepwell.files.tables.robot import part_of, robot
+from stepwell.files.tables.tree import is_number, leaves, set_leaf, sources, tree_of

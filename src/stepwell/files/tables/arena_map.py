@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from decimal import Decimal
+from itertools import groupby, product
 from typing import NamedTuple
 
 from stepwell.base import limits
@@ -19,6 +20,7 @@ from stepwell.files.text import DesignError, units, value_text
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 
 CYLINDER_RADIUS = 0.025
+_HALF = Decimal("0.5")
 HEADINGS = {"S": 0.0, ">": 0.0, "^": math.pi / 2, "<": math.pi, "v": -math.pi / 2}
 _FIRST = re.compile(r"cell\s+([0-9.eE+-]+)\s*mm\s*")
 _LETTERS = "# (wall), o (cylinder), S > < ^ v (start), G (goal), a point or a space (floor)"
@@ -33,9 +35,8 @@ class _Rectangle(NamedTuple):
     rows: int
 
     def squares(self) -> Iterator[Square]:
-        for i in range(self.columns):
-            for j in range(self.rows):
-                yield self.left + i, self.bottom + j
+        across = range(self.left, self.left + self.columns)
+        yield from product(across, range(self.bottom, self.bottom + self.rows))
 
 
 def drawn(text: str, name: str) -> Arena:
@@ -189,27 +190,23 @@ def _stacked(squares: set[Square]) -> Iterator[_Rectangle]:
 
 
 def _runs(columns: list[int]) -> Iterator[tuple[int, int]]:
-    start = 0
-    for k in range(1, len(columns) + 1):
-        if k == len(columns) or columns[k] != columns[k - 1] + 1:
-            yield columns[start], k - start
-            start = k
+    for _, run in groupby(enumerate(columns), lambda place: place[1] - place[0]):
+        first, *others = (column for _, column in run)
+        yield first, 1 + len(others)
 
 
 def _wall(rectangle: _Rectangle, size: Decimal) -> Wall:
     left, bottom, columns, rows = rectangle
     thickness = units.moved(size * min(columns, rows), -3)
-    half = Decimal("0.5")
     if columns >= rows:
-        y = bottom + rows * half
+        y = bottom + rows * _HALF
         return Wall(_point(left, y, size), _point(left + columns, y, size), thickness)
-    x = left + columns * half
+    x = left + columns * _HALF
     return Wall(_point(x, bottom, size), _point(x, bottom + rows, size), thickness)
 
 
 def _middle(square: Square, size: Decimal) -> tuple[float, float]:
-    half = Decimal("0.5")
-    return _point(square[0] + half, square[1] + half, size)
+    return _point(square[0] + _HALF, square[1] + _HALF, size)
 
 
 def _point(x: Decimal | int, y: Decimal | int, size: Decimal) -> tuple[float, float]:

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import chain as schema, told
-from stepwell.files.text import units, value_text
-from stepwell.mechanism import Band, Cell, Cubic, Law, Linear, Load, Slip, SlipError, Table
+from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
+from stepwell.files.text import value_text
+from stepwell.mechanism import Band, Cell, Cubic, Load, Slip, SlipError, Table
 
 
 class Shared(NamedTuple):
-    """What the cells of a chain share."""
+    """What the cells of a chain share: fields of a cell, and keys of its band."""
 
-    lever_mm: Decimal | None
-    limit_deg: Decimal | None
-    unusual: bool
+    cell: dict[str, Any]
     band: dict[str, Any]
 
+    @classmethod
+    def of(cls, band: dict[str, Any], *tables: schema.SharedKeys) -> Shared:
+        """What `band` says of all bands and the tables of all cells, the last one above all."""
+        given = {key: value for table in tables for key, value in table.given().items()}
+        names = given.keys() & {"lever_mm", "limit_deg", "unusual"}
+        return cls({field_of(key): si(key, given[key]) for key in names}, band)
 
-def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
-    """One cell, with what its chain shares; None where that is no cell, and then why."""
-    geometry: dict[str, Any] = {}
-    lever = keys.lever_mm or shared.lever_mm
-    limit = keys.limit_deg or shared.limit_deg
-    if lever is not None:
-        geometry["lever"] = units.moved(lever, -3)
-    if limit is not None:
-        geometry["limit"] = units.radians(limit)
+
+def cells_of(
+    tables: Sequence[schema.CellKeys], shared: Shared, where: str, problems: list[str]
+) -> tuple[Cell, ...]:
+    """The cells of a chain; `problems` gets a line for all that is wrong with each."""
+    cells = [_cell(one, shared, f"{where}.cell[{i}]", problems) for i, one in enumerate(tables)]
+    return tuple(cell for cell in cells if cell)
+
+
+def _cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
@@ -38,20 +43,18 @@ def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str])
         ]
     if len(problems) > before:
         return None
+    values = shared.cell | fields(keys, left_out=["p_mm", "q_mm", "band", "bands", "load_N"])
     try:
-        return Cell(
-            tuple(map(_band, tables)),
-            load=_load(keys),
-            friction=float(keys.friction_N),
-            name=keys.name,
-            unusual=shared.unusual if keys.unusual is None else keys.unusual,
-            **geometry,
-        )
+        if keys.load_N is not None:
+            values["load"] = Load.constant(float(keys.load_N))
+        elif keys.load_mm_N is not None:
+            values["load"] = Load(*zip(*values["load"], strict=True))
+        return Cell(tuple(map(_band, tables)), **values)
     except SlipError as error:
         for slip in error.slips:
             band = None if slip.band is None else tables[slip.band]
             at = f"{where}.bands[{slip.band}]" if keys.bands and band else where
-            problems.append(f"{at}.{told(slip, _key(slip, keys, band))} {UNUSUAL}")
+            problems.append(f"{at}.{slip_text(slip, _key(slip, keys, band))} {UNUSUAL}")
         return None
     except ValueError as error:
         problems.append(f"{where}: {error}")
@@ -60,26 +63,14 @@ def cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str])
 
 def _key(slip: Slip, cell: schema.CellKeys, band: dict[str, Any] | None) -> str:
     """The key of a cell, or of its band, that holds a size."""
-    if slip.name == "load.force" and cell.load_N is not None:
-        return "load_N"
+    if slip.name.startswith("load."):
+        constant = slip.name == "load.force" and cell.load_N is not None
+        return "load_N" if constant else "load_mm_N"
     if band is None or slip.name not in ("extension", "tension"):
-        return _KEYS[slip.name]
+        return key_of(slip)
     return "table_mm_N" if "table_mm_N" in band else "shape_mm"
 
 
-_KEYS = {
-    "p": "p_mm",
-    "q": "q_mm",
-    "lever": "lever_mm",
-    "limit": "limit_deg",
-    "rest_length": "rest_length_mm",
-    "stiffness": "stiffness_N_per_m",
-    "a2": "quadratic_per_mm",
-    "a3": "cubic_per_mm2",
-    "friction": "friction_N",
-    "load.travel": "load_mm_N",
-    "load.force": "load_mm_N",
-}
 UNUSUAL = "If it is meant so, set unusual = true in the table of the cell."
 
 
@@ -102,48 +93,14 @@ def merged(
 
 
 def _band(keys: dict[str, Any]) -> Band:
-    p, q = _metres(keys["p_mm"]), _metres(keys["q_mm"])
-    values: dict[str, Any] = {"law": _law(keys)}
-    if "rest_length_mm" in keys:
-        values["rest_length"] = units.moved(keys["rest_length_mm"], -3)
-    if "stiffness_N_per_m" in keys:
-        values["stiffness"] = float(keys["stiffness_N_per_m"])
-    if "table_mm_N" in keys:
-        extension, tension = _columns(keys["table_mm_N"], -3, 0)
-        measured = Band.from_table(p, q, 0.0, extension, tension)
+    values = {field_of(key): si(key, value) for key, value in keys.items()}
+    table, shape = values.pop("table", ()), values.pop("shape", ())
+    cubic = values.pop("a2", None), values.pop("a3", None)
+    if shape:
+        values["law"] = Table(*zip(*shape, strict=True))
+    elif cubic != (None, None):
+        values["law"] = Cubic(*(number or 0.0 for number in cubic))
+    elif table:
+        measured = Band.from_table(values["p"], values["q"], 0.0, *zip(*table, strict=True))
         values |= {"law": measured.law, "stiffness": measured.stiffness}
-    return Band(p, q, **values, two_sided=keys.get("two_sided", False))
-
-
-def _metres(point: tuple[Decimal, Decimal]) -> tuple[float, float]:
-    return units.moved(point[0], -3), units.moved(point[1], -3)
-
-
-def _law(keys: dict[str, Any]) -> Law:
-    if "shape_mm" in keys:
-        return Table(*_columns(keys["shape_mm"], -3, -3))
-    if "quadratic_per_mm" in keys or "cubic_per_mm2" in keys:
-        none = Decimal(0)
-        return Cubic(
-            units.moved(keys.get("quadratic_per_mm", none), 3),
-            units.moved(keys.get("cubic_per_mm2", none), 6),
-        )
-    return Linear()
-
-
-def _load(keys: schema.CellKeys) -> Load | None:
-    if keys.load_N is not None:
-        return Load.constant(float(keys.load_N))
-    if keys.load_mm_N is not None:
-        return Load(*_columns(keys.load_mm_N, -3, 0))
-    return None
-
-
-def _columns(
-    rows: tuple[tuple[Decimal, Decimal], ...], first: int, second: int
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The two columns of a table, the decimal points moved by `first` and `second` places."""
-    return (
-        tuple(units.moved(x, first) for x, _ in rows),
-        tuple(units.moved(y, second) for _, y in rows),
-    )
+    return Band(**values)

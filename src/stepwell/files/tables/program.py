@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue
-from stepwell.files.schema import chain as schema
+from stepwell.files.schema import chain as schema, si, written
 from stepwell.files.text import array, quoted, units, value_text
 from stepwell.mechanism import Chain
 
@@ -65,14 +65,14 @@ class WrittenProgram(ByValue):
 
     def text(self, chain: Chain) -> str:
         """The table [program] in the design file of the chain."""
-        key, places = _key(chain), _places(chain)
-        points = array(units.toml(units.shortest(p, places)) for p in self.turning_points)
+        key = _KEYS[chain.actuator_stiffness == 0]
+        points = written(key, self.turning_points)
         ends = "" if self.ends is None else f"ends = {quoted(self.ends)}\n"
         unusual = "unusual = true\n" if _near_nothing(self.turning_points, chain) else ""
         return f"[program]\nstart = {quoted(self.start)}\n{key} = {points}\n{ends}{unusual}"
 
 
-def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
+def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
     """The program of a file; `problems` gets a line for everything the chain cannot do."""
     for key, state in (("start", keys.start), ("ends", keys.ends)):
         if state is not None and len(state) != len(chain):
@@ -81,14 +81,14 @@ def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> Writ
                 f"for each cell, inner first."
             )
     start = keys.start or "0" * len(chain)
-    key, other = _key(chain), next(k for k in _KEYS if k != _key(chain))
+    key, other = _KEYS if chain.actuator_stiffness else _KEYS[::-1]
     drives: tuple[Decimal, ...] | None = getattr(keys, key)
     if drives is None:
         given = value_text(getattr(keys, other))
         control = "prescribes the force" if key.endswith("N") else "moves"
         problems.append(f"program.{other} = {given}: the actuator {control}, so it must be {key}.")
         return WrittenProgram(start, (), keys.ends)
-    points = tuple(units.moved(drive, -_places(chain)) for drive in drives)
+    points: tuple[float, ...] = si(key, drives)
     if math.isinf(chain.actuator_stiffness) and not problems:
         problems += _out_of_reach(points, start, chain)
         if _near_nothing(points, chain) and not keys.unusual:
@@ -104,10 +104,6 @@ def written(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> Writ
 
 
 _KEYS = ("turning_points_mm", "turning_points_N")
-
-
-def _key(chain: Chain) -> str:
-    return _KEYS[chain.actuator_stiffness == 0]
 
 
 def _places(chain: Chain) -> int:

@@ -6,39 +6,40 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from stepwell.files.schema import fields, robot as schema, slip_lines
-from stepwell.files.tables.cells import Shared, cell, merged
-from stepwell.files.tables.sources import sources
+from stepwell.files.tables.cells import Shared, cells_of, merged
+from stepwell.files.tables.tree import sources
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain, SlipError
 from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
 
 T = TypeVar("T")
 
+# What a robot has one of, under the name of its table.
+PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
+
 
 def robot(keys: schema.RobotKeys, name: str) -> Robot:
     """The robot, with every check; DesignError where that is none, with every reason found."""
     problems: list[str] = []
-    parts = {
-        "body": _made("body", Body, fields(keys.body), problems),
-        "foot": _made("foot", Foot, fields(keys.foot), problems),
-        "blocks": _made("blocks", Blocks, fields(keys.blocks), problems),
-        "floor": _made("floor", Floor, fields(keys.floor), problems),
-        "drive": _made("drive", Drive, fields(keys.drive), problems),
+    parts: dict[str, Any] = {
+        name: part_of(name, make, fields(getattr(keys, name)), problems)
+        for name, make in PARTS.items()
     }
-    legs = [_leg(keys, i, problems) for i in range(len(keys.leg))]
-    antennas = [
-        _made(f"antenna[{i}]", Antenna, fields(one), problems) for i, one in enumerate(keys.antenna)
+    legs = [_leg(keys.chain, one, f"leg[{i}]", problems) for i, one in enumerate(keys.leg)]
+    antennas: list[Any] = [
+        part_of(f"antenna[{i}]", Antenna, fields(one), problems)
+        for i, one in enumerate(keys.antenna)
     ]
     said = {path: label for label, paths in keys.source.lists().items() for path in paths}
     if not problems:
         try:
             made = Robot(
-                legs,  # type: ignore[arg-type]
-                antennas=antennas,  # type: ignore[arg-type]
+                legs,
+                antennas=antennas,
                 title=keys.title,
                 sources=said,
                 unusual=keys.unusual,
-                **parts,  # type: ignore[arg-type]
+                **parts,
             )
         except SlipError as error:
             problems += slip_lines(error)
@@ -52,9 +53,10 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     raise DesignError(name, dict.fromkeys(problems))
 
 
-def _made(
+def part_of(
     where: str, make: Callable[..., T], values: dict[str, Any], problems: list[str]
 ) -> T | None:
+    """A part, or None and a line more in `problems`."""
     try:
         return make(**values)
     except ValueError as error:
@@ -62,34 +64,18 @@ def _made(
         return None
 
 
-def _leg(keys: schema.RobotKeys, index: int, problems: list[str]) -> Leg | None:
-    leg, where = keys.leg[index], f"leg[{index}]"
-    before = len(problems)
-    chain = _chain(keys.chain, leg.chain, where, problems)
-    if len(problems) > before:
-        return None
-    values = fields(leg, left_out=["chain"]) | {"chain": chain}
-    return _made(where, Leg, values, problems)
-
-
-def _chain(
-    common: schema.LegChainKeys, own: schema.LegChainKeys, leg: str, problems: list[str]
-) -> Chain | None:
-    where = f"{leg}.chain" if own.cell else "chain"
-    shared = Shared(
-        own.lever_mm or common.lever_mm,
-        own.limit_deg or common.limit_deg,
-        own.unusual or common.unusual,
-        merged(common.band.given(), own.band.given(), f"{leg}.chain.band", problems),
-    )
+def _leg(common: schema.LegChainKeys, keys: schema.LegKeys, where: str, problems: list[str]) -> Any:
+    own, before = keys.chain, len(problems)
+    band = merged(common.band.given(), own.band.given(), f"{where}.chain.band", problems)
     tables = own.cell or common.cell
     if not tables:
         problems.append(
-            f"{leg}.chain: is missing. Give the cells of all legs under [[chain.cell]], or those "
+            f"{where}.chain: is missing. Give the cells of all legs under [[chain.cell]], or those "
             f"of this leg under [[leg.chain.cell]]."
         )
+    place = f"{where}.chain" if own.cell else "chain"
+    cells = cells_of(tables, Shared.of(band, common, own), place, problems)
+    if len(problems) > before:
         return None
-    cells = [cell(one, shared, f"{where}.cell[{i}]", problems) for i, one in enumerate(tables)]
-    if any(one is None for one in cells):
-        return None
-    return Chain(tuple(one for one in cells if one), title=own.title or common.title)
+    chain = Chain(cells, title=own.title or common.title)
+    return part_of(where, Leg, fields(keys, left_out=["chain"]) | {"chain": chain}, problems)

@@ -9,5 +9,4 @@ from stepwell.files.text.errors import (
     value_text,
 )
 from stepwell.files.text.paths import Item, Steps, find, spelled
-from stepwell.files.text.toml import parsed
-from stepwell.files.text.toml_text import Written, array, inline, lines, mm, number, quoted
+from stepwell.files.text.toml import Written, array, inline, lines, parsed, quoted

@@ -18,6 +18,7 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from types import EllipsisType
 
 from stepwell.base import InputError, nearest_word
 
@@ -33,12 +34,9 @@ class Item:
 Steps = tuple[str | Item, ...]
 
 
-class _All:
-    """What stands for every item of a list."""
-
-
-ALL = _All()
-Token = str | int | _All
+# What stands for every item of a list.
+ALL = ...
+Token = str | int | EllipsisType
 
 _TOKEN = re.compile(
     r"""
@@ -57,14 +55,7 @@ _OF_EVERY_CELL = ("lever_mm", "limit_deg", "band")
 
 def spelled(steps: Iterable[str | Item]) -> str:
     """The path of a number as `parameters` lists it."""
-    path = ""
-    for step in steps:
-        if isinstance(step, Item) and step.name is None:
-            path += f"[{step.index}]"
-        else:
-            word = str(step.name if isinstance(step, Item) else step)
-            path += ("." if path else "") + _word(word)
-    return path
+    return _shown(map(_token, steps))
 
 
 def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
@@ -125,7 +116,9 @@ def _below(tokens: list[Token], steps: Steps) -> Steps | None:
             if token is not ALL and token not in (step.index, step.name):
                 return None
         elif (
-            token == "band" and step == "bands" and not isinstance(_get(tokens, k + 1), int | _All)
+            token == "band"
+            and step == "bands"
+            and not isinstance(_get(tokens, k + 1), int | EllipsisType)
         ):
             at += 1  # what a cell's bands share
         elif token != step:
@@ -151,8 +144,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
         return f"{_NONE}: {_shown(before)} is one number, leave out what follows."
     options: dict[str, Token] = {}
     for head in heads:
-        token = head if isinstance(head, str) else head.index if head.name is None else head.name
-        options[_shown([token])] = token
+        options[_shown([_token(head)])] = _token(head)
     more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
     options |= {key: key for key in more}
     near = nearest_word(wrong.strip(".[]"), options)
@@ -165,13 +157,17 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
     return f"{_NONE}. Known{after}: {', '.join(options)}."
 
 
-def _shown(tokens: list[Token]) -> str:
+def _token(step: str | Item) -> str | int:
+    return step if isinstance(step, str) else step.index if step.name is None else step.name
+
+
+def _shown(tokens: Iterable[Token]) -> str:
     path = ""
     for token in tokens:
         if isinstance(token, int):
             path += f"[{token}]"
         else:
-            path += ("." if path else "") + ("*" if isinstance(token, _All) else _word(token))
+            path += ("." if path else "") + (_word(token) if isinstance(token, str) else "*")
     return path
 
 

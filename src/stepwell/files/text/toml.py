@@ -1,14 +1,19 @@
-"""TOML in: tables whose numbers are still the decimals of the file."""
+"""TOML in, its numbers still the decimals of the file; and out, as a person would write it."""
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
+from collections.abc import Iterable, Mapping
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
 from stepwell.base import limits
 from stepwell.files.text.errors import DesignError
+
+# The keys of a table, each with its value as it stands in the file.
+Written = dict[str, str]
 
 # Where a key can begin; the reader below takes the square of its depth. Nothing is tried twice.
 _KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
@@ -52,3 +57,24 @@ def _refuse_deep(text: str, name: str) -> None:
         line = text.count("\n", 0, deep.start()) + 1
         names = len(re.findall(_KEY, deep[0]))
         raise DesignError(name, [f"line {line}: has {limits.problem('depth', names)}"])
+
+
+def array(items: Iterable[str]) -> str:
+    """A list of what is written already."""
+    return f"[{', '.join(items)}]"
+
+
+def inline(keys: Mapping[str, str]) -> str:
+    """A table on one line."""
+    return "{ " + ", ".join(lines(keys)) + " }"
+
+
+def lines(keys: Mapping[str, str]) -> list[str]:
+    """A line for each key."""
+    return [f"{key} = {value}" for key, value in keys.items()]
+
+
+def quoted(text: str) -> str:
+    """Text in quotes."""
+    # JSON's escapes are TOML's, but TOML also wants the delete character escaped.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

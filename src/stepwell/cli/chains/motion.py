@@ -1,0 +1,178 @@
+"""`stepwell run`, `graph`, `program` and `animate`: what a chain does."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stepwell.cli.options import (
+    Design,
+    Drive,
+    Force,
+    ForceFile,
+    From,
+    Json,
+    Out,
+    To,
+    free,
+    free_file,
+    own,
+    planned,
+    read_chain,
+)
+from stepwell.cli.screen import answered, finish, progress, show_json, show_lines, usable
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle, Program
+
+
+def run(design: Design, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+    """Say what a design does.
+
+    Its sequence, its forces, every switch and snap, and how far it is from doing otherwise.
+    With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
+    written into a folder, together with the design.
+    """
+    from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
+    from stepwell.design import margin
+
+    text, chain = read_chain(design)
+    free(out, "run", force, design=text)
+    with progress("following") as tell:
+        cycle = chain.cycle(progress=tell)
+    with progress("margin") as tell:
+        limits = margin(cycle.chain, progress=tell)
+    record = results.run_record(cycle, limits, design=text)
+    write = partial(reports.write_run, cycle, limits, design=text, source=design)
+    finish(record, texts.run, as_json, out, force, write)
+
+
+def graph(
+    design: Design,
+    drive: Drive = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            metavar="STATE",
+            help="Only what can be reached from this state, such as 000; all states by default.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
+            dir_okay=False,
+        ),
+    ] = None,
+    force: ForceFile = False,
+    as_json: Json = False,
+) -> None:
+    """Say everything that one actuator can do to a chain.
+
+    Its transition graph in the terms of the field: main loop and sub-loops, Garden-of-Eden
+    states, return-point memory, scrambling, accumulators, latches, and states out of reach.
+    With --out, the graph is drawn, or written for other programs.
+    """
+    from stepwell import reports, results
+
+    text, chain = read_chain(design)
+    free_file(out, force)
+    if out is not None:
+        with usable("--out"):
+            reports.checked_suffix(out)
+    with usable(design), progress("graph") as tell:
+        found = chain.graph(drive, start=start, progress=tell)
+        record = results.graph_record(found, design=text)
+    if out is not None:
+        with usable("--out"):
+            reports.write_graph(found, out)
+    if as_json:
+        show_json(record, *([out] if out else []))
+        return
+    title = [chain.title, ""] if chain.title else []
+    show_lines(*title, str(found.reading), *(["", f"Wrote {out}"] if out else []))
+
+
+def program(
+    design: Design,
+    start: From = None,
+    to: To = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the fewest turning points of the actuator from one state to another.
+
+    Each comes with the window in which turning does the same; or you get the proof that no
+    program does it. Without --to, the program in the design file is played, and you are told
+    whether it ends as it should. With --out, a figure, the turning points as CSV, the result
+    as JSON and the design with the program in it are written into a folder.
+    """
+    from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
+    from stepwell.sequences import Unreachable
+
+    text, chain = read_chain(design)
+    free(out, "program", force)
+    try:
+        found = planned(chain, start, to) if start or to else own(text, design)
+    except Unreachable as why:
+        record, write = results.unreachable_record(chain, start, to, why, design=text), None
+    else:
+        record = results.program_record(found, design=text)
+        write = partial(reports.write_program, found, design=text)
+    finish(record, texts.program, as_json, out, force, write)
+    answered(record["does_it"])
+
+
+def animate(
+    design: Design,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE.gif", help="The file to write.")
+    ] = Path("cycle.gif"),
+    seconds: Annotated[float, typer.Option(help="How long one round lasts [s].", min=0.5)] = 8.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.", min=1, max=50)] = 20.0,
+    program: Annotated[
+        bool,
+        typer.Option(
+            "--program",
+            help="Play the design's own program, or one planned to --to, instead of a full cycle.",
+        ),
+    ] = False,
+    start: From = None,
+    to: To = None,
+    force: ForceFile = False,
+) -> None:
+    """Write a design in motion as a GIF.
+
+    Snaps included, with the energy landscape of two cells, or the force of more, beside it.
+    """
+    from stepwell import figures
+
+    free_file(out, force)
+    result = _motion(design, program, start, to)
+    try:
+        with progress("frames") as tell:
+            figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    show_lines(f"Wrote {out}")
+
+
+def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cycle | Program:
+    from stepwell import files
+
+    if not program:
+        if start or to:
+            raise typer.BadParameter("needs --program.", param_hint="--to" if to else "--from")
+        return files.load_chain(design).cycle()
+    if start or to:
+        return planned(files.load_chain(design), start, to)
+    return own(files.read(design), design)

@@ -1,0 +1,286 @@
+"""`stepwell lab`: measured data in, calibrated bands and verdicts out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.base import __version__, versions
+from stepwell.cli.options import Force, Json, Out, free, window as read_window
+from stepwell.cli.screen import EXIT_CODES, finish, progress, usable, warn
+
+if TYPE_CHECKING:
+    from stepwell.lab import Recording
+
+commands = typer.Typer(no_args_is_help=True, add_completion=False)
+
+
+@commands.callback()
+def lab() -> None:
+    """Read recordings of a test machine, fit bands, and compare with the model."""
+
+
+@commands.command(epilog=EXIT_CODES)
+def read(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...",
+            help="Recordings or folders of them: Bluehill raw data as text, or CSV with named "
+            "columns.",
+        ),
+    ],
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Read recordings and say what they hold.
+
+    A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
+    With --out, all samples are written into a folder as one tidy table with units.
+    """
+    from stepwell import lab as measured
+    from stepwell.cli.text import lab as texts
+    from stepwell.reports import write_readings
+
+    free(out, "lab read", force)
+    with progress("reading") as tell:
+        batch = measured.read_all(files, progress=tell)
+    record = {
+        **_head("read", batch.recordings),
+        "recordings": measured.summary(batch.recordings),
+        "refused": [{"source": e.name, "problem": e.problem} for e in batch.refused],
+        "ignored": list(batch.ignored),
+    }
+    write = partial(write_readings, batch.recordings, record) if batch.recordings else None
+    finish(record, texts.readings, as_json, out, force, write)
+    if not batch.recordings:
+        raise typer.Exit(2)
+
+
+@commands.command(epilog=EXIT_CODES)
+def band(
+    folders: Annotated[
+        list[Path],
+        typer.Argument(metavar="FOLDER...", help="Tension tests of bands."),
+    ],
+    window: Annotated[
+        str,
+        typer.Option(
+            "--window-mm", metavar="FROM:TO", help="Stroke between which bands are fitted."
+        ),
+    ] = "5:35",
+    cycles: Annotated[
+        str, typer.Option(metavar="FROM:TO", help="Cycles that are fitted, from 1; both included.")
+    ] = "5:9",
+    drop: Annotated[
+        list[int] | None,
+        typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
+    ] = None,
+    cycles_per_sample: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="How many files in a row are of one sample, where names only count.",
+        ),
+    ] = None,
+    gauge: Annotated[
+        float | None,
+        typer.Option(
+            "--gauge-mm", metavar="LENGTH", help="Length of the band at stroke 0, if you know it."
+        ),
+    ] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="The law to write, whatever cross-validation chooses."),
+    ] = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say how stiff bands are, and write a `band` table for a design file.
+
+    Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
+    force law that predicts a sample best. The defaults for window and cycles are the paper's.
+    With --out, the table, the numbers and a figure are written into a folder.
+    """
+    from stepwell import lab as measured
+    from stepwell.cli.text import lab as texts
+    from stepwell.reports import write_band
+
+    free(out, "lab band", force)
+    low, high = read_window(window)
+    first, last = map(int, read_window(cycles, whole=True))
+    given = _recordings(folders)
+    test = measured.band_test(
+        given,
+        window=(low * 1e-3, high * 1e-3),
+        cycles=(first, last),
+        drop=drop or (),
+        cycles_per_sample=cycles_per_sample,
+    )
+    with usable("--gauge-mm"):
+        choice = measured.choose_law(test, None if gauge is None else gauge * 1e-3)
+    with usable("--law"):
+        source = ", ".join(folder.name for folder in folders)
+        table = measured.band_table(test, measured.stiffness(test), choice, law, source)
+    record = measured.band_record(test, choice, table) | {"data_sha256": measured.hashes(given)}
+    finish(record, texts.band, as_json, out, force, partial(write_band, test, choice, record))
+
+
+_Data = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DATA",
+        help="A folder of recordings, at any depth, or one recording.",
+    ),
+]
+_Baseline = Annotated[
+    Path | None,
+    typer.Option(
+        "--baseline",
+        metavar="PATH",
+        help="Runs without a band; by default those in DATA whose name says friction.",
+    ),
+]
+_NoBaseline = Annotated[
+    bool, typer.Option("--no-baseline", help="Subtract no friction, whatever is there.")
+]
+
+
+@commands.command(epilog=EXIT_CODES)
+def compare(
+    data: _Data,
+    designs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[DESIGN]...",
+            help="What was tested, or what file names leave open; the paper's cell by default.",
+        ),
+    ] = None,
+    baseline: _Baseline = None,
+    no_baseline: _NoBaseline = False,
+    as_designed: Annotated[
+        bool,
+        typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
+    ] = False,
+    bar: Annotated[
+        float,
+        typer.Option("--bar-mm", metavar="LENGTH", min=20, help="Bar of the rig; inf for none."),
+    ] = 70.0,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Compare unit cells and pairs on a test machine with their models.
+
+    Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
+    energy judged, a pair the order of its cells and its snaps.
+    With --out, verdicts, curves and figures are written into a folder.
+    """
+    from stepwell import files, lab as measured, reports
+    from stepwell.cli.text import lab as texts
+
+    free(out, "lab compare", force)
+    given = _recordings([data])
+    designed = {design: files.read(design) for design in designs or ()}
+    comparison = measured.compare(
+        given,
+        [files.loads(text, design) for design, text in designed.items()],
+        baseline=_subtracted(baseline, no_baseline),
+        as_designed=as_designed,
+        rig=measured.Rig(math.inf if math.isinf(bar) else bar * 1e-3),
+    )
+    record = measured.comparison_record(comparison) | {
+        "designs_sha256": {design: files.digest(text) for design, text in designed.items()},
+        "data_sha256": measured.hashes(given),
+    }
+    write = partial(reports.write_comparison, comparison, record)
+    finish(record, texts.comparison, as_json, out, force, write)
+
+
+@commands.command(epilog=EXIT_CODES)
+def calibrate(
+    data: _Data,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="linear or cubic; by default the one that predicts better."
+        ),
+    ] = None,
+    baseline: _Baseline = None,
+    no_baseline: _NoBaseline = False,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Fit one physical model to all unit cells at once.
+
+    Stiffness, rest length, loss on the way back and friction, with the error of each geometry
+    predicted from the others, and the band as a table for a design file.
+    With --out, the table, the numbers and a figure are written into a folder.
+    """
+    from stepwell import lab as measured
+    from stepwell.cli.text import lab as texts
+    from stepwell.reports import write_calibration
+
+    free(out, "lab calibrate", force)
+    given = _recordings([data])
+    found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
+    samples = measured.prepare(found.series)
+    with progress("fits") as tell:
+        calibration = measured.calibrate(samples, law, progress=tell)
+    record = {
+        **_head("calibrate", given),
+        **measured.fit_record(calibration),
+        "told": [
+            f"{one.name}: {line}"
+            for one in found.series
+            for line in one.told
+            if len(one.chain) == 1
+        ]
+        + [f"{one.name}: left out, a pair" for one in found.series if len(one.chain) > 1]
+        + list(found.told),
+        "table": measured.calibrated_table(calibration, data.name),
+    }
+    write = partial(write_calibration, calibration, record)
+    finish(record, texts.calibration, as_json, out, force, write)
+
+
+def _head(command: str, recordings: Sequence[Recording]) -> dict[str, Any]:
+    from stepwell.lab import hashes
+
+    return {
+        "schema": f"stepwell.lab.{command}/1",
+        "stepwell": __version__,
+        "versions": versions(),
+        "data_sha256": hashes(recordings),
+    }
+
+
+def _recordings(paths: Sequence[Path]) -> list[Recording]:
+    """All recordings of some paths; what cannot be read is told on standard error."""
+    from stepwell.lab import LabError, read_all
+
+    with progress("reading") as tell:
+        batch = read_all(paths, progress=tell)
+    for error in batch.refused:
+        warn(str(error))
+    if not batch.recordings:
+        raise LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
+    return list(batch.recordings)
+
+
+def _subtracted(path: Path | None, none: bool) -> list[Recording] | None:
+    """The runs to subtract: those given, none, or None where names decide."""
+    if path is not None and none:
+        raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
+    if none:
+        return []
+    return None if path is None else _recordings([path])

@@ -1,0 +1,91 @@
+"""How a chain is driven: by which actuator, and by which program of it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.cli.screen import progress, usable
+
+if TYPE_CHECKING:
+    from stepwell.mechanism import Chain
+    from stepwell.sequences import Program
+
+
+def drive(text: str) -> str | float:
+    """stroke, force, or a stiffness in N/m."""
+    from stepwell.mechanism import SOFTEST, STIFFEST
+
+    if text in ("stroke", "force"):
+        return text
+    try:
+        stiffness = float(text)
+    except ValueError:
+        stiffness = -1.0
+    if not SOFTEST <= stiffness <= STIFFEST:
+        raise typer.BadParameter(
+            f"{text!r}: must be stroke, force, or the actuator's stiffness in N/m, {SOFTEST:g} to "
+            f"{STIFFEST:g}."
+        )
+    return stiffness
+
+
+def _option(default: str) -> Any:
+    return typer.Option(
+        "--drive",
+        parser=drive,
+        metavar="stroke|force|K",
+        help=f"What the actuator prescribes, or its stiffness [N/m]; {default} by default.",
+    )
+
+
+Drive = Annotated[str | None, _option("as in the design")]
+NewDrive = Annotated[str | None, _option("the stroke")]
+
+
+def stiffness_of(drive: str | float | None) -> float:
+    """The stiffness of such an actuator [N/m]; a prescribed stroke where none is named."""
+    return drive if isinstance(drive, float) else 0.0 if drive == "force" else math.inf
+
+
+From = Annotated[
+    str | None,
+    typer.Option(
+        "--from",
+        metavar="STATE",
+        help="Where it begins, such as 10, inner cell first; all cells at 0 by default.",
+    ),
+]
+To = Annotated[
+    str | None,
+    typer.Option("--to", metavar="STATE", help="The state to end in, such as 01."),
+]
+
+
+def planned(chain: Chain, start: str | None, to: str | None) -> Program:
+    """The shortest program; raises `Unreachable` where there is none."""
+    from stepwell.sequences import Unreachable
+
+    if to is None:
+        raise typer.BadParameter("needs --to STATE, the state to end in.", param_hint="--from")
+    for option, state in (("--from", start), ("--to", to)):
+        if state is not None and (len(state) != len(chain) or set(state) - {"0", "1"}):
+            problem = f"{state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
+            raise typer.BadParameter(problem, param_hint=option)
+    with usable("--from", Unreachable), progress("program") as tell:
+        return chain.program(to, start=start, progress=tell)
+
+
+def own(text: str, design: str) -> Program:
+    """The program that stands in a design file, on its chain."""
+    from stepwell import files
+
+    chain, written = files.loads_chain(text, design), files.loads_program(text, design)
+    if written is None:
+        raise files.DesignError(design, ["has no table [program]: pass --to STATE to plan one."])
+    try:
+        return written.on(chain)
+    except ValueError as error:
+        raise files.DesignError(design, [f"program: {error}"]) from None

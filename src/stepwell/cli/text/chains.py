@@ -1,0 +1,306 @@
+"""The results of commands about chains as people read them."""
+
+from typing import Any
+
+from stepwell.base import Column, Quantity, number, signed
+from stepwell.cli.screen import (
+    show_facts,
+    show_lines,
+    show_records,
+    show_text,
+    wrapped,
+)
+from stepwell.design.margins import WAY
+from stepwell.results import (
+    BUILT,
+    CELL,
+    SENSITIVITY,
+    TOLERANCES,
+    change_columns,
+    event_columns,
+)
+from stepwell.sequences import Pathway
+from stepwell.sequences.programs import turn_schema
+
+# The states of a longer chain are too long to be read.
+MOST_CELLS = 12
+
+
+def run(record: dict[str, Any]) -> None:
+    """Print what `results.run_record` returns."""
+    names = [cell["name"] for cell in record["cells"]]
+    found = {
+        "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
+        "Pathway": (record["pathway"] or "").replace("_", " "),
+        "Loading": _order(record["loading_order"], names),
+        "Unloading": _order(record["unloading_order"], names),
+        "Peak force": f"{number(record['peak_force_N'])} N",
+        "Dissipated": f"{number(record['dissipated_mJ'])} mJ in a cycle",
+        "Margin": _nearest(record["margin"]),
+    }
+    show_facts(record, found, 12)
+    show_records("Cells, innermost first", CELL, record["cells"])
+    show_events(record["events"], names)
+    changes = record["margin"]["changes"]
+    show_records(
+        "Margin: the smallest change of one thing that gives another sequence",
+        change_columns(names, changes),
+        changes,
+    )
+    if record["ties"]:
+        show_lines("", "Too close to call", *record["ties"])
+
+
+def _order(cells: list[int], names: list[str]) -> str:
+    shown = ", ".join(names[cell] for cell in cells[:12])
+    return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
+
+
+def _nearest(margin: dict[str, Any]) -> str:
+    found: list[str] = []
+    for key, unit in (("distance_mm", "mm of an anchor"), ("distance_percent", "% of a stiffness")):
+        known = [c[key] for c in margin["changes"] if c.get(key) is not None]
+        if known:
+            found.append(f"{number(min(known))} {unit}")
+    if not found:
+        return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
+    return f"{' or '.join(found)} to another sequence ({margin['method']})"
+
+
+def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
+    """Print a table of switches and snaps."""
+    show_records("Switches and snaps", event_columns(names), events)
+
+
+def map_(record: dict[str, Any]) -> None:
+    """Print what `results.map_record` returns."""
+    across, up = (
+        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
+        f"{axis['count']} values"
+        for axis in (record["across"], record["up"])
+    )
+    show_lines(record["title"], "", f"Across {across}; up {up}")
+    labels = {pathway.value: pathway.label for pathway in Pathway}
+    pathway = Column("pathway", lambda one: labels.get(one["sequence"], ""))
+    show_records(
+        "Sequences",
+        [
+            *([pathway] if "pathway_shares" in record else []),
+            Quantity("sequence", head="sequence"),
+            Column("share of the map", lambda one: f"{100 * one['share']:.1f} %", True),
+        ],
+        [{"sequence": name, "share": share} for name, share in record["shares"].items() if share],
+        most=None,
+    )
+    show_lines(
+        "",
+        f"{record['moved_cell']} is monostable on {100 * record['monostable_fraction']:.1f} % of "
+        f"the map. {record['closed_form_designs']} designs in closed form, "
+        f"{record['engine_designs']} by the engine; {record['degenerate_designs']} sit on a "
+        f"boundary.",
+    )
+    show_records("Boundaries", _BOUNDARY, record["boundaries"], most=None)
+
+
+def _error(boundary: Any) -> str:
+    exact = boundary["method"] == "exact"
+    return "" if exact else f"{number(boundary['error_of_axes'], 2)} of the axes"
+
+
+_BOUNDARY = (
+    Quantity("changes", head="what changes"),
+    Quantity("points", head="points", left=False),
+    Quantity("method", head="how"),
+    Column("within", _error),
+)
+
+
+def program(record: dict[str, Any]) -> None:
+    """Print what `results.program_record` or `results.unreachable_record` returns."""
+    if record["arrives"] is None:
+        show_facts(record, {}, 10)
+        show_lines(*wrapped(record["reason"]))
+        return
+    unit = "N" if "turning_points_N" in record else "mm"
+    slack = record[f"slack_{unit}"]
+    found = {
+        "Program": f"{record['from']} to {record['to']}: {_verdict(record)}",
+        "Turns at": _points(record[f"turning_points_{unit}"], unit),
+        "Slack": slack is not None
+        and f"every turn may be off by {number(slack, 3)} {unit} at once",
+        "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
+    }
+    show_facts(record, found, 10)
+    # Where a turn can go back to is known of programs that were searched for.
+    columns = turn_schema(unit)[: None if any(turn["branch"] for turn in record["turns"]) else -1]
+    show_records(
+        "Turns: anywhere in its window each does the same",
+        [Quantity("turn", head="turn"), *columns],
+        [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
+    )
+    show_events(record["events"], record["cells"])
+    show_text(f"{record['reason']}.")
+
+
+def _verdict(record: dict[str, Any]) -> str:
+    times = f"{record['strokes']} stroke{'s' * (record['strokes'] != 1)}"
+    return times if record["does_it"] else f"ends in {record['arrives']} after {times}"
+
+
+def _points(points: list[float], unit: str) -> str:
+    more = f" and {len(points) - 12} more" if len(points) > 12 else ""
+    return " → ".join(map(number, points[:12])) + f" {unit}{more}"
+
+
+# Of the places on the way every so manieth is printed; --json and --out have all.
+EVERY = 5
+
+
+def reprogram(record: dict[str, Any]) -> None:
+    """Print what `results.reprogram_record` returns."""
+    if not record["possible"]:
+        wanted = record["target"] or "another sequence"
+        show_facts(record, {}, 0)
+        show_lines(
+            f"No displacement of {record['by']} up to {number(record['reach_mm'])} mm makes it "
+            f"{wanted} ({record['method']}).",
+        )
+    elif not record["distance_mm"]:
+        show_facts(record, {}, 0)
+        show_lines(f"It does {record['before']} already.")
+        return
+    else:
+        _displacement(record)
+    if record["resolution"]:
+        show_text(f"Searched, not exact: {record['resolution']}")
+
+
+def _displacement(record: dict[str, Any]) -> None:
+    x, y = record["displacement_mm"]
+    at_x, at_y = record["place_mm"]
+    found = {
+        "Now": record["before"],
+        "Then": record["after"],
+        "Move": f"{record['by']} by ({signed(x)}, {signed(y)}) mm, {number(record['distance_mm'])} "
+        f"mm, to ({number(at_x)}, {number(at_y)}) mm ({record['method']})",
+        "Force": f"up to {number(record['largest_force_N'])} N against the displacement",
+        "Work": f"{number(record['work_at_0_mJ'])} mJ at state 0 of the cell, "
+        f"{number(record['work_at_1_mJ'])} mJ at state 1",
+    }
+    show_facts(record, found, 7)
+    columns = [Quantity("moved", "mm", "moved"), *WAY[1:]]
+    keys = [column.key for column in columns]
+    rows = (
+        (one["fraction"] * record["distance_mm"], *one["at_mm"], *list(one.values())[2:])
+        for one in record["way"]
+    )
+    show_records(
+        "On the way: force against the displacement",
+        columns,
+        [dict(zip(keys, row, strict=True)) for row in rows],
+        most=None,
+        every=EVERY,
+    )
+
+
+# A list of more states than these helps nobody.
+MOST_STATES = 16
+
+
+def design(record: dict[str, Any]) -> None:
+    """Print what `results.design_record` or `results.impossible_record` returns."""
+    if not record["possible"]:
+        show_lines(*wrapped(record["reason"]))
+        return
+    names = [cell["name"] for cell in record["cells"]]
+    shares = _shares(record["yield"], names) | {"Wanted": ""}
+    found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
+    show_facts({"title": ""}, found, 10)
+    name, p, q, *others = BUILT
+    show_records("Cells, innermost first", [name, q, p, *others], record["cells"])
+    more = f"more states may be in reach: {record['states_how']}"
+    show_text(record["reason"], *([] if record["states_whole"] else [more]), record["assumptions"])
+
+
+def _states(record: dict[str, Any]) -> dict[str, str]:
+    count, states = record["state_count"], record["states"]
+    listed = f"{count} states" if record["states_whole"] else f"{count} states surely"
+    if states is None:
+        return {"In reach": listed}
+    more = f" and {len(states) - MOST_STATES} more" if len(states) > MOST_STATES else ""
+    listed += f": {', '.join(states[:MOST_STATES])}{more}"
+    return {"Sequence": record["sequence"], "In reach": listed}
+
+
+def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
+    if found is None:
+        return ""
+    text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
+    if found["meet"] is not None:
+        first, second = (names[cell] for cell in found["meet"])
+        text += f"; then {first} and {second} change places while {found['while']}"
+    return text
+
+
+MOST_ROWS = 12
+
+
+def yields(record: dict[str, Any]) -> None:
+    """Print what `results.yield_record` or `results.survival_record` returns."""
+    show_facts(record, _shares(record, record["cells"]), 10)
+    if "outcomes" not in record:
+        show_text(record["assumptions"])
+        return
+    if record["advice"]:
+        show_text(record["advice"])
+    show_records(
+        "What the others do",
+        [
+            Column("outcome", lambda one: one["outcome"]),
+            Column("share", lambda one: _percent(one["count"] / record["samples"]), True),
+        ],
+        record["outcomes"],
+        most=MOST_ROWS,
+    )
+    if record["sensitivities"] is not None:
+        show_records(
+            "Share of the variance of the smallest gap that a part makes, alone and with others",
+            SENSITIVITY,
+            sorted(record["sensitivities"], key=lambda one: -one["total"]),
+            most=MOST_ROWS,
+        )
+        if record["gap_agreement"] is not None:
+            agreed = _percent(record["gap_agreement"])
+            show_lines(f"The gap tells what the engine finds in {agreed}")
+    show_text(record["assumptions"])
+
+
+def _shares(record: dict[str, Any], names: list[str]) -> dict[str, str]:
+    """Share, tolerances and critical pair of a yield."""
+    low, high = _percent(record["share_low"]), _percent(record["share_high"])
+    return {
+        "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
+        "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
+        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'])}",
+        "Critical": _critical(record.get("critical"), names),
+    }
+
+
+def _percent(share: float) -> str:
+    """A share, with digits enough that 99.99 % is not printed as certain."""
+    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
+
+
+def _tolerances(given: dict[str, float]) -> str:
+    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in TOLERANCES if given[q.key]]
+    return ", ".join(told) or "no tolerance"
+
+
+def _critical(pair: dict[str, Any] | None, names: list[str]) -> str:
+    if pair is None:
+        return ""
+    first, second = names[pair["first"]], names[pair["second"]]
+    return (
+        f"{first} before {second} while {pair['while']}: in the other order in "
+        f"{_percent(pair['share'])}"
+    )

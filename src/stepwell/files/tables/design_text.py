@@ -1,0 +1,183 @@
+"""A chain or a robot as the text of its design file: what cells share first, then each cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from stepwell.files.schema import robot as schema, table_lines, written
+from stepwell.files.text import Written, array, inline, lines, quoted
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
+from stepwell.robot import Robot
+from stepwell.robot.parts import of_robot
+
+
+class Common(NamedTuple):
+    """What is written once for several cells."""
+
+    keys: Written
+    band: Written
+
+    def lines(self) -> list[str]:
+        """The keys of a [chain] table."""
+        return lines(self.keys) + ([f"band = {inline(self.band)}"] if self.band else [])
+
+
+def chain_text(chain: Chain) -> str:
+    """The design file of a chain."""
+    shared = _shared_by(chain.cells)
+    text = [*_title(chain.title), ""] if chain.title else []
+    text += ["[chain]", *lines(shared.keys)]
+    if chain.actuator_stiffness != math.inf:
+        text += lines(_written({"actuator_stiffness_N_per_m": chain.actuator_stiffness}))
+    text += shared._replace(keys={}).lines()
+    for cell in chain.cells:
+        text += ["", "[[chain.cell]]", *_cell_lines(cell, shared)]
+    return "\n".join(text) + "\n"
+
+
+def _shared_by(cells: Sequence[Cell]) -> Common:
+    """What all these cells have in common."""
+    every = [_band(band) for cell in cells for band in cell.bands]
+    band = _shared(every, ("stiffness_N_per_m", "rest_length_mm", "two_sided"))
+    keys = _shared([_cell(cell) for cell in cells], ("lever_mm", "limit_deg"))
+    return Common(keys, band | _shared_law(every))
+
+
+def _cell_lines(cell: Cell, shared: Common) -> list[str]:
+    """The keys of a [[chain.cell]] table, without those that are shared."""
+    keys = _cell(cell)
+    bands = [_band(band) for band in cell.bands]
+    bands = [{key: band[key] for key in band if key not in shared.band} for band in bands]
+    name = [f"name = {quoted(cell.name)}"] if cell.name else []
+    rest = {key: keys[key] for key in keys if key not in shared.keys}
+    return [*name, *_own_bands(bands), *lines(rest)]
+
+
+def _own_bands(bands: list[Written]) -> list[str]:
+    if len(bands) > 1:
+        return ["bands = [", *(f"    {inline(band)}," for band in bands), "]"]
+    anchors = {key: bands[0][key] for key in ("p_mm", "q_mm")}
+    rest = {key: bands[0][key] for key in bands[0] if key not in anchors}
+    return lines(anchors) + ([f"band = {inline(rest)}"] if rest else [])
+
+
+def _shared(tables: list[Written], names: tuple[str, ...]) -> Written:
+    return {
+        name: tables[0][name]
+        for name in names
+        if all(table.get(name) == tables[0].get(name) for table in tables) and name in tables[0]
+    }
+
+
+def _shared_law(bands: list[Written]) -> Written:
+    names = ("quadratic_per_mm", "cubic_per_mm2", "table_mm_N", "shape_mm")
+    laws = [{name: band[name] for name in names if name in band} for band in bands]
+    return laws[0] if all(law == laws[0] for law in laws) else {}
+
+
+def _cell(cell: Cell) -> Written:
+    keys: dict[str, Any] = {"lever_mm": cell.lever, "limit_deg": cell.limit}
+    if cell.load is not None:
+        rows = tuple(zip(cell.load.travel, cell.load.force, strict=True))
+        if len(rows) == 1 and rows[0][0] == 0:
+            keys["load_N"] = rows[0][1]
+        else:
+            keys["load_mm_N"] = rows
+    if cell.friction:
+        keys["friction_N"] = cell.friction
+    if cell.unusual or slips(cell):  # what the program made is read again, however odd
+        keys["unusual"] = True
+    return _written(keys)
+
+
+def _band(band: Band) -> Written:
+    keys: dict[str, Any] = {
+        "p_mm": band.p,
+        "q_mm": band.q,
+        "stiffness_N_per_m": band.stiffness,
+        "rest_length_mm": band.rest_length,
+    }
+    if band.two_sided:
+        keys["two_sided"] = True
+    if isinstance(band.law, Cubic):
+        keys |= {"quadratic_per_mm": band.law.a2, "cubic_per_mm2": band.law.a3}
+    if isinstance(band.law, Table):
+        tension = _tension(band, band.law)
+        if tension:
+            del keys["stiffness_N_per_m"]
+        name = "table_mm_N" if tension else "shape_mm"
+        keys[name] = tuple(zip(band.law.extension, tension or band.law.shape, strict=True))
+    return _written(keys)
+
+
+def _written(keys: dict[str, Any]) -> Written:
+    return {key: written(key, value) for key, value in keys.items()}
+
+
+def _tension(band: Band, law: Table) -> tuple[float, ...] | None:
+    """The law in newtons, if reading it gives this very band again; round numbers first."""
+    for digits in (15, 16, 17):
+        tension = tuple(float(f"{band.stiffness * y:.{digits}g}") for y in law.shape)
+        if tension[-1] < 1e-9:
+            return None
+        again = Band.from_table(band.p, band.q, band.rest_length, law.extension, tension)
+        if (again.stiffness, again.law) == (band.stiffness, law):
+            return tension
+    return None
+
+
+def robot_text(robot: Robot) -> str:
+    """The file as a person would write it: what legs and cells share stands once."""
+    chains = [leg.chain for leg in robot.legs]
+    shared = _shared_by([cell for chain in chains for cell in chain.cells])
+    alike = all(chain == chains[0] for chain in chains)
+    text = ["[chain]", *(_title(chains[0].title) if alike else []), *shared.lines(), ""]
+    if alike:
+        text += _cells("chain.cell", chains[0], shared)
+    return _text(robot, text, shared, own_chains=not alike)
+
+
+def whole_text(robot: Robot) -> str:
+    """The file in which every leg and every cell has all its keys to itself."""
+    return _text(robot, [], Common({}, {}), own_chains=True)
+
+
+def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -> str:
+    odd = robot.unusual or any(of_robot(robot))
+    head = _title(robot.title) + (["unusual = true"] if odd else [])
+    text = [*head, *([""] if head else []), *chain]
+    for name in ("body", "foot", "blocks", "floor", "drive"):
+        text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
+    for leg in robot.legs:
+        text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]
+        if own_chains:
+            text += ["[leg.chain]", *_title(leg.chain.title), ""] if leg.chain.title else []
+            text += _cells("leg.chain.cell", leg.chain, shared)
+    for antenna in robot.antennas:
+        text += ["[[antenna]]", *table_lines(schema.AntennaKeys, antenna), ""]
+    return "\n".join([*text, *_source(robot)]).rstrip("\n") + "\n"
+
+
+def _cells(table: str, chain: Chain, shared: Common) -> list[str]:
+    return [
+        line for cell in chain.cells for line in (f"[[{table}]]", *_cell_lines(cell, shared), "")
+    ]
+
+
+def _title(title: str) -> list[str]:
+    return [f"title = {quoted(title)}"] if title else []
+
+
+def _source(robot: Robot) -> list[str]:
+    labels = [*schema.SOURCES, *sorted(set(robot.sources.values()) - set(schema.SOURCES))]
+    lists = {
+        label: [path for path, said in robot.sources.items() if said == label] for label in labels
+    }
+    rows = [
+        f"{label if label.isalpha() else quoted(label)} = {array(map(quoted, paths))}"
+        for label, paths in lists.items()
+        if paths
+    ]
+    return ["[source]", *rows] if rows else []
