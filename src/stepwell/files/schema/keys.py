@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from stepwell.files.schema.chain import Keys
@@ -78,18 +78,25 @@ def si(key: str, value: Any, column: int = 0) -> Any:
 
 def written(key: str, value: Any, column: int = 0) -> str:
     """A value in SI as the file writes it."""
+    if isinstance(value, float):
+        return _number(repr(value), unit_of(key, column))
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return quoted(str(value))
     if isinstance(value, tuple):
-        return array(written(key, part, i) for i, part in enumerate(value))
+        return array([written(key, part, i) for i, part in enumerate(value)])
     if key == "cell":
         return str(value + 1)
-    unit = unit_of(key, column)
+    return _number(repr(float(value)), unit_of(key, column))
+
+
+# Cells of one chain have many sizes in common. By its digits, for 0 equals -0.
+@lru_cache(4096)
+def _number(digits: str, unit: str) -> str:
     if unit == "deg":
-        return units.toml(units.degrees(value))
-    return units.toml(units.shortest(value, -_PLACES.get(unit, 0)))
+        return units.toml(units.degrees(float(digits)))
+    return units.toml(units.shortest(float(digits), -_PLACES.get(unit, 0)))
 
 
 def slips_text(error: SlipError) -> str:
