@@ -461,7 +461,7 @@ def test_a_reading_is_printed_in_millimetres_or_newtons():
     assert "0 → 54.23 → 15.77 → 54.23 mm" in text and "main loop            000>100>" in text
     assert text.startswith("3 cells driven by stroke: 8 vertices on 4 branches\n")
     assert repr(graph(NESTED).reading) == (
-        "Reading(3 cells, 4 branches, 2 sub-loops, 0 unreachable, forgets a turn, "
+        "MemoryReading(3 cells, 4 branches, 2 sub-loops, 0 unreachable, forgets a turn, "
         "0 scrambled pairs, 0 accumulators, 0 latches)"
     )
     assert repr(graph(NESTED).reading.return_point_memory) == (

@@ -18,7 +18,7 @@ from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
 from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.search import resolution
-from stepwell.design.orders import full_cycle
+from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import parameter
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
@@ -210,4 +210,4 @@ def reprogram(
 
 
 def _parsed(target: str, cells: int) -> Sequence:
-    return Sequence.parse(full_cycle(target, cells, "target"))
+    return Sequence.parse(checked_cycle(target, cells, "target"))

@@ -11,15 +11,14 @@ from stepwell.sequences import Sequence
 Ints = NDArray[np.int64]
 
 
-def full_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
+def checked_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
     """A full cycle of so many cells without its spaces; messages call it `name`.
 
     Raises:
         ValueError: a text that is none.
     """
     states = wanted.replace(" ", "").split(">")
-    one_by_one = list(range(cells))
-    example = f"for example {short(sorted_cycle(one_by_one, one_by_one))!r}"
+    example = f"for example {short(str(Sequence.full_cycle(range(cells), range(cells))))!r}"
     for state in states:
         if len(state) != cells or not set(state) <= {"0", "1"}:
             raise InputError(
@@ -45,15 +44,10 @@ def orders_of(wanted: str) -> Ints | None:
     return None if found is None else np.array(found)
 
 
-def sorted_cycle(loading: list[int], unloading: list[int]) -> str:
-    """The cycle in which the cells load and unload one by one in these orders."""
-    return str(Sequence.full_cycle(loading, unloading))
-
-
 def numbered_cycle(number: int, cells: int) -> str:
     """The cycle whose two orders are the digits of a number in base `cells`."""
     digits = [number // cells**place % cells for place in reversed(range(2 * cells))]
-    return sorted_cycle(digits[:cells], digits[cells:])
+    return str(Sequence.full_cycle(digits[:cells], digits[cells:]))
 
 
 def short(sequence: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from stepwell.base import InputError
-from stepwell.design.orders.full_cycle import full_cycle, short
+from stepwell.design.orders.full_cycle import checked_cycle, short
 from stepwell.sequences import Sequence
 
 # Many orders may do the same, more or less surely. So many are tried, of so many.
@@ -89,7 +89,7 @@ def of_sequence(text: str) -> Orders:
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
-    text = full_cycle(str(text), cells, "sequence")
+    text = checked_cycle(str(text), cells, "sequence")
     found = Sequence.parse(text).orders
     if found is None:
         raise InputError(

@@ -28,7 +28,7 @@ def fits(cells: int, candidates: int) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class Selection:
     """What a search among candidates found.
 
     Attributes:
@@ -53,7 +53,7 @@ def best_choice(
     add: bool,
     floor: float = -np.inf,
     most_nodes: int = 1_000_000,
-) -> Choice:
+) -> Selection:
     """The choice of one candidate a cell with the largest sum, or smallest, of gaps.
 
     Each order by itself is a longest path through the candidates, which takes no search. Cells
@@ -101,7 +101,7 @@ def best_choice(
         )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
-    return Choice(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
+    return Selection(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
 
 
 @kernel

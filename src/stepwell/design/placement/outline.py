@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
-from stepwell.design.plane import Box, bisected, trace
+from stepwell.design.plane import Box, narrowed, trace
 
 Floats = NDArray[np.float64]
 
@@ -16,7 +16,7 @@ _HALVINGS = 16
 def outlines(rule: Rule, region: Region) -> list[Floats]:
     """Closed curves (m, 2) of (F0, F1) [N] round what one cell can have, for every kind.
 
-    The images of the edges of the allowed anchors, each edge found on a grid and bisected.
+    The images of the edges of the allowed anchors, each edge found on a grid and narrowed.
     """
     box = region.bounds
     grid = Box(box.left, box.right, box.bottom, box.top).grid(_NODES)
@@ -36,7 +36,7 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
             low = np.where(inside[:, None], rim[ends[0]], rim[ends[1]])
             high = np.where(inside[:, None], rim[ends[1]], rim[ends[0]])
             yes = np.ones(len(low), np.bool_)
-            low, _, _ = bisected(allowed, low, high, yes, ~yes, _HALVINGS)
+            low, _, _ = narrowed(allowed, low, high, yes, ~yes, _HALVINGS)
             # A corner of the box is the end of two edges.
             new = np.append(True, np.any(np.diff(low, axis=0) != 0.0, axis=1))
             found.append(rule.end_forces(low[new], k))

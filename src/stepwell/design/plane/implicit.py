@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.plane.bisect import bisected
+from stepwell.design.plane.narrow import narrowed
 from stepwell.design.plane.trace import trace
 
 Floats = NDArray[np.float64]
@@ -69,6 +69,6 @@ def curves(level: Level, grid: Floats, values: Floats) -> list[Floats]:
         low, high = tuple(line.low.T), tuple(line.high.T)
         # One root on every edge, by bisection: it cannot leave the edge, so the ends of a curve
         # lie on the rim of the grid exactly.
-        a, b, _ = bisected(level.above, grid[low], grid[high], above[low], above[high], 46)
+        a, b, _ = narrowed(level.above, grid[low], grid[high], above[low], above[high], 46)
         found.append((a + b) / 2)
     return found

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.plane.bisect import bisected
+from stepwell.design.plane.narrow import narrowed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,7 +51,7 @@ def parted(
     turns = np.flatnonzero(label[1:] != label[:-1])
     # From both sides: a third label may lie between.
     near, far = np.append(turns, turns + 1), np.append(turns + 1, turns)
-    ends, _, _ = bisected(
+    ends, _, _ = narrowed(
         lambda t: ask(project(t)), points[near], points[far], label[near], label[far], steps
     )
     before, after = np.split(project(ends), 2)

@@ -10,7 +10,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Line:
+class Crossings:
     """The grid edges that one curve crosses, in order.
 
     `low` and `high` are (m, 2) int, the (row, column) of both ends of each edge; the label is
@@ -22,7 +22,9 @@ class Line:
     high: Ints
 
 
-def trace(label: Ints, centre: Callable[[int, int], int], ignore: int | None = None) -> list[Line]:
+def trace(
+    label: Ints, centre: Callable[[int, int], int], ignore: int | None = None
+) -> list[Crossings]:
     """All curves between unlike nodes, one for every pair of labels that meet along it.
 
     Args:
@@ -81,7 +83,7 @@ def trace(label: Ints, centre: Callable[[int, int], int], ignore: int | None = N
                 link(*same)
 
     return [
-        Line(pair(chain[0]), *(np.array([ends(e)[k] for e in chain]) for k in (0, 1)))
+        Crossings(pair(chain[0]), *(np.array([ends(e)[k] for e in chain]) for k in (0, 1)))
         for chain in _chains(links)
     ]
 

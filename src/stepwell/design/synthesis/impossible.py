@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import StepwellError
 from stepwell.concave import TIED
-from stepwell.design.orders import Goal, short
+from stepwell.design.orders import Target, short
 from stepwell.design.synthesis.attempt import Attempt
 
 Floats = NDArray[np.float64]
@@ -48,12 +48,12 @@ class Impossible(StepwellError, ValueError):
 
 
 def nothing_works(
-    goal: Goal, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
+    target: Target, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
     """Why nothing does what is wanted.
 
     Args:
-        goal: what is wanted.
+        target: what is wanted.
         attempts: to have the end forces in its orders.
         missed: what the engine finds of those that have them.
         rest: what else the engine has tried.
@@ -61,7 +61,7 @@ def nothing_works(
         proved: whether nothing was left out.
     """
     if not attempts:
-        return Impossible(goal.text, _with(goal.wish.why, rest, proved), proved=proved)
+        return Impossible(target.text, _with(target.wish.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
     kind = "lattice places" if nearest.holes is None else "holes"
     if any(not len(table.q) for table in nearest.tables):
@@ -72,19 +72,19 @@ def nothing_works(
         )
         advice = "allow other places or another band, tighter tolerances or a stronger actuator"
         return Impossible(
-            goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved, allowed=allowed
+            target.text, f"{_with(why, rest, proved)}: {advice}", proved=proved, allowed=allowed
         )
     region, force = nearest.region(), np.concatenate([table.force for table in nearest.tables])
     needed = TIED * float(np.max(np.abs(force)))
     if missed:
         why = (
-            f"with F0 and F1 in the wanted orders the engine finds that it {_does(goal, missed)}, "
+            f"with F0 and F1 in the wanted orders the engine finds that it {_does(target, missed)}, "
             f"as can be with unequal levers, or where a cell overtakes another in a snap"
         )
         advice = "allow equal_levers=True, other places or other levers"
         gap = nearest.smallest_gap()
         return Impossible(
-            goal.text,
+            target.text,
             f"{_with(why, rest, proved)}: {advice}",
             proved=proved,
             allowed=allowed,
@@ -109,7 +109,7 @@ def nothing_works(
         f"{needed * 1e3:.2g} mN is needed)"
     )
     return Impossible(
-        goal.text,
+        target.text,
         f"{_with(why, rest, proved)}: allow more places or other bands",
         proved=proved,
         allowed=allowed,
@@ -125,8 +125,8 @@ def _with(why: str, rest: str, proved: bool) -> str:
     return why if proved else f"{why}; other cells than these were not tried"
 
 
-def _does(goal: Goal, missed: str) -> str:
-    return missed if goal.states is not None else f"does {missed}"
+def _does(target: Target, missed: str) -> str:
+    return missed if target.states is not None else f"does {missed}"
 
 
 def _order(cells: tuple[int, ...]) -> str:

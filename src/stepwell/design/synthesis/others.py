@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
 from stepwell.concave import TIED
-from stepwell.design.orders import Goal
+from stepwell.design.orders import Target
 from stepwell.design.placement import Candidates, joined, measured
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.statics import StaticsError
@@ -23,7 +23,7 @@ _LOOKED_AT = 2400
 
 
 def another(
-    goal: Goal, attempts: list[Attempt], actuator_stiffness: float, seed: int
+    target: Target, attempts: list[Attempt], actuator_stiffness: float, seed: int
 ) -> tuple[Attempt | None, int]:
     """The surest of some random placements that does what is wanted by the engine.
 
@@ -45,22 +45,22 @@ def another(
         for row in np.flatnonzero(sure > -np.inf).tolist():
             pool.append((float(sure[row]), len(pool), attempt, table.take(picks[row])))
     pool.sort(key=lambda one: (-one[0], one[1]))
-    most = _LOOKED_AT // goal.cells
+    most = _LOOKED_AT // target.cells
     for looked_at, (_, _, attempt, cells) in enumerate(pool[:most], 1):
         placed = replace(attempt, best=measured(attempt.rule, attempt.orders, cells))
-        if _does(goal, placed, actuator_stiffness):
+        if _does(target, placed, actuator_stiffness):
             finer = placed.refined()
-            return (finer if _does(goal, finer, actuator_stiffness) else placed), looked_at
+            return (finer if _does(target, finer, actuator_stiffness) else placed), looked_at
     return None, min(most, len(pool))
 
 
-def _does(goal: Goal, attempt: Attempt, actuator_stiffness: float) -> bool:
+def _does(target: Target, attempt: Attempt, actuator_stiffness: float) -> bool:
     chain = attempt.chain(actuator_stiffness, "")
     try:
-        seen = goal.look(chain)
+        seen = target.look(chain)
     except (StaticsError, ValueError):
         return False
-    return not goal.misses(seen, attempt.orders)
+    return not target.misses(seen, attempt.orders)
 
 
 def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:

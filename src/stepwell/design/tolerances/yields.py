@@ -22,7 +22,7 @@ from stepwell.base import (
     require,
     write_csv,
 )
-from stepwell.design.orders import by_cells_at_1, full_cycle, reached, short, unsearchable
+from stepwell.design.orders import by_cells_at_1, checked_cycle, reached, short, unsearchable
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
@@ -227,7 +227,7 @@ def yields(
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
-    target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
+    target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), len(chain))
     tally = Tally(Draws(chain, tolerances, seed), target, states)
     if sensitivity and tally.orders is None:
         raise InputError(

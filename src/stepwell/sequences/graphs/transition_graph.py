@@ -25,7 +25,7 @@ from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.statics import Tie
 
 if TYPE_CHECKING:
-    from stepwell.sequences.memory import Reading
+    from stepwell.sequences.memory import MemoryReading
 
 
 class TransitionGraph(nx.DiGraph):
@@ -97,7 +97,7 @@ class TransitionGraph(nx.DiGraph):
         return self.graph["unit"]
 
     @cached_property
-    def reading(self) -> Reading:
+    def reading(self) -> MemoryReading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
         from stepwell.sequences.memory import read
 

@@ -21,7 +21,7 @@ MOST_BY_HAND = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Reading(ByValue):
+class MemoryReading(ByValue):
     """What a transition graph says about a machine, in terms that the literature uses.
 
     A *branch* here is all that the chain goes through to and fro without a snap; under force
@@ -67,7 +67,7 @@ class Reading(ByValue):
     def __repr__(self):
         memory = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
         return (
-            f"Reading({self.graph.cells} cells, {self.branches} branches, {self.sub_loop_count} "
+            f"MemoryReading({self.graph.cells} cells, {self.branches} branches, {self.sub_loop_count} "
             f"sub-loops, {len(self.unreachable)} unreachable, {memory}, "
             f"{len(self.scrambling)} scrambled pairs, "
             f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
@@ -79,7 +79,7 @@ class Reading(ByValue):
         return report(self)
 
 
-def read(graph: TransitionGraph) -> Reading:
+def read(graph: TransitionGraph) -> MemoryReading:
     """Recognise in a graph what the field has names for.
 
     Args:
@@ -97,7 +97,7 @@ def read(graph: TransitionGraph) -> Reading:
     reachable = frozenset(label for number in reached.tolist() for label in drawn.labels[number])
     memory = return_point_memory(drawn, routes)
     groups = groups_of(graph)
-    return Reading(
+    return MemoryReading(
         graph,
         len(drawn.mesostates),
         main_loop(drawn),

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stepwell.sequences.memory.reading import Reading
+    from stepwell.sequences.memory.reading import MemoryReading
 
 # Items of a list that are shown.
 _SHOWN = 6
 
 
-def report(reading: Reading) -> str:
+def report(reading: MemoryReading) -> str:
     """One line for each thing that was looked for."""
     graph = reading.graph
     lines = [
@@ -46,20 +46,20 @@ def _listed(items: Sequence[str], nothing: str = "none") -> str:
     return f"{', '.join(items[:_SHOWN])}{more}"
 
 
-def _sub_loops(reading: Reading) -> str:
+def _sub_loops(reading: MemoryReading) -> str:
     if reading.sub_loops is None:
         return f"{reading.sub_loop_count}"
     listed = _listed([str(loop) for loop in reading.sub_loops])
     return f"{reading.sub_loop_count}: {listed}" if reading.sub_loops else listed
 
 
-def _gardens(reading: Reading) -> str:
+def _gardens(reading: MemoryReading) -> str:
     if reading.garden_of_eden is None:
         return "not known: the graph began with one state"
     return _listed(reading.garden_of_eden)
 
 
-def _memory(reading: Reading) -> str:
+def _memory(reading: MemoryReading) -> str:
     lapse = reading.return_point_memory.witness
     if lapse is None:
         return "holds"
@@ -67,7 +67,7 @@ def _memory(reading: Reading) -> str:
     return f"fails: {way} stands at {lapse.first} when first there and at {lapse.later} later"
 
 
-def _scrambling(reading: Reading) -> str:
+def _scrambling(reading: MemoryReading) -> str:
     names = reading.graph.names
     return _listed(
         [
@@ -79,7 +79,7 @@ def _scrambling(reading: Reading) -> str:
     )
 
 
-def _accumulators(reading: Reading) -> str:
+def _accumulators(reading: MemoryReading) -> str:
     found = reading.counting.accumulators
     part = "" if reading.counting.exhaustive else " (searched in part)"
     counts = [
@@ -90,6 +90,6 @@ def _accumulators(reading: Reading) -> str:
     return _listed(counts) + part
 
 
-def _latches(reading: Reading) -> str:
+def _latches(reading: MemoryReading) -> str:
     ways = [f"{a}>{b}" for latch in reading.latches for a, b, _ in latch.ways]
     return _listed(ways)

@@ -10,7 +10,7 @@ Floats = NDArray[np.float64]
 Labels = NDArray[Any]
 
 
-def bisected(
+def narrowed(
     ask: Callable[[Floats], Labels], a: Floats, b: Floats, at_a: Labels, at_b: Labels, steps: int
 ) -> tuple[Floats, Floats, Labels]:
     """Both ends of m ways, after each has been halved again and again between unlike places.

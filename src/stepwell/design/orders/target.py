@@ -29,7 +29,7 @@ class Seen(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Goal:
+class Target:
     """A cycle, or a set of states that shall be in reach and no others.
 
     Attributes:
