@@ -67,8 +67,8 @@ class MemoryReading(ByValue):
     def __repr__(self):
         memory = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
         return (
-            f"MemoryReading({self.graph.cells} cells, {self.branches} branches, {self.sub_loop_count} "
-            f"sub-loops, {len(self.unreachable)} unreachable, {memory}, "
+            f"MemoryReading({self.graph.cells} cells, {self.branches} branches, "
+            f"{self.sub_loop_count} sub-loops, {len(self.unreachable)} unreachable, {memory}, "
             f"{len(self.scrambling)} scrambled pairs, "
             f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
         )
