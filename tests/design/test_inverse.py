@@ -624,11 +624,11 @@ def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
 
 
 def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
-    from stepwell.design.orders import goal
+    from stepwell.design.orders import target
 
-    real: Callable[..., sequences.Cycle] = goal.cycle
+    real: Callable[..., sequences.Cycle] = target.cycle
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
-    monkeypatch.setattr(goal, "cycle", lambda chain: other)
+    monkeypatch.setattr(target, "cycle", lambda chain: other)
     with pytest.raises(Impossible, match="finds that it does 00>10>11>01>00") as refusal:
         design("00>01>11>10>00", n=1)
     assert not refusal.value.proved

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.sequences.cycles import Cycle, Pathway, cycle
-from stepwell.sequences.programs import Program, Turn, Unreachable
+from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 
 from stepwell.sequences.programs import program  # isort: skip - after the module of that name
 from stepwell.sequences.cycles import Sequence
@@ -73,6 +73,7 @@ __all__ = [
     "Node",
     "Pathway",
     "Program",
+    "ProgramMethod",
     "MemoryReading",
     "ReturnPointMemory",
     "Scrambling",

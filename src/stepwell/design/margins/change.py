@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import ByValue
 from stepwell.design.parameters import of_cell
+from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
@@ -28,7 +29,7 @@ class Change(ByValue):
             nothing within reach changes the sequence.
         move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.
         past: the same a hair further, where the sequence is another one already.
-        method: "exact" or "search".
+        method: exact, or a search.
     """
 
     chain: Chain = field(repr=False)
@@ -37,7 +38,7 @@ class Change(ByValue):
     distance: float
     move: tuple[float, float] | float
     past: tuple[float, float] | float = field(repr=False)
-    method: str
+    method: Method
 
     @property
     def design(self) -> Chain | None:

@@ -14,6 +14,7 @@ from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
 from stepwell.design.margins.search import nearest_found
 from stepwell.design.parameters import Parameter
+from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
@@ -33,13 +34,13 @@ class Nearest(NamedTuple):
         distance: its length [m]; infinite where there is none within reach.
         move, past: (dx, dy) of the anchor there [m] and where the chain does otherwise; NaN
             where there is none.
-        method: "exact" (closed form, to rounding) or "search".
+        method: exact, or a search.
     """
 
     distance: float
     move: Vec2
     past: Vec2
-    method: str
+    method: Method
 
 
 def sequence(chain: Chain) -> Sequence:
@@ -96,7 +97,7 @@ def nearest(
             # Where any other sequence will do, the closed form is proof enough.
             sure = proved and wanted is None
             past = just_past[0] if sure else next(filter(does, just_past), None)
-    method = "exact" if proved else "search"
+    method = Method.EXACT if proved else Method.SEARCH
     within = ways.reach if known is None or past is None else known.distance
     if not proved:
         found = nearest_found(

@@ -20,6 +20,7 @@ from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.search import resolution
 from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import parameter
+from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
@@ -73,7 +74,7 @@ class Reprogramming(ByValue):
         chain_after: the design a hair further on, where it does it; None if nowhere.
         before, after: the sequences as it is and a hair past, by the engine; `after` is empty
             where there is none.
-        method: "exact" (closed form, to rounding) or "search".
+        method: exact, or a search.
         resolution: what a search can miss; empty where nothing was searched.
     """
 
@@ -86,7 +87,7 @@ class Reprogramming(ByValue):
     chain_after: Chain | None = field(repr=False)
     before: str
     after: str
-    method: str
+    method: Method
     resolution: str
 
     @property
@@ -189,7 +190,7 @@ def reprogram(
     wanted = None if target is None else _parsed(str(target), len(chain))
     before = cycle(chain).sequence
     if before == wanted:
-        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), "exact")
+        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
     else:
         forces = SortedChain.of(chain)
         found = nearest(chain, forces, before, anchor, wanted, ways, progress)
@@ -205,7 +206,7 @@ def reprogram(
         str(before),
         "" if after is None else str(cycle(after).sequence),
         found.method,
-        resolution(ways, wanted is not None) if found.method == "search" else "",
+        resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
     )
 
 

@@ -9,6 +9,7 @@ from stepwell.concave import SortedChain
 from stepwell.design.margins.change import Change
 from stepwell.design.margins.nearest import sequence
 from stepwell.design.parameters import of_cell
+from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence
 from stepwell.statics import StaticsError
@@ -39,9 +40,9 @@ def stiffness(chain: Chain, forces: SortedChain | None, now: Sequence, cell: int
         cell: whose bands are made stiffer or softer, all alike.
     """
     if forces is None:
-        moves, past, method = _searched(chain, now, cell), (0.0, 0.0), "search"
+        moves, past, method = _searched(chain, now, cell), (0.0, 0.0), Method.SEARCH
     else:
-        moves, past, method = _quotients(forces, cell), (_PAST, -_PAST), "exact"
+        moves, past, method = _quotients(forces, cell), (_PAST, -_PAST), Method.EXACT
     common = (chain, cell, "stiffness")
     if not moves:
         return Change(*common, math.inf, math.nan, math.nan, method)

@@ -1,6 +1,6 @@
 """Curves in a plane of two parameters: traced, narrowed, made smooth, cut."""
 
-from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind
+from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind, Method
 from stepwell.design.plane.box import Box
 from stepwell.design.plane.implicit import Level, curves
 from stepwell.design.plane.narrow import narrowed

@@ -15,17 +15,13 @@ from functools import partial
 from stepwell.base import bisected
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Section, Travels, passages_of
-from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
 from stepwell.statics import StaticsError, path
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
 # Places closer than this share of all that can be travelled and driven are not both tried.
 _SAME = 1e-4
-_METHOD = (
-    "searched with friction, turning in the middle of every smooth part of every run; each window "
-    "was bisected with the other turns where they are, and a shorter program may exist"
-)
 
 
 def search_with_friction(
@@ -112,7 +108,16 @@ def _widened(
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
     return Program(
-        chain, start, to, origin[1], points[-1], tuple(windows), *ends, _METHOD, False, origin[0]
+        chain,
+        start,
+        to,
+        origin[1],
+        points[-1],
+        tuple(windows),
+        *ends,
+        ProgramMethod.FRICTION,
+        False,
+        origin[0],
     )
 
 

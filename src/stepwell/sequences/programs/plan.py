@@ -20,19 +20,13 @@ from stepwell.sequences.branches import (
     passages_of,
 )
 from stepwell.sequences.programs.friction import search_with_friction
-from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
 from stepwell.statics import path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
 # Branches after which a search gives up without an answer.
 _MOST_BRANCHES = 20_000
-
-_BY_BRANCHES = (
-    "found among all branches that can be reached, in the order of the number of turns: none does "
-    "it with fewer"
-)
-_BY_FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
 
 Progress = Callable[[int, int], None]
 
@@ -108,7 +102,7 @@ def _by_fields(
         turns,
         low,
         high,
-        _BY_FIELDS,
+        ProgramMethod.FIELDS,
         order.leaders_win,
         origin[0],
     )
@@ -201,7 +195,7 @@ def _by_branches(
             low, high = end
             return Program(
                 branches.chain, start, to, origin[1], (low + high) / 2, reached.turns, low, high,
-                _BY_BRANCHES, not branches.ties, origin[0],
+                ProgramMethod.BRANCHES, not branches.ties, origin[0],
             )  # fmt: skip
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
