@@ -59,7 +59,8 @@ def test_a_graph_comes_back_the_same_to_the_last_bit(out, back, seed, cells, dri
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
     try:
         found = graph(chain, drive)
-    except StaticsError:
+    except (StaticsError, sw.InputError):
+        # Among the latter: cells that are slack all the way stand nowhere behind a spring.
         assume(False)
         raise
     again = back(out(found))
