@@ -3,6 +3,7 @@ quantities with their units.
 """
 
 from stepwell.base import check, limits, usual
+from stepwell.base.arrays import Bools, Floats, Ints
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError

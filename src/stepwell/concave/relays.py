@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave.sorting import TIED, one_travel, proved_cells
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,15 +9,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, simple
 from stepwell.concave.ends import proved_ends
 from stepwell.kernels import kernel
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _SAME = 1e-12  # relative difference of travels that are meant to be equal
 TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engine
@@ -76,7 +73,7 @@ class SortedChain:
     forces: tuple[Floats, Floats]  # F0 and F1 [N], (N,) each
     loading: tuple[int, ...]  # cells in order of arrival
     unloading: tuple[int, ...]
-    places: tuple[NDArray[np.int64], NDArray[np.int64]]  # of every cell in those two orders
+    places: tuple[Ints, Ints]  # of every cell in those two orders
 
     @classmethod
     def of(cls, chain: Chain) -> "SortedChain | None":

@@ -3,14 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism.curves import cubic, cubic_area
 from stepwell.mechanism.geometry import band_length, force_slopes, length_slopes, sine_at
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Laws(NamedTuple):

@@ -11,9 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, Quantity, Schema, told_in, variables, write_csv
+from stepwell.base import (
+    ByValue,
+    Floats,
+    InputError,
+    Ints,
+    Quantity,
+    Schema,
+    told_in,
+    variables,
+    write_csv,
+)
 from stepwell.kernels import watched
-from stepwell.mechanism import Chain, Floats, Ints
+from stepwell.mechanism import Chain
 from stepwell.statics.events import Event, Tie
 from stepwell.statics.following import (
     EQUILIBRIUM,

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import InputError, Ints
 from stepwell.kernels import UNLIMITED
-from stepwell.mechanism import Chain, Ints, Laws, pack
+from stepwell.mechanism import Chain, Laws, pack
 from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
 from stepwell.statics.outcome import StaticsError
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from stepwell.mechanism import Floats
+from stepwell.base import Floats
 from stepwell.statics.events import Cause, Event, EventKind
 from stepwell.statics.following import log as logged
 from stepwell.statics.segment import Segment, SegmentKind

@@ -6,9 +6,9 @@ from time import monotonic
 
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
-from stepwell.mechanism import Chain, Floats, pack
+from stepwell.mechanism import Chain, pack
 from stepwell.statics.following import (
     DONE,
     GAVE_UP,

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import InputError
-from stepwell.mechanism import Chain, Floats, law
+from stepwell.base import Floats, InputError
+from stepwell.mechanism import Chain, law
 from stepwell.statics.following import (
     FREE,
     HELD,

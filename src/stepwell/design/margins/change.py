@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import ByValue
 from stepwell.design.parameters import of_cell
@@ -12,8 +11,6 @@ from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.concave import Simple, concave_disc, concave_line
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

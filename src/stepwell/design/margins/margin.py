@@ -5,9 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import REACH, ByValue
+from stepwell.base import REACH, ByValue, Floats
 from stepwell.concave import SortedChain
 from stepwell.design.margins.change import Change
 from stepwell.design.margins.displacements import Displacements
@@ -18,8 +17,6 @@ from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 # Printed lines, and the longest chain whose sequences are printed with them.
 _SHOWN = 6

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
@@ -19,7 +19,6 @@ from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
 
-Floats = NDArray[np.float64]
 Vec2 = tuple[float, float]
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that

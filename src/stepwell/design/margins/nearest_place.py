@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave import Simple, end_force, steepest
 from stepwell.design.margins.displacements import Displacements
 from stepwell.kernels import entry, kernel
-
-Floats = NDArray[np.float64]
 
 # A box is small enough for Newton's method where this many of its halves fit into the distance.
 _FINE = 64.0

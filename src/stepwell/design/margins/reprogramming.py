@@ -9,10 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stepwell.base import REACH, ByValue, InputError, Quantity, Schema, variables, write_csv
+from stepwell.base import REACH, ByValue, Floats, InputError, Quantity, Schema, variables, write_csv
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
@@ -115,7 +112,7 @@ class Reprogramming(ByValue):
             return Resistance.nowhere()
         return Resistance.of(self.chain.cells[self.cell], self.anchor, self.displacement)
 
-    def along(self, axis: int) -> NDArray[np.float64]:
+    def along(self, axis: int) -> Floats:
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
         return self.resistance.fraction * self.displacement[axis]
 

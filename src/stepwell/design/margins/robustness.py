@@ -7,14 +7,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import ByValue, InputError, Outcome, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 _DIRECTIONS = 256
 _HALVINGS = 24

@@ -1,12 +1,10 @@
 """The worst that displaced anchors can do to the end forces of a cell."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave import Simple, certified, end_force_field
 from stepwell.design.plane import Box
-
-Floats = NDArray[np.float64]
 
 SIDES = (-1, 1)
 # Steps towards the farthest point of a disc; each divides what is missing by ten or more.

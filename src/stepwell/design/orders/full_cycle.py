@@ -3,12 +3,9 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import InputError, Ints
 from stepwell.sequences import Sequence
-
-Ints = NDArray[np.int64]
 
 
 def checked_cycle(wanted: str, cells: int, name: str = "wanted") -> str:

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, nearest_word
+from stepwell.base import ByValue, Floats, InputError, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
 
 Vec2 = tuple[float, float]
@@ -97,7 +97,7 @@ class Parameter(ByValue):
         """The chain with this number multiplied by `ratio`."""
         return self.changed(chain, float(self.value(chain)) * ratio)  # type: ignore[arg-type]
 
-    def values(self, values: ArrayLike, least: int) -> NDArray[np.float64]:
+    def values(self, values: ArrayLike, least: int) -> Floats:
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
         array = np.array(values, float)
         if self.is_anchor:

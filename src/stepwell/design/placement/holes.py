@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.design.orders import Orders
 from stepwell.kernels import entry, in_blocks, kernel, overspent, watched
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
 _MOST_ENTRIES = 20_000_000

@@ -1,13 +1,11 @@
 """The end forces that the allowed anchors can give, as curves round them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
 from stepwell.design.plane import Box, narrowed, trace
-
-Floats = NDArray[np.float64]
 
 _NODES = 81
 _HALVINGS = 16
@@ -25,7 +23,7 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
     found: list[Floats] = []
     for k in range(len(rule.kinds)):
 
-        def allowed(q: Floats, k: int = k) -> NDArray[np.bool_]:
+        def allowed(q: Floats, k: int = k) -> Bools:
             return region.holds(q) & rule.allowed(q, k)
 
         label = np.zeros(rim.shape[:2], np.int64)

@@ -5,12 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import Bools, ByValue, Floats, InputError
 from stepwell.design.plane import Box
-
-Floats = NDArray[np.float64]
 
 # Half a micrometre: a hole this far outside is on the edge, and rounding put it there.
 _EDGE = 0.5e-6
@@ -92,7 +89,7 @@ class AnchorPolygon(ByValue):
         (left, bottom), (right, top) = np.min(self.corners, 0), np.max(self.corners, 0)
         return Box(float(left), float(right), float(bottom), float(top))
 
-    def holds(self, q: Floats) -> NDArray[np.bool_]:
+    def holds(self, q: Floats) -> Bools:
         """Which of the (m, 2) places lie inside."""
         x, y = q[:, 0, None], q[:, 1, None]
         (x0, y0), (x1, y1) = self._sides()

@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stepwell.base import ByValue, Outcome
+from stepwell.base import ByValue, Floats, Outcome
 
 # Part of the axes at which a search stops.
 RESOLVED = 1e-8
@@ -54,7 +51,7 @@ class Boundary(ByValue):
     """
 
     kind: BoundaryKind
-    points: NDArray[np.float64]
+    points: Floats
     changes: str
     method: Method
     error: float

@@ -4,12 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.design.plane.narrow import narrowed
 from stepwell.design.plane.trace import trace
-
-Floats = NDArray[np.float64]
 
 _STEP = 1e-6  # of the square, between which slopes are taken
 _AROUND = _STEP * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
@@ -21,7 +19,7 @@ class Level:
 
     function: Callable[[Floats], Floats]
 
-    def above(self, t: Floats) -> NDArray[np.bool_]:
+    def above(self, t: Floats) -> Bools:
         """At which of the (m, 2) places the function is positive."""
         return self.function(t) > 0
 

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from stepwell.base import Floats
+
 Labels = NDArray[Any]
 
 

@@ -3,12 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.design.plane.narrow import narrowed
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:

@@ -5,15 +5,11 @@ from collections.abc import Callable
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.design.plane.boundary import RESOLVED
 from stepwell.design.plane.narrow import narrowed
 from stepwell.design.plane.trace import trace
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 def searched(

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from stepwell.base import Bools, Ints
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,7 @@ def trace(
     ]
 
 
-def _unlike(a: Ints, b: Ints, ignore: int | None) -> NDArray[np.bool_]:
+def _unlike(a: Ints, b: Ints, ignore: int | None) -> Bools:
     unlike = a != b
     return unlike if ignore is None else unlike & (a != ignore) & (b != ignore)
 

@@ -4,14 +4,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import StepwellError
+from stepwell.base import Floats, StepwellError
 from stepwell.concave import TIED
 from stepwell.design.orders import Target, short
 from stepwell.design.synthesis.attempt import Attempt
-
-Floats = NDArray[np.float64]
 
 
 class Impossible(StepwellError, ValueError):

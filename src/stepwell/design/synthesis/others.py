@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
+from stepwell.base import Floats, Ints
 from stepwell.concave import TIED
 from stepwell.design.orders import Target
 from stepwell.design.placement import Candidates, joined, measured
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
 
 _DRAWN = 5000  # placements of each attempt
 _NEAR = 200  # places round the best one of each cell
@@ -76,7 +74,7 @@ def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
     return replace(attempt, tables=tables, owner=tuple(range(len(tables))))
 
 
-def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:
+def _drawn(attempt: Attempt, rng: np.random.Generator) -> Ints:
     """(m, N) numbers of candidates, each cell's from its own table."""
     sizes = np.array([len(table.q) for table in attempt.tables])
     first = np.cumsum(sizes) - sizes
@@ -84,7 +82,7 @@ def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:
     return first[owner] + rng.integers(sizes[owner], size=(_DRAWN, len(owner)))
 
 
-def _surety(attempt: Attempt, table: Candidates, picks: NDArray[np.int64]) -> Floats:
+def _surety(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
     total = np.zeros(len(picks))
     least = TIED * float(np.max(np.abs(table.force)))

@@ -4,16 +4,13 @@ from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, searched, unlike
 from stepwell.design.tolerances.draws import Draws
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What a mechanism can do besides a sequence.
 TIED = "a tie"
@@ -94,7 +91,7 @@ class Tally:
             if progress is not None:
                 progress(done, n)
 
-    def _judged(self, drawn: Floats, judge: Judge) -> NDArray[np.bool_]:
+    def _judged(self, drawn: Floats, judge: Judge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
         found = judge(drawn)
         ask = found.verdict == ASK

@@ -9,12 +9,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    Floats,
     InputError,
     Quantity,
     ReadOnly,
@@ -35,7 +35,6 @@ from stepwell.sequences import Cycle, cycle
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = NDArray[np.float64]
 
 _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # mechanisms of which the gap is compared with what they do

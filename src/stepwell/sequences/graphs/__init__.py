@@ -5,9 +5,6 @@ from stepwell.sequences.graphs.exchange import from_graphml, from_json, to_graph
 from stepwell.sequences.graphs.fields import from_switching_fields, switching_fields
 from stepwell.sequences.graphs.mesostates import (
     Atlas,
-    Floats,
-    Ints,
-    Mask,
     Mesostates,
     Routes,
     atlas,

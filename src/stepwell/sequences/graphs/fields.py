@@ -9,13 +9,10 @@ import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError, Ints
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.preisach import every_state, labels_of
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Fields closer than this share of the largest are equal, as in the engine.
 _TIE = 1e-9

@@ -7,15 +7,11 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.sequences.branches import drive_slip
 from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +54,7 @@ class Mesostates:
             at[move] = self.rise[at[move]]
         return at
 
-    def falls_to(self, at: Ints, goal: Ints) -> Mask:
+    def falls_to(self, at: Ints, goal: Ints) -> Bools:
         """Whether a falling drive leads from one branch to the other, at once or later."""
         at, found = np.array(at), np.zeros(len(at), bool)
         for _ in range(len(self)):
@@ -178,7 +174,7 @@ class Routes:
                     waiting.append(target)
 
     @property
-    def reached(self) -> Mask:
+    def reached(self) -> Bools:
         """(R,) whether each branch can be reached."""
         return self.depth >= 0
 

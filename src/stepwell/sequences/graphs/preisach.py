@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Ints
 from stepwell.concave import Relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches
@@ -69,7 +69,7 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     return nx.freeze(found)
 
 
-def every_state(cells: int) -> NDArray[np.bool_]:
+def every_state(cells: int) -> Bools:
     """(2^N, N) which cells are at 1, the states counted up as binary numbers."""
     codes = np.arange(1 << cells)[:, None]
     return (codes >> np.arange(cells - 1, -1, -1)) & 1 == 1
@@ -96,9 +96,7 @@ def _flips(chain: Chain, fields: Relays) -> tuple[list[Transition], list[Transit
     return ups, downs
 
 
-def _edges(
-    labels: list[str], codes: NDArray[np.int64], cells: NDArray[np.int64], flips: list[Transition]
-) -> Iterator[Edge]:
+def _edges(labels: list[str], codes: Ints, cells: Ints, flips: list[Transition]) -> Iterator[Edge]:
     alone = [(flip,) for flip in flips]
     # The first cell is the first character, which is the highest digit.
     targets = codes ^ (1 << (len(flips) - 1 - cells))

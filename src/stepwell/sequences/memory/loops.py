@@ -7,8 +7,8 @@ from itertools import takewhile
 
 import numpy as np
 
-from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Ints
+from stepwell.base import ByValue, Ints
+from stepwell.sequences.graphs import Atlas
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from stepwell.base import Floats
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Floats, Laws, law, stored
+from stepwell.mechanism import Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,

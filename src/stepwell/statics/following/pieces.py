@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, travel_of, turn_at
+from stepwell.mechanism import Laws, law, pick_rows, travel_of, turn_at
 
 _NODES = 13
 _DEPTH = 40

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.mechanism import Laws, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert
