@@ -10,4 +10,5 @@ from stepwell.sequences.graphs.mesostates import (
     atlas,
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
+from stepwell.sequences.graphs.rows import drives_text
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph

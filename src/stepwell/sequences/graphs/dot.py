@@ -6,9 +6,9 @@ import json
 import re
 
 from stepwell.base import InputError
-from stepwell.sequences.graphs.exchange import graph_of_record, record
+from stepwell.sequences.graphs.exchange import ours, record
 from stepwell.sequences.graphs.node import TransitionKind
-from stepwell.sequences.graphs.rows import Row, transitions
+from stepwell.sequences.graphs.rows import Row, drives_text, graph_of, transitions
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
 
 _KEPT = re.compile(r'stepwell="((?:[^"\\]|\\.)*)"')
@@ -22,11 +22,6 @@ def to_dot(graph: TransitionGraph) -> str:
     `to_json` writes of the graph, of each node and of each edge stands in an attribute
     `stepwell`, which Graphviz passes over and `from_dot` reads.
     """
-    shown, factor = ("mm", 1e3) if graph.unit == "m" else (graph.unit, 1.0)
-
-    def drives_text(*drives: float) -> str:
-        return " to ".join(f"{drive * factor:.4g}" for drive in drives) + f" {shown}".rstrip()
-
     data = record(graph)
     nodes, edges = data.pop("nodes"), data.pop("edges")
     lines = [
@@ -38,7 +33,7 @@ def to_dot(graph: TransitionGraph) -> str:
     for label, row in zip(graph, nodes, strict=True):
         node = graph.node(label)
         style = "solid" if node.is_vertex else "dotted"
-        text = _quoted(f"{label}\n{drives_text(node.low, node.high)}")
+        text = _quoted(f"{label}\n{drives_text(graph.unit, (node.low, node.high))}")
         kept = _kept(row)
         lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
     rows: dict[int, list[str]] = {}
@@ -49,7 +44,7 @@ def to_dot(graph: TransitionGraph) -> str:
         style = "solid" if t.direction > 0 else "dashed"
         if t.kind is TransitionKind.SNAP:
             style += ",bold"
-        text = _quoted(drives_text(t.drive))
+        text = _quoted(drives_text(graph.unit, [t.drive]))
         way = f"{_quoted(a)} -> {_quoted(b)}"
         lines.append(f'  {way} [label={text}, style="{style}", stepwell={_kept(row)}];')
     return "\n".join([*lines, "}"]) + "\n"
@@ -78,7 +73,7 @@ def from_dot(text: str) -> TransitionGraph:
     data, *others = rows
     nodes = [row for row in others if "label" in row]
     edges = [row for row in others if "label" not in row]
-    return graph_of_record(data | {"nodes": nodes, "edges": edges}, "to_dot")
+    return graph_of(ours(data, "to_dot") | {"nodes": nodes, "edges": edges})
 
 
 def _kept(row: Row) -> str:

@@ -11,20 +11,20 @@ import networkx as nx
 from stepwell.base import InputError
 from stepwell.sequences.graphs.rows import (
     Row,
-    edge_row,
     graph_of,
-    node_row,
+    row_of,
     suffix,
-    tie_row,
     transitions,
 )
 from stepwell.sequences.graphs.transition_graph import TransitionGraph
 
 _FORMAT = "stepwell transition graph 1"
+# What GraphML holds as JSON.
+_LISTS = ("cells", "ties", "switching_fields")
 
 
-def record(graph: TransitionGraph) -> Row:
-    """The graph as JSON can hold it; `to_json` tells what is in it."""
+def _rows(graph: TransitionGraph) -> Row:
+    """The graph as rows, with NaN for what is not known."""
     x = suffix(graph)
     found = {
         "format": _FORMAT,
@@ -33,13 +33,18 @@ def record(graph: TransitionGraph) -> Row:
         "drive_unit": graph.unit,
         "start": graph.graph["start"],
         "method": graph.method,
-        "ties": [tie_row(tie, x) for tie in graph.ties],
-        "nodes": [node_row(graph.node(label), x) for label in graph],
-        "edges": [edge_row(*edge, x) for edge in transitions(graph)],
+        "ties": [row_of(tie, x) for tie in graph.ties],
+        "nodes": [row_of(graph.node(label), x) for label in graph],
+        "edges": [{"from": a, "to": b, **row_of(t, x)} for a, b, t in transitions(graph)],
     }
     if "fields" in graph.graph:
         found["switching_fields"] = graph.graph["fields"].tolist()
-    return _without_nan(found)
+    return found
+
+
+def record(graph: TransitionGraph) -> Row:
+    """The graph as JSON can hold it; `to_json` tells what is in it."""
+    return _without_nan(_rows(graph))
 
 
 def to_json(graph: TransitionGraph) -> str:
@@ -76,19 +81,19 @@ def from_json(text: str) -> TransitionGraph:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise InputError(f"graph: is not JSON: {error}.") from None
-    return graph_of_record(data, "to_json")
+    return graph_of(ours(data, "to_json"))
 
 
-def graph_of_record(data: Any, writer: str) -> TransitionGraph:
-    """The graph of what `record` returned; `writer` is what wrote it, for messages.
+def ours(data: Any, writer: str) -> Row:
+    """What `record` returned; `writer` is what wrote it, for messages.
 
     Raises:
-        ValueError: something else, with what is wrong and where.
+        ValueError: something else.
     """
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
         raise InputError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
-    return graph_of(data)
+    return data
 
 
 def to_graphml(graph: TransitionGraph) -> str:
@@ -97,24 +102,14 @@ def to_graphml(graph: TransitionGraph) -> str:
     Keys are those of `to_json`, one edge for each transition. Lists are text: travels and cells
     with spaces between, names and ties as JSON.
     """
-    x = suffix(graph)
-    found = nx.MultiDiGraph(
-        format=_FORMAT,
-        cells=json.dumps(graph.names),
-        actuator=graph.actuator,
-        drive_unit=graph.unit,
-        start=graph.graph["start"] or "",
-        method=graph.method,
-        ties=json.dumps([tie_row(tie, x) for tie in graph.ties]),
-    )
-    if "fields" in graph.graph:
-        found.graph["switching_fields"] = json.dumps(graph.graph["fields"].tolist())
-    for label in graph:
-        row = node_row(graph.node(label), x)
-        found.add_node(row.pop("label"), **_flat(row))
-    for edge in transitions(graph):
-        row = edge_row(*edge, x)
-        found.add_edge(row.pop("from"), row.pop("to"), **_flat(row))
+    data = _rows(graph)
+    nodes, edges = data.pop("nodes"), data.pop("edges")
+    data["start"] = data["start"] or ""
+    found = nx.MultiDiGraph(**data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
+    for row in map(_flat, nodes):
+        found.add_node(row.pop("label"), **row)
+    for row in map(_flat, edges):
+        found.add_edge(row.pop("from"), row.pop("to"), **row)
     return "\n".join(nx.generate_graphml(found)) + "\n"
 
 
@@ -128,15 +123,8 @@ def from_graphml(text: str) -> TransitionGraph:
         found = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
         raise InputError(f"graph: is not GraphML: {error}.") from None
-    if found.graph.get("format") != _FORMAT:
-        raise InputError(
-            f"graph: format = {found.graph.get('format')!r}: must be {_FORMAT!r}, as to_graphml "
-            f"writes it."
-        )
-    data: Row = dict(found.graph)
-    for key in ("cells", "ties", "switching_fields"):
-        if key in data:
-            data[key] = json.loads(data[key])
+    data = ours(dict(found.graph), "to_graphml")
+    data |= {key: json.loads(data[key]) for key in _LISTS if key in data}
     data["start"] = data.get("start") or None
     data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
     data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.base import Floats, InputError, Ints
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.preisach import every_state, labels_of
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, join
 
 # Fields closer than this share of the largest are equal, as in the engine.
 _TIE = 1e-9
@@ -119,9 +119,7 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
         for a, b, at in zip(codes.tolist(), landed.tolist(), drive[codes].tolist(), strict=True):
             cells = tuple(np.flatnonzero(at_1[a] != at_1[b]).tolist())
             flip = Transition(TransitionKind.SNAP, direction, at, cells, math.nan)
-            ends = labels[a], labels[b]
-            others = found.edges[ends]["transitions"] if found.has_edge(*ends) else ()
-            found.add_edge(*ends, transitions=(*others, flip))
+            join(found, labels[a], labels[b], flip)
     found.graph.update(
         chain=None,
         names=tuple(f"cell {i + 1}" for i in range(fields.shape[1])),

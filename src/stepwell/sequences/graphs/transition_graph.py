@@ -224,7 +224,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
                 at = lower.drive[1]
                 switch = Transition(TransitionKind.SWITCH, direction, at, cells)
-                _add(found, names[number, a], names[number, b], switch)
+                join(found, names[number, a], names[number, b], switch)
         for direction, k in ((+1, len(sections) - 1), (-1, 0)):
             exit_ = branches.exit(number, direction)
             if exit_ is None:
@@ -239,7 +239,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
                 exit_.snap.released,
                 exit_.snap.tie,
             )
-            _add(found, names[number, k], names[exit_.branch, target], snap)
+            join(found, names[number, k], names[exit_.branch, target], snap)
     found.graph.update(
         **about(chain),
         ties=tuple(branches.ties),
@@ -274,6 +274,7 @@ def _unlike(a: str, b: str) -> tuple[int, ...]:
     return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
 
 
-def _add(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+def join(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+    """Let a transition lead from a to b, beside those that do already."""
     before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
     found.add_edge(a, b, transitions=(*before, transition))

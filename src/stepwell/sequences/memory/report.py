@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
+
+from stepwell.sequences.graphs import drives_text
 
 if TYPE_CHECKING:
     from stepwell.sequences.memory.reading import MemoryReading
@@ -32,13 +34,6 @@ def report(reading: MemoryReading) -> str:
     return "\n".join(lines)
 
 
-def drives(unit: str, values: Iterable[float], between: str = " → ") -> str:
-    """Drives as people read them, in mm or N."""
-    shown, factor = ("mm", 1e3) if unit == "m" else (unit, 1.0)
-    points = between.join(f"{value * factor:.4g}" for value in values)
-    return f"{points} {shown}".rstrip()
-
-
 def _listed(items: Sequence[str], nothing: str = "none") -> str:
     if not items:
         return nothing
@@ -63,7 +58,7 @@ def _memory(reading: MemoryReading) -> str:
     lapse = reading.return_point_memory.witness
     if lapse is None:
         return "holds"
-    way = drives(reading.graph.unit, lapse.turns)
+    way = drives_text(reading.graph.unit, lapse.turns, " → ")
     return f"fails: {way} stands at {lapse.first} when first there and at {lapse.later} later"
 
 
@@ -83,7 +78,7 @@ def _accumulators(reading: MemoryReading) -> str:
     found = reading.counting.accumulators
     part = "" if reading.counting.exhaustive else " (searched in part)"
     counts = [
-        f"{'>'.join(a.states)} in cycles of {drives(reading.graph.unit, (a.low, a.high), ' to ')}"
+        f"{'>'.join(a.states)} in cycles of {drives_text(reading.graph.unit, (a.low, a.high))}"
         + (" (set by hand)" if a.by_hand else "")
         for a in found
     ]
