@@ -37,32 +37,6 @@ if TYPE_CHECKING:
         read,
     )
 
-# networkx opens with the first graph, not with the first cycle.
-_DOORS = {
-    "Accumulator": "memory",
-    "Counting": "memory",
-    "Forgetting": "memory",
-    "Latch": "memory",
-    "Loop": "memory",
-    "Node": "graphs",
-    "Transition": "graphs",
-    "TransitionKind": "graphs",
-    "MemoryReading": "memory",
-    "ReturnPointMemory": "memory",
-    "Scrambling": "memory",
-    "TransitionGraph": "graphs",
-    "from_dot": "graphs",
-    "from_graphml": "graphs",
-    "from_json": "graphs",
-    "from_switching_fields": "graphs",
-    "graph": "graphs",
-    "read": "memory",
-    "switching_fields": "graphs",
-    "to_dot": "graphs",
-    "to_graphml": "graphs",
-    "to_json": "graphs",
-}
-
 __all__ = [
     "Accumulator",
     "Counting",
@@ -99,6 +73,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name in _DOORS:
-        return getattr(import_module(f"stepwell.sequences.{_DOORS[name]}"), name)
+    # networkx opens with the first graph, not with the first cycle.
+    for folder in ("graphs", "memory") if name in __all__ else ():
+        offered = vars(import_module(f"stepwell.sequences.{folder}"))
+        if name in offered:
+            return offered[name]
     raise AttributeError(f"module 'stepwell.sequences' has no attribute {name!r}")

@@ -107,18 +107,8 @@ def _widened(
         low, high = sorted(_last_good(k, points[k], far, works) for far in (inner, outer))
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
-    return Program(
-        chain,
-        start,
-        to,
-        origin[1],
-        points[-1],
-        tuple(windows),
-        *ends,
-        ProgramMethod.FRICTION,
-        False,
-        origin[0],
-    )
+    method = ProgramMethod.FRICTION
+    return Program(chain, start, to, origin[1], tuple(windows), *ends, method, False, origin[0])
 
 
 def _last_good(k: int, good: float, bad: float, works: Callable[[int, float], bool]) -> float:

@@ -71,7 +71,7 @@ class Program(ByValue):
     Attributes:
         chain: what is driven, with its actuator.
         start, to: the states, such as "10".
-        begin, end: drives at which they stand [m], or [N] under force control.
+        begin: drive at which it stands at the start [m], or [N] under force control.
         turns: what lies between; empty where one stroke does it.
         low, high: the drives between which the last stroke may end and the chain still stand at
             `to`: one stroke under a rigid actuator, which has a state at one stroke only.
@@ -83,7 +83,6 @@ class Program(ByValue):
     start: str
     to: str
     begin: float
-    end: float
     turns: tuple[Turn, ...]
     low: float
     high: float
@@ -122,11 +121,14 @@ class Program(ByValue):
             Turn(point, low, high, ())
             for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
         )
-        end = points[-1]
-        return cls(
-            chain, start, to or arrival(path), points[0], end, turns, end, end,
-            ProgramMethod.GIVEN, False, path.start,
-        )  # fmt: skip
+        to, ends = to or arrival(path), (points[-1], points[-1])
+        method = ProgramMethod.GIVEN
+        return cls(chain, start, to, points[0], turns, *ends, method, False, path.start)
+
+    @property
+    def end(self) -> float:
+        """Drive at which the last stroke ends, the middle of its window [m], or [N]."""
+        return (self.low + self.high) / 2
 
     @property
     def turning_points(self) -> tuple[float, ...]:
