@@ -287,7 +287,7 @@ class Chain(ByValue):
 
         return yields(
             self,
-            USUAL if tolerances is None else tolerances,
+            tolerances or USUAL,
             n=n,
             seed=seed,
             wanted=wanted,
@@ -391,7 +391,7 @@ class Chain(ByValue):
             self,
             turning_points,
             ends,
-            USUAL if tolerances is None else tolerances,
+            tolerances or USUAL,
             start=start,
             n=n,
             seed=seed,
