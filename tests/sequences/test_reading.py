@@ -12,7 +12,7 @@ from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import relays
-from stepwell.sequences.cycles.vertices import sequence_of
+from stepwell.sequences.cycles.cycle import sequence_of
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.mesostates import Routes, atlas
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph

@@ -24,7 +24,7 @@ from stepwell.base import (
 )
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain
-from stepwell.statics.events import Event, Tie
+from stepwell.statics.events import Event, Segment, Tie
 from stepwell.statics.following import (
     EQUILIBRIUM,
     FORCE_SLACK,
@@ -37,7 +37,6 @@ from stepwell.statics.following import (
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.reading import events_of, segments_of
-from stepwell.statics.segment import Segment
 
 if TYPE_CHECKING:
     import xarray

@@ -5,9 +5,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.statics.events import Cause, Event, EventKind
+from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import log as logged
-from stepwell.statics.segment import Segment, SegmentKind
 
 # A drift moves cells of constant force.
 _KINDS = {

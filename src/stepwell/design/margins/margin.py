@@ -8,11 +8,10 @@ import numpy as np
 
 from stepwell.base import REACH, ByValue, Floats
 from stepwell.concave import SortedChain
-from stepwell.design.margins.change import Change
+from stepwell.design.margins.change import RESOLUTION, Change, stiffness
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest, sequence
 from stepwell.design.margins.search import resolution
-from stepwell.design.margins.stiffness import RESOLUTION, stiffness
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach

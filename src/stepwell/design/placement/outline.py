@@ -1,8 +1,11 @@
-"""The end forces that the allowed anchors can give, as curves round them."""
+"""What allowed anchors can give: the end forces, as curves round them; whether all is proved."""
+
+import math
 
 import numpy as np
 
 from stepwell.base import Bools, Floats
+from stepwell.concave import certified
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
 from stepwell.design.plane import Box, narrowed, trace
@@ -39,3 +42,28 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
             new = np.append(True, np.any(np.diff(low, axis=0) != 0.0, axis=1))
             found.append(rule.end_forces(low[new], k))
     return found
+
+
+_FINEST = 64  # squares along the longer side of the region
+
+
+def all_proved(rule: Rule, region: Region) -> bool:
+    """Whether every kind of cell is proved at every place of the region.
+
+    Squares cover the region; a disc round each is proved as a whole, or cut into four.
+    """
+    box = region.bounds
+    side = max(box.right - box.left, box.top - box.bottom)
+    for kind in rule.kinds:
+        middles = np.array([[(box.left + box.right) / 2, (box.bottom + box.top) / 2]])
+        half = side / 2
+        while len(middles):
+            if half < side / 2 / _FINEST:
+                return False
+            held = certified(kind.cell, middles - np.array(rule.p), half * math.sqrt(2.0))
+            corners = half / 2 * np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
+            middles = (middles[~held][:, None] + corners).reshape(-1, 2)
+            half /= 2
+            away = np.max(np.abs(region.clamped(middles) - middles), axis=1)
+            middles = middles[away <= half * (1 + 1e-9)]
+    return True

@@ -3,7 +3,6 @@
 from stepwell.design.plane.boundary import RESOLVED, Boundary, BoundaryKind, Method
 from stepwell.design.plane.box import Box
 from stepwell.design.plane.implicit import Level, curves
-from stepwell.design.plane.narrow import narrowed
-from stepwell.design.plane.polyline import parted, smoothed
+from stepwell.design.plane.polyline import narrowed, parted, smoothed
 from stepwell.design.plane.search import searched
 from stepwell.design.plane.trace import trace

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import Bools, Floats
-from stepwell.design.plane.narrow import narrowed
+from stepwell.design.plane.polyline import narrowed
 from stepwell.design.plane.trace import trace
 
 _STEP = 1e-6  # of the square, between which slopes are taken

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.design.plane.boundary import RESOLVED
-from stepwell.design.plane.narrow import narrowed
+from stepwell.design.plane.polyline import narrowed
 from stepwell.design.plane.trace import trace
 
 

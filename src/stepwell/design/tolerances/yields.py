@@ -25,9 +25,8 @@ from stepwell.design.orders import by_cells_at_1, checked_cycle, reached, short,
 from stepwell.design.tolerances.counted import VARIED, Counted
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import Tally
+from stepwell.design.tolerances.tally import Tally, why_none
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
-from stepwell.design.tolerances.why_none import why_none
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 

@@ -169,7 +169,7 @@ def graph(
     fields = relays(chain)
     if fields is not None and chain.actuator_stiffness == 0 and start is None:
         _require("relays", chain)
-        from stepwell.sequences.graphs.preisach import preisach
+        from stepwell.sequences.graphs.fields import preisach
 
         return preisach(chain, fields)
     if start is None:
