@@ -76,6 +76,7 @@ def of(numbers, law: str, route: str) -> np.ndarray:
     return np.array(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", ROUTES)
 def test_every_route_follows_the_length_of_a_band(numbers, route):
     before, after = of(numbers, "true", route), of(numbers, "off plane", route)
@@ -84,6 +85,7 @@ def test_every_route_follows_the_length_of_a_band(numbers, route):
     assert np.all(np.abs(after - before) > 1e-7 * np.abs(before).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", ROUTES)
 def test_every_route_follows_the_force_along_travel(numbers, route):
     power, _ = ROUTES[route]
@@ -94,6 +96,7 @@ def test_every_route_follows_the_force_along_travel(numbers, route):
         assert after == pytest.approx(before * 1.25**power, rel=1e-7, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_routes_that_ask_the_same_say_the_same_under_another_law(numbers):
     for law in numbers:
         ends = of(numbers, law, "end forces in closed form, and their slopes by anchor")[:2]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from itertools import combinations
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +13,7 @@ from stepwell.base import InputError
 from stepwell.concave import Simple, end_forces
 from stepwell.design.maps.between import between
 from stepwell.design.maps.bistable import Stability
-from stepwell.design.maps.outcomes import IMPOSSIBLE, Outcomes
+from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Outcomes
 from stepwell.design.maps.parameter_map import Axis, Progress, anchor, both, require_places
 from stepwell.design.plane import (
     RESOLVED,
@@ -29,6 +31,7 @@ from stepwell.mechanism import Chain
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+K = TypeVar("K")
 Place = Callable[[Floats], Floats]
 
 _GRID = 201  # nodes each way between which exact curves are looked for
@@ -112,7 +115,10 @@ def parameter_boundaries(
 
     def place(t: Floats) -> Floats:
         # From the unit square to the parameters, with the spacing of the user's values.
-        return np.stack([np.interp(t[:, k], *axes[k]) for k in (0, 1)], axis=-1)
+        values = np.empty_like(t)
+        for k in range(2):
+            values[:, k] = np.interp(t[:, k], *axes[k])
+        return values
 
     def boundary(
         kind: BoundaryKind, t: Floats, changes: str, error: float | None, sides: tuple[str, str]
@@ -148,36 +154,38 @@ def _orders(
     found: list[tuple[tuple[int, int], Floats, float | None]] = []
     known = None
     if outcomes.base is not None:
-        differences = _differences(outcomes, outcomes.base)
-        exact = _Exact(lambda t: differences(outcomes.forces(place(t))), proved)
+        pairs, difference = _differences(outcomes, outcomes.base)
+        exact = _Exact(lambda t: outcomes.forces(place(t)), pairs, difference, proved)
         found += [(sides, points, error) for _, sides, points, error in exact.curves()]
         known = exact.known
     nodes, shape = grid.reshape(-1, 2), grid.shape[:2]
-    unproved = (proved(nodes) < 0).reshape(shape)
-    label = outcomes.label(place(nodes), progress).astype(np.int64).reshape(shape)
+    sure = outcomes.closed_form(place(nodes))
+    unproved = (sure.sequence == UNSOLVED).reshape(shape)
+    label = outcomes.label(place(nodes), progress, sure).astype(np.int64).reshape(shape)
     pieces = searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
     return found + [(sides, points, None) for sides, points in pieces]
 
 
-def _differences(outcomes: Outcomes, base: Floats) -> Callable[[Floats], Floats]:
-    """From (m, 2, 2) end forces of the cells that vary, all differences that may vanish [N].
+def _differences(
+    outcomes: Outcomes, base: Floats
+) -> tuple[list[tuple[int, int, int]], Callable[[Floats, tuple[int, int, int]], Floats]]:
+    """Which two forces may become equal where, and their difference (m,) [N].
 
-    Of their F0 from those of all other cells, then of their F1: (m, k).
+    Forces F0 of two cells, one of which varies, and then their F1: (side, cell, other cell), the
+    cells that vary counted first. The difference is taken of (m, c, 2) forces of these.
     """
-    first, last = outcomes.turned[0], outcomes.turned[-1]
-    stays = [i for i in range(len(outcomes.chain)) if i not in (first, last)]
-    fixed = np.array([end_forces(Simple(*base[i, :6])) for i in stays]).reshape(-1, 2)
+    turned, n = outcomes.turned, len(outcomes.chain)
+    stays = [i for i in range(n) if i not in turned]
+    fixed = [end_forces(Simple(*base[i, :6])) for i in stays]
+    vary = range(len(turned))
+    cells = [(k, j) for k in vary for j in range(len(turned), n)] + list(combinations(vary, 2))
 
-    def differences(forces: Floats) -> Floats:
-        found: list[Floats] = []
-        for side in range(2):
-            for k in range(len(outcomes.turned)):
-                found.append(forces[:, k, side, None] - fixed[:, side])
-            if first != last:
-                found.append(forces[:, :1, side] - forces[:, 1:, side])
-        return np.hstack(found)
+    def difference(forces: Floats, pair: tuple[int, int, int]) -> Floats:
+        side, k, j = pair
+        other = forces[:, j, side] if j < len(turned) else fixed[j - len(turned)][side]
+        return forces[:, k, side] - other
 
-    return differences
+    return [(side, *pair) for side in (0, 1) for pair in cells], difference
 
 
 def _limits(
@@ -191,36 +199,45 @@ def _limits(
         return states(place(t))
 
     if states.words:
-        exact = _Exact(lambda t: states.limits(place(t)), ask)
+        exact = _Exact(lambda t: states.limits(place(t)), range(3), lambda at, k: at[:, k], ask)
         return [(points, states.words[k], error) for k, _, points, error in exact.curves()]
     words = f"{outcomes.chain.names[cell]} has two stable states on one side, one on the other"
     label = states(nodes).reshape(grid.shape[:2])
     return [(points, words, None) for _, points in searched(ask, grid, label, ignore=IMPOSSIBLE)]
 
 
-class _Exact:
+class _Exact(Generic[K]):
     """Curves on which one of several functions vanishes and across which a label changes.
 
     Args:
-        functions: (m, k) values of k functions at (m, 2) places in the unit square.
+        measure: (m, ...) numbers at (m, 2) places in the unit square.
+        kinds: which functions of these there are.
+        function: (m,) the function of one kind, of these numbers.
         label: at (m, 2) places; negative where nothing is known.
     """
 
-    def __init__(self, functions: Callable[[Floats], Floats], label: Callable[[Floats], Ints]):
-        self._functions, self._label = functions, label
+    def __init__(
+        self,
+        measure: Callable[[Floats], Floats],
+        kinds: Iterable[K],
+        function: Callable[[Floats, K], Floats],
+        label: Callable[[Floats], Ints],
+    ):
+        self._measure, self._kinds, self._function = measure, kinds, function
+        self._label = label
         self._levels: list[Level] = []
 
-    def curves(self) -> list[tuple[int, tuple[int, int], Floats, float]]:
+    def curves(self) -> list[tuple[K, tuple[int, int], Floats, float]]:
         """Which function, the labels on both sides, points, and how far they are off at most.
 
         Each curve is cut where it meets another and where a label is not known.
         """
-        found: list[tuple[int, tuple[int, int], Floats, float]] = []
+        found: list[tuple[K, tuple[int, int], Floats, float]] = []
         grid = _square(_GRID)
-        values = self._functions(grid.reshape(-1, 2)).reshape(_GRID, _GRID, -1)
-        for k in range(values.shape[-1]):
-            level = Level(lambda t, k=k: self._functions(t)[:, k])
-            for line in curves(level, grid, values[:, :, k]):
+        at = self._measure(grid.reshape(-1, 2))
+        for k in self._kinds:
+            level = Level(lambda t, k=k: self._function(self._measure(t), k))
+            for line in curves(level, grid, self._function(at, k).reshape(_GRID, _GRID)):
                 smooth = smoothed(line, level.project, _SMOOTH)
 
                 def sides(t: Floats, level: Level = level) -> Ints:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,28 +106,20 @@ class Outcomes:
             return found
         base, n = self.base, len(self.chain)
         turned = np.array(self.turned)
-        runs: dict[int, tuple[NDArray[np.intp], NDArray[np.intp], Ints]] = {}
+        blocks: dict[int, tuple[Ints, Ints]] = {}
 
         def block(begin: int, end: int) -> None:
             m = slice(begin, end)
-            orders = np.zeros((end - begin, 2, n), np.int32)
-            proved = np.empty(end - begin, np.bool_)
+            run, orders = np.empty(end - begin, np.int32), np.empty((end - begin, 2, n), np.int32)
             added = self.added(values[m])
             out = found.strokes[:, m], found.snaps[:, m], found.gap[m], found.monostable[m]
-            sweep(added, base, self.rows, self.columns, turned, orders, *out, proved)
-            # Neighbours on a map mostly do the same: one look at the first of each run will do.
-            at = np.flatnonzero(proved)
-            first = np.append(True, np.any(orders[at[1:]] != orders[at[:-1]], axis=(1, 2)))
-            starts = np.flatnonzero(first[: len(at)])
-            runs[begin] = begin + at, np.append(starts, len(at)), orders[at[starts]]
+            runs = sweep(added, base, self.rows, self.columns, turned, run, orders, *out)
+            blocks[begin] = run, orders[:runs].copy()
 
-        count = len(values)
-        size = sweep.block(min(_BLOCK, count), values, base)
-        in_blocks(block, count, size)
-        for begin in sorted(runs):
-            at, starts, orders = runs[begin]
-            numbers = [self._of_orders(one) for one in orders]
-            found.sequence[at] = np.repeat(np.array(numbers, np.int32), np.diff(starts))
+        in_blocks(block, len(values), sweep.block(min(_BLOCK, len(values)), values, base))
+        for begin, (run, orders) in sorted(blocks.items(), key=itemgetter(0)):
+            numbers = [self._of_orders(one) for one in orders] + [UNSOLVED]
+            found.sequence[begin : begin + len(run)] = np.array(numbers, np.int32)[run]
         found.degenerate[:] = found.gap < tie
         return found
 
@@ -144,19 +137,27 @@ class Outcomes:
         for snap in reversed(result.snaps):
             found.strokes[0 if snap.direction > 0 else 1, i] = snap.stroke
 
-    def label(self, values: Floats, told: Callable[[int, int], None] | None = None) -> Ints:
-        """Numbers for (m, 2) values; `told` is called with (done, total) engine runs."""
-        number = self.closed_form(values).sequence
+    def label(
+        self,
+        values: Floats,
+        progress: Callable[[int, int], None] | None = None,
+        found: Found | None = None,
+    ) -> Ints:
+        """Numbers for (m, 2) values, of which the closed form says what was `found`.
+
+        `progress` is called with (done, total) engine runs.
+        """
+        number = (found or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED).tolist()
         for done, i in enumerate(waiting):
-            if told is not None:
-                told(done, len(waiting))
+            if progress is not None:
+                progress(done, len(waiting))
             result, number[i] = self._follow(values[i])
             if result is not None and result.degenerate:
                 result, beside = self._follow(values[i] + _ASIDE * self._spans)
                 number[i] = TIED if result is None or result.degenerate else beside
-        if told is not None:
-            told(len(waiting), len(waiting))
+        if progress is not None:
+            progress(len(waiting), len(waiting))
         return number
 
     def meaning(self, number: int) -> str:
@@ -209,10 +210,11 @@ class Outcomes:
 
     def _of_orders(self, orders: Ints) -> int:
         key = orders.tobytes()
-        if key not in self._by_orders:
-            loading, unloading = orders.tolist()
-            self._by_orders[key] = self._number(Sequence.full_cycle(loading, unloading))
-        return self._by_orders[key]
+        number = self._by_orders.get(key)
+        if number is None:
+            number = self._number(Sequence.full_cycle(*orders.tolist()))
+            self._by_orders[key] = number
+        return number
 
     def _number(self, sequence: Sequence) -> int:
         if sequence not in self._numbers:

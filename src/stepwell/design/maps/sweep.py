@@ -17,7 +17,7 @@ FRICTION = 6
 
 
 @entry(3e-6, "values", "base")
-def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, monostable, proved):
+def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap, monostable):
     """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
 
     It is proved where all cells are certified and without friction and have one full travel (a
@@ -41,13 +41,17 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
         base: (n, 7) a cell a row: the fields of `Simple`, and its friction.
         rows, columns: (2,) int, which two.
         turned: (c,) int, rows whose numbers change; all others are certified already.
-        orders: (m, 2, n) int, out: cells in the order in which they load, and unload.
+        run: (m,) int, out: designs that follow each other and do the same, by number; -1 where
+            it is not proved, and nothing else is touched.
+        orders: (m, 2, n) int, out: of each run, cells in the order in which they load, and unload.
         strokes: (2, m) out: stroke [m] of the first snap while loading and while unloading, NaN
             where there is none.
         snaps: (2, m) int, out: how many cells snap.
         gap: (m,) out: smallest difference of two F0 or of two F1 [N], infinite for one cell.
         monostable: (m,) bool, out: whether a turned cell is stable in one state only.
-        proved: (m,) bool, out; where it is False, nothing else is touched.
+
+    Returns:
+        How many runs there are.
     """
     n = len(base)
     cells = base.copy()
@@ -58,8 +62,10 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
     for c in range(n):
         order[0, c] = order[1, c] = c
         force[0, c], force[1, c], full[c] = numbers(cells, c)
+    runs = 0
+    same = False
     for i in range(len(values)):
-        proved[i] = False
+        run[i] = -1
         for k in range(2):
             cells[rows[k], columns[k]] = base[rows[k], columns[k]]
         for k in range(2):
@@ -82,7 +88,8 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
             continue
         closest = np.inf
         for side in range(2):
-            sort(order, force, side)
+            moved = sort(order, force, side)
+            same = same and not moved
             stroke, count = np.nan, 0
             # Of the cells that have moved: the largest F1 where they load, -F0 where they unload.
             pull = -np.inf
@@ -105,12 +112,16 @@ def sweep(values, base, rows, columns, turned, orders, strokes, snaps, gap, mono
             snaps[side, i] = count
         if not holds:
             continue
-        proved[i] = True
-        for side in range(2):
-            for k in range(n):
-                orders[i, side, k] = order[side, k]
+        if not same:
+            for side in range(2):
+                for k in range(n):
+                    orders[runs, side, k] = order[side, k]
+            runs += 1
+            same = True
+        run[i] = runs - 1
         gap[i] = closest
         monostable[i] = lone
+    return runs
 
 
 @entry(1e-5, "values", "turned")
@@ -145,7 +156,11 @@ def numbers(cells, c):
 
 @kernel
 def sort(order, force, side):
-    """Put cells in ascending order of force, equal ones by number; the order is mostly right."""
+    """Put cells in ascending order of force, equal ones by number; whether any had to move.
+
+    The order is mostly right, or nearly.
+    """
+    moved = False
     for k in range(1, order.shape[1]):
         c = order[side, k]
         own = force[side, c]
@@ -156,4 +171,6 @@ def sort(order, force, side):
                 break
             order[side, j] = before
             j -= 1
+            moved = True
         order[side, j] = c
+    return moved

@@ -27,6 +27,7 @@ _BEYOND = 1.03
 _SETTLED = 0.99  # what is shorter by less than that needs no further ring
 _RESOLUTION = 1e-7  # m, where bisection stops
 _SMALLEST_TURN = 1e-3  # of the ray, to either side
+_TIE = 1e-9  # of the distance, what rounding may make of two that are equal
 
 
 def resolution(ways: Displacements, small: bool) -> str:
@@ -126,7 +127,8 @@ def _behind(
                 continue
             u = shorter[len(shorter) // 2]
         found = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
-        if best is None or np.linalg.norm(found) < np.linalg.norm(best):
+        # Sides that are equally near, as of a symmetric cell, are a tie: the first of the ring.
+        if best is None or np.linalg.norm(found) < (1 - _TIE) * np.linalg.norm(best):
             best = found
     return best
 

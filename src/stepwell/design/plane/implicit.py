@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, Floats
-from stepwell.design.plane.polyline import narrowed
+from stepwell.base import Floats
 from stepwell.design.plane.trace import trace
 
 _STEP = 1e-6  # of the square, between which slopes are taken
+_LAST_STEP = 1e-7  # of the square, after which Newton's method has arrived
+_SETTLED = 1e-13  # of an edge, where its crossing is known
+_MOST_STEPS = 100
 _AROUND = _STEP * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
 
 
@@ -18,10 +20,6 @@ class Level:
     """The curve along which `function`, of (m, 2) places in the unit square, is zero."""
 
     function: Callable[[Floats], Floats]
-
-    def above(self, t: Floats) -> Bools:
-        """At which of the (m, 2) places the function is positive."""
-        return self.function(t) > 0
 
     def look(self, t: Floats) -> tuple[Floats, Floats]:
         """The function (m,) and its gradient (m, 2), by central differences."""
@@ -36,7 +34,8 @@ class Level:
             value, slope = self.look(t)
             step = (value / np.sum(slope**2, axis=1))[:, None] * slope
             t = t - step
-            if np.max(np.abs(step), initial=0.0) <= 1e-13:
+            # What is left is of the order of the step's square.
+            if np.max(np.abs(step), initial=0.0) <= _LAST_STEP:
                 break
         return t
 
@@ -57,16 +56,39 @@ def curves(level: Level, grid: Floats, values: Floats) -> list[Floats]:
     Returns:
         Polylines, (m, 2) each, from rim to rim of the grid or closed.
     """
-    above = values > 0
 
     def centre(row: int, column: int) -> int:
-        return int(level.above((grid[row, column] + grid[row + 1, column + 1])[None] / 2)[0])
+        middle = (grid[row, column] + grid[row + 1, column + 1])[None] / 2
+        return int(level.function(middle)[0] > 0)
 
     found: list[Floats] = []
-    for line in trace(above.astype(np.int64), centre):
+    for line in trace((values > 0).astype(np.int64), centre):
         low, high = tuple(line.low.T), tuple(line.high.T)
-        # One root on every edge, by bisection: it cannot leave the edge, so the ends of a curve
-        # lie on the rim of the grid exactly.
-        a, b, _ = narrowed(level.above, grid[low], grid[high], above[low], above[high], 46)
-        found.append((a + b) / 2)
+        found.append(_crossings(level, grid[low], grid[high], values[low], values[high]))
     return found
+
+
+def _crossings(level: Level, a: Floats, b: Floats, at_a: Floats, at_b: Floats) -> Floats:
+    """Where (m,) edges from a to b, (m, 2) each, cross the level, between values of unlike sign.
+
+    By false position after the Illinois rule (Dowell and Jarratt 1971): it cannot leave the edge,
+    so the ends of a curve lie on the rim of the grid exactly.
+    """
+    low, high = np.zeros(len(a)), np.ones(len(a))
+    side, at = np.zeros(len(a)), np.full(len(a), np.inf)
+    for _ in range(_MOST_STEPS):
+        before = at
+        with np.errstate(invalid="ignore"):
+            at = low + (high - low) * at_a / (at_a - at_b)
+        # Beside a value that is none, halfway.
+        at = np.where(np.isfinite(at), at, (low + high) / 2)
+        if np.max(np.abs(at - before), initial=0.0) <= _SETTLED:
+            break
+        value = level.function(a + at[:, None] * (b - a))
+        as_a = (value > 0) == (at_a > 0)
+        # Where the same end moves twice, the other's value counts half.
+        at_b = np.where(as_a, np.where(side > 0, at_b / 2, at_b), value)
+        at_a = np.where(as_a, value, np.where(side < 0, at_a / 2, at_a))
+        low, high = np.where(as_a, at, low), np.where(as_a, high, at)
+        side = np.where(as_a, 1.0, -1.0)
+    return a + at[:, None] * (b - a)

@@ -35,61 +35,61 @@ def trace(
     Returns:
         Curves in no particular order. Where three labels meet, curves end within that square.
     """
-    rows, columns = label.shape
+    columns = label.shape[1]
     across = _unlike(label[:, :-1], label[:, 1:], ignore)  # edge (row, column)-(row, column + 1)
     upward = _unlike(label[:-1], label[1:], ignore)  # edge (row, column)-(row + 1, column)
     # Edges by number: first all that go across, then all that go up.
-    shift = rows * (columns - 1)
-
-    def pair(edge: int) -> tuple[int, int]:
-        (r0, c0), (r1, c1) = ends(edge)
-        a, b = int(label[r0, c0]), int(label[r1, c1])
-        return min(a, b), max(a, b)
-
-    def ends(edge: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        if edge < shift:
-            r, c = divmod(edge, columns - 1)
-            return (r, c), (r, c + 1)
-        r, c = divmod(edge - shift, columns)
-        return (r, c), (r + 1, c)
-
-    crossed = {int(r) * (columns - 1) + int(c) for r, c in np.argwhere(across)}
-    crossed |= {shift + int(r) * columns + int(c) for r, c in np.argwhere(upward)}
+    shift = across.size
+    crossed = np.flatnonzero(np.concatenate([across.ravel(), upward.ravel()])).tolist()
     links: dict[int, list[int]] = {edge: [] for edge in crossed}
 
     def link(a: int, b: int) -> None:
         links[a].append(b)
         links[b].append(a)
 
-    touched = across[:-1] | across[1:] | upward[:, :-1] | upward[:, 1:]
-    for r, c in np.argwhere(touched).tolist():
-        bottom, top = r * (columns - 1) + c, (r + 1) * (columns - 1) + c
-        left, right = shift + r * columns + c, shift + r * columns + c + 1
-        around = [edge for edge in (bottom, right, top, left) if edge in links]
-        if len(around) == 4 and len({pair(edge) for edge in around}) == 1:
-            if centre(r, c) == label[r, c]:
+    r, c = np.nonzero(across[:-1] | across[1:] | upward[:, :-1] | upward[:, 1:])
+    bottom, left = r * (columns - 1) + c, shift + r * columns + c
+    edges = np.stack([bottom, left + 1, bottom + columns - 1, left], axis=1)
+    corners = np.stack([label[r, c], label[r, c + 1], label[r + 1, c + 1], label[r + 1, c]], axis=1)
+    codes = _codes(corners, np.roll(corners, -1, axis=1), ignore)
+    squares = zip(edges.tolist(), codes.tolist(), r.tolist(), c.tolist(), strict=True)
+    for around, code, row, column in squares:
+        if code[0] and len(set(code)) == 1:
+            bottom, right, top, left = around
+            if centre(row, column) == label[row, column]:
                 link(bottom, right)
                 link(top, left)
             else:
                 link(bottom, left)
                 link(top, right)
             continue
-        by_pair: dict[tuple[int, int], list[int]] = {}
-        for edge in around:
-            by_pair.setdefault(pair(edge), []).append(edge)
-        for same in by_pair.values():
-            if len(same) == 2:
-                link(*same)
+        for one in dict.fromkeys(code):
+            if one and code.count(one) == 2:
+                link(*(edge for edge, own in zip(around, code, strict=True) if own == one))
 
-    return [
-        Crossings(pair(chain[0]), *(np.array([ends(e)[k] for e in chain]) for k in (0, 1)))
-        for chain in _chains(links)
-    ]
+    lines: list[Crossings] = []
+    for chain in _chains(links):
+        edge = np.array(chain)
+        goes_up = edge >= shift
+        width = np.where(goes_up, columns, columns - 1)
+        low = np.stack(np.divmod(edge - shift * goes_up, width), axis=1)
+        high = low + np.stack([goes_up, ~goes_up], axis=1)
+        a, b = sorted((int(label[tuple(low[0])]), int(label[tuple(high[0])])))
+        lines.append(Crossings((a, b), low, high))
+    return lines
 
 
 def _unlike(a: Ints, b: Ints, ignore: int | None) -> Bools:
     unlike = a != b
     return unlike if ignore is None else unlike & (a != ignore) & (b != ignore)
+
+
+def _codes(a: Ints, b: Ints, ignore: int | None) -> Ints:
+    """A positive number for every pair of unlike labels, whichever comes first; 0 for others."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    least, most = np.min(low, initial=0), np.max(high, initial=0)
+    code = 1 + (low - least) * (most - least + 1) + high - least
+    return np.where(_unlike(a, b, ignore), code, 0)
 
 
 def _chains(links: dict[int, list[int]]) -> list[list[int]]:
