@@ -253,14 +253,7 @@ class Path(ByValue):
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
             raise InputError(f"points = {points}: must be >= 2, both ends of a branch.")
-        return Path(
-            self.chain,
-            self.turning_points,
-            self.start,
-            points,
-            self._start_force,
-            self._log,
-        ).with_problem(self.__dict__.get("_problem"))
+        return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> xarray.Dataset:
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, Vec2
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
@@ -18,8 +18,6 @@ from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
-
-Vec2 = tuple[float, float]
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
 # nothing else has changed. The smaller ones are for regions that are narrower.

@@ -9,7 +9,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepwell.base import REACH, ByValue, Floats, InputError, Quantity, Schema, variables, write_csv
+from stepwell.base import (
+    REACH,
+    ByValue,
+    Floats,
+    InputError,
+    Quantity,
+    Schema,
+    Vec2,
+    variables,
+    write_csv,
+)
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
@@ -25,7 +35,6 @@ from stepwell.sequences import Sequence, cycle
 if TYPE_CHECKING:
     import xarray
 
-Vec2 = tuple[float, float]
 
 # The way of the anchor, at every fraction of it.
 WAY: Schema = (

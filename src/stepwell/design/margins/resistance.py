@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Floats, Vec2
 from stepwell.mechanism import Band, Cell, band_direction, band_length
-
-Vec2 = tuple[float, float]
 
 _ANGLES = 1025  # looked at over the travel; the largest force is right to 1e-6 of itself
 _POSITIONS = 41

@@ -134,19 +134,17 @@ def _meeting(
         behind = extreme(cells[second], SIDES[end], radius, -up)[0]
         return up * (behind - ahead)
 
+    way = ("loading", "unloading")[end]
     if gap(0.0) <= 0.0:
-        return Meeting(0.0, first, second, ("loading", "unloading")[end], ((0.0, 0.0), (0.0, 0.0)))
+        return Meeting(0.0, first, second, way, ((0.0, 0.0), (0.0, 0.0)))
     if gap(most) > 0.0:
         return None
     from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
 
     radius = float(brentq(gap, 0.0, most, xtol=_FINE))  # pyright: ignore[reportArgumentType]
-    moves = tuple(
-        (float(x), float(y))
-        for cell, sign in ((first, up), (second, -up))
-        for _, x, y in [extreme(cells[cell], SIDES[end], radius, sign)]
-    )
-    return Meeting(radius, first, second, ("loading", "unloading")[end], moves)  # pyright: ignore[reportArgumentType]
+    _, *ahead = extreme(cells[first], SIDES[end], radius, up)
+    _, *behind = extreme(cells[second], SIDES[end], radius, -up)
+    return Meeting(radius, first, second, way, ((ahead[0], ahead[1]), (behind[0], behind[1])))
 
 
 def extreme(cell: Simple, side: int, radius: float, sign: int) -> tuple[float, float, float]:

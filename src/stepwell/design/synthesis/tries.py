@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stepwell.design.orders import Target, short
+from stepwell.design.orders import Target
 from stepwell.design.placement import Region, Rule, all_proved, told
 from stepwell.design.synthesis.attempt import Attempt, look
 from stepwell.design.synthesis.impossible import Impossible, nothing_works
@@ -13,7 +13,6 @@ from stepwell.design.synthesis.others import another
 from stepwell.design.synthesis.remaining import tried
 from stepwell.design.tolerances import Tolerances, yields
 from stepwell.mechanism import Chain
-from stepwell.statics import StaticsError
 
 _REFINED = 3  # attempts
 # Of choices that do it, so many are made so often, to see which does it most surely.
@@ -109,7 +108,8 @@ class Tries:
         for attempt in attempts:
             if not attempt.works:
                 continue
-            fault = self._fault(attempt)
+            chain = attempt.chain(self.actuator_stiffness, "")
+            fault = target.fault(chain, attempt.orders)
             if not fault:
                 return Placed(attempt, attempts, complete, missed, 0)
             missed = missed or fault
@@ -117,15 +117,6 @@ class Tries:
         if missed:
             found, others = another(target, attempts, self.actuator_stiffness, self.seed)
         return Placed(found, attempts, complete and not missed, missed, others)
-
-    def _fault(self, attempt: Attempt) -> str:
-        """What the engine finds that is not as wanted; "" if it is."""
-        chain = attempt.chain(self.actuator_stiffness, "")
-        try:
-            seen = self.target.look(chain)
-        except (StaticsError, ValueError) as failure:
-            return str(failure)
-        return short(self.target.misses(seen, attempt.orders))
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that does it among what the closed form does not decide, and how it was found.
