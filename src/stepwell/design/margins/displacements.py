@@ -55,13 +55,6 @@ class Displacements:
         """1 on a line, 2 in the plane."""
         return self.frame.shape[1]
 
-    @property
-    def box(self) -> tuple[Floats, float]:
-        """Middle (n,) and half side of a box that holds all u."""
-        if self.one_way:
-            return np.array([self.reach / 2]), self.reach / 2
-        return np.zeros(self.dimensions), self.reach
-
     def move(self, u: Floats) -> tuple[float, float]:
         """The displacement (x, y) [m] that belongs to u (n,)."""
         x, y = self.frame @ u

@@ -8,7 +8,7 @@ from stepwell.base import Bools, Floats
 from stepwell.concave import certified
 from stepwell.design.placement.candidates import Rule
 from stepwell.design.placement.region import Region
-from stepwell.design.plane import Box, narrowed, trace
+from stepwell.design.plane import narrowed, trace
 
 _NODES = 81
 _HALVINGS = 16
@@ -19,8 +19,7 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
 
     The images of the edges of the allowed anchors, each edge found on a grid and narrowed.
     """
-    box = region.bounds
-    grid = Box(box.left, box.right, box.bottom, box.top).grid(_NODES)
+    grid = region.bounds.grid(_NODES)
     # One more node all round, so that the sides of the box are edges like all others.
     rim = np.pad(grid, ((1, 1), (1, 1), (0, 0)), mode="reflect", reflect_type="odd")
     found: list[Floats] = []
@@ -52,7 +51,6 @@ def all_proved(rule: Rule, region: Region) -> bool:
 
     Squares cover the region; a disc round each is proved as a whole, or cut into four.
     """
-    box = region.bounds
     side = max(box.right - box.left, box.top - box.bottom)
     for kind in rule.kinds:
         middles = np.array([[(box.left + box.right) / 2, (box.bottom + box.top) / 2]])

@@ -161,7 +161,7 @@ def design(
         () if found is None else found.region(),
         holes,
         placed.candidates,
-        found is not None and placed.best,
+        found is not None and placed.complete,
         how if found is None else _method(found, placed),
         _standing(found) + _not_searched(target, share),
     )
@@ -323,8 +323,8 @@ def _method(found: Attempt, placed: Placed) -> str:
         how += "; from there each cell in turn on finer and finer lattices: a local optimum"
     if found.left_out:
         how += f"; {found.left_out} where the band is not proved taut and concave were left out"
-    if placed.tried > 1:
-        how += f"; the best of {placed.tried} combinations of orders and levers"
+    if len(placed.attempts) > 1:
+        how += f"; the best of {len(placed.attempts)} combinations of orders and levers"
     if placed.missed:
         how += f"; what seemed better does not by the engine ({placed.missed})"
     if placed.others:

@@ -26,7 +26,8 @@ class Placed:
     Attributes:
         found: the best attempt that does what is wanted by the engine; None if none does.
         attempts: all of them.
-        complete: whether no choice was left out, so that there is none where none was found.
+        complete: whether no choice was left out, so that none is better by the objective, and
+            there is none where none was found.
         missed: what the engine finds of a better one.
         others: how many random choices in the wanted orders were looked at.
     """
@@ -38,19 +39,9 @@ class Placed:
     others: int
 
     @property
-    def tried(self) -> int:
-        """How many combinations of orders and levers there were."""
-        return len(self.attempts)
-
-    @property
     def candidates(self) -> int:
         """How many ways to build a cell were looked at first."""
         return max((attempt.candidates for attempt in self.attempts), default=0)
-
-    @property
-    def best(self) -> bool:
-        """Whether it is proved that none of those choices is better by the objective."""
-        return self.complete and not self.missed
 
 
 @dataclass
@@ -111,7 +102,7 @@ class Tries:
             chain = attempt.chain(self.actuator_stiffness, "")
             fault = target.fault(chain, attempt.orders)
             if not fault:
-                return Placed(attempt, attempts, complete, missed, 0)
+                return Placed(attempt, attempts, complete and not missed, missed, 0)
             missed = missed or fault
         found, others = None, 0
         if missed:
