@@ -51,6 +51,7 @@ def all_proved(rule: Rule, region: Region) -> bool:
 
     Squares cover the region; a disc round each is proved as a whole, or cut into four.
     """
+    box = region.bounds
     side = max(box.right - box.left, box.top - box.bottom)
     for kind in rule.kinds:
         middles = np.array([[(box.left + box.right) / 2, (box.bottom + box.top) / 2]])
