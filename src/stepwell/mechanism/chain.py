@@ -132,16 +132,13 @@ class Chain(ByValue):
         stop and back, a prescribed force likewise.
 
         Args:
-            prefer: cells by falling priority where two of them tie; by default the innermost
-                goes first, and cells of constant force share the motion.
-            progress: called now and then with (done, total) of the way of the actuator.
+            prefer, progress: as for `path`.
 
         Returns:
             The cycle.
 
         Raises:
-            StaticsError: the follower could not go on, or what it found breaks its own
-                certificate; the text says what to do.
+            StaticsError: as for `path`.
 
         Source: Kamp et al. 2024, Fig. 2.
         """

@@ -193,7 +193,9 @@ def reprogram(
         )
     ways = Displacements.of(along, one_way, reach)
     refuse_reach(chain, reach)
-    wanted = None if target is None else _parsed(str(target), len(chain))
+    wanted = None
+    if target is not None:
+        wanted = Sequence.parse(checked_cycle(str(target), len(chain), "target"))
     before = cycle(chain).sequence
     if before == wanted:
         found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
@@ -214,7 +216,3 @@ def reprogram(
         found.method,
         resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
     )
-
-
-def _parsed(target: str, cells: int) -> Sequence:
-    return Sequence.parse(checked_cycle(target, cells, "target"))

@@ -190,7 +190,10 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
         ValueError: text that is no set of states.
     """
     if states == "all":
-        return _realised(_antichain(cells), alike, None)
+        if cells is None or cells < 1:
+            raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
+        antichain = [[i == j for j in range(cells)] for i in range(cells)]
+        return _realised(antichain, alike, None)
     wanted, n = _listed(states, cells)
     listed = frozenset(wanted)
     for name, state in (("0", "0" * n), ("1", "1" * n)):
@@ -234,12 +237,6 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wis
         if len(found) == _TRIED or looked_at == _LOOKED_AT:
             return Wish(tuple(found.values()), False, states)
     return Wish(tuple(found.values()), True, states)
-
-
-def _antichain(cells: int | None) -> "Below":
-    if cells is None or cells < 1:
-        raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
-    return [[i == j for j in range(cells)] for i in range(cells)]
 
 
 def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:

@@ -82,18 +82,19 @@ def best_choice(
     _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
     # Rank in F1 of the cells taken by rising F0.
     ranks = np.argsort(rising[1])[rising[0]]
-    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments
-    bounds = _edges(segments, allowed[rising[1]]), ahead
+    # Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a].
+    edges = np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
+    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments, edges, ahead
     few = min(most_nodes, _FEW_NODES)
     picks = np.full(n, -1)
-    value, nodes, complete = _search(*table, *bounds, add, floor, np.array([0, few]), picks)
+    value, nodes, complete = _search(*table, add, floor, np.array([0, few]), picks)
     if not complete and few < most_nodes:
         picks[:] = -1
         search = _search.compiled()
         # What has to be compiled is compiled here, where Ctrl-C is heard.
-        search(*table, *bounds, add, floor, np.array([0, 0]), picks)
+        search(*table, add, floor, np.array([0, 0]), picks)
         value, nodes, complete = watched(
-            lambda effort: search(*table, *bounds, add, floor, effort, picks), most=most_nodes
+            lambda effort: search(*table, add, floor, effort, picks), most=most_nodes
         )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
@@ -142,11 +143,6 @@ def _best_ends(gap, allowed, add: bool, out):
             if allowed[u, a]:
                 for b in range(m):
                     out[u, a] = max(out[u, a], _with(gap[a, b], out[u + 1, b], add))
-
-
-def _edges(segments: Floats, allowed: Bools) -> Floats:
-    """Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a]."""
-    return np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
 
 
 @kernel
