@@ -74,11 +74,7 @@ class Band(ByValue):
             ValueError: a table that does not rise, holds a push, or does not end in tension.
         """
         extension = check.rising("extension", extension, "m", 2)
-        for i, pull in enumerate(tension):
-            if pull < 0:
-                raise InputError(
-                    f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
-                )
+        check.pulls("tension", tension, "N")
         stiffness = check.positive("tension[-1]", tension[-1], "N") / extension[-1]
         shape = tuple(t / stiffness for t in tension)
         return cls(p, q, stiffness, rest_length, Table(extension, shape))

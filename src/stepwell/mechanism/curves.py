@@ -95,21 +95,13 @@ class Table(ByValue):
 
     def __post_init__(self):
         extension = check.rising("extension", self.extension, "m", 2)
-        shape = tuple(check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
-        if len(shape) != len(extension):
-            raise InputError(
-                f"shape has {len(shape)} values, extension {len(extension)}: must be as many."
-            )
+        shape = check.as_many("shape", self.shape, "m", "extension", len(extension))
         if extension[0] != 0 or shape[0] != 0:
             raise InputError(
                 f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
                 f"carries nothing at its rest length."
             )
-        for i, pull in enumerate(shape):
-            if pull < 0:
-                raise InputError(
-                    f"shape[{i}] = {pull} m: must be >= 0, a band pulls. Did you mean {-pull} m?"
-                )
+        check.pulls("shape", shape, "m")
         object.__setattr__(self, "extension", extension)
         object.__setattr__(self, "shape", shape)
 
@@ -140,11 +132,7 @@ class Load(ByValue):
 
     def __post_init__(self):
         travel = check.rising("travel", self.travel, "m", 1)
-        force = tuple(check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
-        if len(force) != len(travel):
-            raise InputError(
-                f"force has {len(force)} values, travel {len(travel)}: must be as many."
-            )
+        force = check.as_many("force", self.force, "N", "travel", len(travel))
         object.__setattr__(self, "travel", travel)
         object.__setattr__(self, "force", force)
 

@@ -17,9 +17,8 @@ from stepwell.sequences.graphs.rows import (
     graph_of,
     row_of,
     suffix,
-    transitions,
 )
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
 
 _FORMAT = "stepwell transition graph 1"
 # What GraphML holds as JSON.

@@ -11,7 +11,7 @@ import numpy as np
 from stepwell.base import Bools, Floats, Ints
 from stepwell.sequences.branches import drive_slip
 from stepwell.sequences.graphs.node import TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,13 +124,12 @@ def atlas(graph: TransitionGraph) -> Atlas:
     down: dict[str, str] = {}
     above: dict[str, str] = {}
     snaps: list[tuple[str, str, int]] = []
-    for a, b, transitions in graph.edges(data="transitions"):
-        for transition in transitions:
-            (up if transition.direction > 0 else down)[a] = b
-            if transition.kind is TransitionKind.SNAP:
-                snaps.append((a, b, transition.direction))
-            elif transition.direction > 0:
-                above[a] = b
+    for a, b, transition in transitions(graph):
+        (up if transition.direction > 0 else down)[a] = b
+        if transition.kind is TransitionKind.SNAP:
+            snaps.append((a, b, transition.direction))
+        elif transition.direction > 0:
+            above[a] = b
     labels: list[list[str]] = []
     for label in graph.nodes.keys() - above.values():
         labels.append([label])

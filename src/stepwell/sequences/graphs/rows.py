@@ -32,13 +32,6 @@ def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> st
     return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {shown}".rstrip()
 
 
-def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
-    """Every (from, to, transition)."""
-    for a, b, together in graph.edges(data="transitions"):
-        for transition in together:
-            yield a, b, transition
-
-
 def row_of(value: Node | Transition | Tie, x: str) -> Row:
     """A value as a row; x is the suffix."""
     row: Row = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
@@ -145,15 +145,18 @@ class TransitionGraph(nx.DiGraph):
         return repr(self)
 
     def __repr__(self):
-        snaps = sum(
-            t.kind is TransitionKind.SNAP
-            for _, _, transitions in self.edges(data="transitions")
-            for t in transitions
-        )
+        snaps = sum(t.kind is TransitionKind.SNAP for _, _, t in transitions(self))
         return (
             f"TransitionGraph({self.cells} cells, {len(self.vertices)} vertices, "
             f"{len(self)} nodes, {snaps} snaps)"
         )
+
+
+def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
+    """Every (from, to, transition)."""
+    for a, b, together in graph.edges(data="transitions"):
+        for transition in together:
+            yield a, b, transition
 
 
 def graph(
