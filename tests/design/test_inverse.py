@@ -126,12 +126,17 @@ def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
         assert other.share < made.yield_.share + noise
 
 
-def test_a_designed_yield_is_above_those_of_obvious_designs():
-    equal = [(x, 0.0) for x in np.linspace(0, 0.020, 8).tolist()]
+@pytest.mark.parametrize(
+    ("cells", "tolerances", "more"),
+    # So many cells take a search that is worth the compiler.
+    [(4, ROUGH, 0.02), pytest.param(8, USUAL, 0.05, marks=pytest.mark.slow)],
+)
+def test_a_designed_yield_is_above_those_of_obvious_designs(cells, tolerances, more):
+    equal = [(x, 0.0) for x in np.linspace(0, 0.020, cells).tolist()]
     obvious = sw.Chain([paper_cell(*place) for place in equal])
-    made = design(cycle(range(8), range(8)), n=20_000)
+    made = design(cycle(range(cells), range(cells)), tolerances=tolerances, n=20_000)
     assert str(obvious.cycle().sequence) == made.sequence
-    assert made.yield_.share > yields(obvious, USUAL, n=20_000).share + 0.05
+    assert made.yield_.share > yields(obvious, tolerances, n=20_000).share + more
 
 
 @pytest.mark.slow
