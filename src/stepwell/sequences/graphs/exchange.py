@@ -107,7 +107,8 @@ def to_graphml(graph: TransitionGraph) -> str:
     data = _rows(graph)
     nodes, edges = data.pop("nodes"), data.pop("edges")
     data["start"] = data["start"] or ""
-    found = nx.MultiDiGraph(**data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
+    found = nx.MultiDiGraph()
+    found.graph.update(data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
     for row in map(_flat, nodes):
         found.add_node(row.pop("label"), **row)
     for row in map(_flat, edges):

@@ -222,15 +222,11 @@ def cut(laws: Laws) -> Pieces:
     slots = int(np.max(np.diff(laws.band_first))) + 1
     room = 16 * cells + 64
     while True:
-        pieces = Pieces(
-            np.zeros(cells + 1, np.int64),
-            *np.empty((4, room)),
-            np.empty(room, np.int64),
-            np.full((room, slots), -1, np.int64),
-        )
+        columns = np.zeros(cells + 1, np.int64), *np.empty((4, room)), np.empty(room, np.int64)
+        pieces = Pieces._make((*columns, np.full((room, slots), -1, np.int64)))
         total = _cut(laws, pieces)
         if total >= 0:
-            return Pieces(pieces.first, *(column[:total].copy() for column in pieces[1:]))
+            return Pieces._make((pieces.first, *(column[:total].copy() for column in pieces[1:])))
         room *= 2
 
 
