@@ -232,17 +232,10 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             exit_ = branches.exit(number, direction)
             if exit_ is None:
                 continue
-            at = exit_.snap.drive[0]
+            snap, at = exit_.snap, exit_.snap.drive[0]
             target = branches[exit_.branch].find(state_of(exit_.travel, full), at)
-            snap = Transition(
-                TransitionKind.SNAP,
-                direction,
-                at,
-                exit_.snap.cells,
-                exit_.snap.released,
-                exit_.snap.tie,
-            )
-            join(found, names[number, k], names[exit_.branch, target], snap)
+            what = TransitionKind.SNAP, direction, at, snap.cells, snap.released, snap.tie
+            join(found, names[number, k], names[exit_.branch, target], Transition(*what))
     found.graph.update(
         **about(chain),
         ties=tuple(branches.ties),
