@@ -2,6 +2,7 @@
 
 import os
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files with much that is slow come first, so that no core has one of them left at the end."""
     slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
     items.sort(key=lambda item: -slow[item.path])
+
+
+@pytest.fixture(autouse=True, scope="session")
+def predicted_once():
+    """A robot that several tests of a process ask about is predicted once."""
+    from stepwell.robot import Robot
+
+    with pytest.MonkeyPatch.context() as patch:
+        # A prediction is a value that depends on the robot's value alone.
+        patch.setattr(Robot, "predict", cache(Robot.predict))
+        yield
 
 
 @pytest.fixture(scope="session")

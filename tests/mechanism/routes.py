@@ -292,7 +292,7 @@ def _():
     ]
     # What `predict` is made of, in one pass; its doubts would take the interpreter a minute.
     with mock.patch.object(round_, "PASSES", 1):
-        travel = round_.rounds(robot.Robot(legs))[0].out.travel
+        travel = round_.rounds(robot.Robot(legs))[0].halves[0].travel
     jump = np.argmax(np.abs(np.diff(travel[:, -1])))
     return [np.sum(travel[jump])]
 

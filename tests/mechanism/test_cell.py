@@ -1,11 +1,13 @@
 """Unit cells: golden numbers of the paper's designs, checks at the door, forces and energies."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.mechanism import pack
 
 CELL = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 KR = 28.5 * CELL.lever
@@ -56,6 +58,11 @@ def test_travel_and_angle_are_inverse_and_meet_the_stops():
     assert CELL.full_travel == pytest.approx(0.020, rel=1e-15)
     assert CELL.travel(-CELL.limit) == 0
     assert CELL.travel(CELL.limit) == pytest.approx(CELL.full_travel, rel=1e-15)
+
+
+def test_what_the_engine_reads_has_the_travels_of_the_cells_to_the_last_digit():
+    cells = [replace(CELL, limit=limit) for limit in np.linspace(0.2, 1.5, 200).tolist()]
+    assert pack(cells).full.tolist() == [cell.full_travel for cell in cells]
 
 
 def test_a_slack_band_carries_nothing_and_a_two_sided_one_pushes():

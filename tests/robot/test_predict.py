@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 import stepwell as sw
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, gaits, leg, motion, robot
 from sizes import examples
-from stepwell.robot import Body, Drive, Floor, Foot, Leg, Limit, Motion, Robot
+from stepwell.robot import Body, Drive, Floor, Foot, Leg, Motion, PushEnd, Robot
 from stepwell.robot.gait.predict import TURNS, depths
 from stepwell.robot.gait.search import changes
 from stepwell.statics import StaticsError
@@ -150,7 +150,7 @@ def test_slow_drives_leave_less_unknown():
 @pytest.mark.slow
 def test_a_push_slips_beyond_its_largest_drag_and_not_well_before():
     push = robot().predict().legs[0].pushes[0]
-    assert push.limit is Limit.SLIP
+    assert push.limit is PushEnd.SLIP
     assert push.loading
     assert push.step > 0
 
@@ -167,7 +167,7 @@ def test_the_largest_drag_is_friction_at_balance_by_hand():
     push = one.predict().legs[0].pushes[-1]
     assert not push.loading
     grip = 2 * one.floor.foot_friction * push.load
-    assert push.limit is Limit.SLIP
+    assert push.limit is PushEnd.SLIP
     assert push.largest_drag == pytest.approx(
         grip * one.weight / (one.weight - 2 * push.load), rel=0.05
     )

@@ -67,7 +67,7 @@ def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
     rods = dict(run.rods)
     name = "right.link.out"
     column, length = rods[name]
-    data = run.last.copy()
+    data = run.samples().data
     data[3:, column] = length + 1.5e-3
     time = np.linspace(0.0, 0.02 * (len(data) - 1), len(data))
     assert engine.stopped_at(time, data, run.where, rods) == (
@@ -79,7 +79,7 @@ def test_a_rod_that_stretches_is_named_while_the_run_is_still_finite():
 def test_of_two_reasons_at_the_same_time_the_one_that_explains_more_is_given():
     run = engine.Run(robot(), None, Settings())
     run.advance(0.1)
-    data = run.last.copy()
+    data = run.samples().data
     time = np.linspace(0.0, 0.02 * (len(data) - 1), len(data))
     column, length = run.rods["left.inner.lever"]
     data[2:, column] = length + 2e-3

@@ -11,7 +11,7 @@ import xarray as xr
 from simulation.robots import explorer, robot, walked
 from stepwell.robot import Drive
 from stepwell.simulation import Integrator, Linkage, Settings, Walk, walk
-from stepwell.simulation.runs.engine import Samples
+from stepwell.simulation.runs.engine import RunSamples
 
 S = 0.020  # full travel of a cell, and u_max of a leg with one stepping cell [m]
 
@@ -30,7 +30,7 @@ def invented(cycles: int = 2, period: float = 2.0, **given: Any) -> Walk:
     values |= {"travel": np.zeros((n, 2, 2)), "support_force": np.zeros((n, 3))}
     values |= {name: np.zeros((n, 0)) for name in ("antenna", "touch", "obstacle_force")}
     values |= {name: value(time) if callable(value) else value for name, value in given.items()}
-    samples = Samples(
+    samples = RunSamples(
         time=time,
         data=np.zeros((n, 0)),
         positions=np.zeros((n, 0)),

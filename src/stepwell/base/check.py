@@ -1,8 +1,10 @@
 """Checks at the door: what came, what is allowed, what to do."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from enum import StrEnum
 from itertools import pairwise
+from typing import Any
 
 from stepwell.base.errors import InputError
 
@@ -41,13 +43,28 @@ def short(number: float) -> str:
     return f"{number:g}".replace("e-0", "e-").replace("e+", "e")
 
 
-def vector(name: str, value: Sequence[float]) -> Vec2:
-    """`value` as two floats [m]; raises ValueError otherwise."""
+def vector(name: str, value: Sequence[float], unit: str = "m") -> Vec2:
+    """`value` as two floats; raises ValueError otherwise."""
     try:
         x, y = value
     except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r}: must be two numbers (x, y) [m].") from None
-    return finite(f"{name}[0]", x, "m"), finite(f"{name}[1]", y, "m")
+        raise InputError(f"{name} = {value!r}: must be two numbers (x, y) [{unit}].") from None
+    return finite(f"{name}[0]", x, unit), finite(f"{name}[1]", y, unit)
+
+
+def one_of(name: str, value: object, kind: type[StrEnum]) -> StrEnum:
+    """`value` as a member of an enum; raises ValueError, which names them all, otherwise."""
+    try:
+        return kind(value)
+    except ValueError:
+        allowed = ", ".join(repr(str(member)) for member in kind)
+        raise InputError(f"{name} = {value!r}: must be one of {allowed}.") from None
+
+
+def fields(value: object, check: Callable[[str, Any, Any], Any], **units: Any) -> None:
+    """Put fields of a frozen value through a check, each with its unit; they keep what it gives."""
+    for name, unit in units.items():
+        object.__setattr__(value, name, check(name, getattr(value, name), unit))
 
 
 def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[float, ...]:

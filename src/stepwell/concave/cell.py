@@ -41,8 +41,7 @@ def simple(cell: Cell) -> Simple | None:
     band = cell.bands[0]
     if not isinstance(band.law, Linear):
         return None
-    sin_limit = float(np.sin(cell.limit))
-    return Simple(*band.d, band.stiffness, band.rest_length, cell.lever, sin_limit)
+    return Simple(*band.d, band.stiffness, band.rest_length, cell.lever, cell.sin_limit)
 
 
 def simple_rows(laws: Laws) -> Floats | None:

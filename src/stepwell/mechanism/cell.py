@@ -87,13 +87,14 @@ class Cell(ByValue):
         return (self.band,) if isinstance(self.band, Band) else tuple(self.band)
 
     @property
-    def _sine(self) -> float:
+    def sin_limit(self) -> float:
+        """sin θc [1]."""
         return math.sin(self.limit)
 
     @property
     def full_travel(self) -> float:
         """S = 2 r sin θc [m]."""
-        return travel_of(self._sine, self.lever, self._sine)
+        return travel_of(self.sin_limit, self.lever, self.sin_limit)
 
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.
@@ -123,7 +124,7 @@ class Cell(ByValue):
         Raises:
             ValueError: an angle past a stop.
         """
-        return travel_of(np.sin(self._within(theta)), self.lever, self._sine)
+        return travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
     def angle(self, travel: ArrayLike) -> Floats:
         """Lever angle θ [rad] at travels s [m] of any shape.
@@ -138,7 +139,7 @@ class Cell(ByValue):
                 f"travel = {_worst(travel) * 1e3:.6g} mm: must be between 0 and "
                 f"{self.full_travel * 1e3:.6g} mm, the stops."
             )
-        sine = np.clip(sine_at(travel, self.lever, self._sine), -1.0, 1.0)
+        sine = np.clip(sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
         return np.clip(np.arcsin(sine), -self.limit, self.limit)
 
     def energy(self, theta: ArrayLike) -> Floats:

@@ -133,7 +133,7 @@ def pack(cells: Sequence[Cell]) -> Laws:
     loads = [np.empty((0, 6)) if cell.load is None else cell.load.pieces() for cell in cells]
     first = list(accumulate((len(c) for c in curves), initial=0))
     load_first = list(accumulate((len(load) for load in loads), initial=first[-1]))
-    sin_limit = np.sin([cell.limit for cell in cells])
+    sin_limit = np.array([cell.sin_limit for cell in cells])
     lever = np.array([cell.lever for cell in cells])
     return Laws(
         lever=lever,

@@ -1,6 +1,6 @@
 """Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
 
-from stepwell.robot.gait import Flip, LegPrediction, Limit, Motion, Prediction, Push, predict
+from stepwell.robot.gait import Flip, LegPrediction, Motion, Prediction, Push, PushEnd, predict
 from stepwell.robot.parts import (
     Antenna,
     Arena,
@@ -32,7 +32,7 @@ __all__ = [
     "Goal",
     "Leg",
     "LegPrediction",
-    "Limit",
+    "PushEnd",
     "Motion",
     "Prediction",
     "Profile",

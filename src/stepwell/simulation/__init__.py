@@ -5,9 +5,9 @@ from stepwell.simulation.runs import (
     LOADED,
     TOUCHED,
     TRIAL,
-    Change,
     Contact,
     Convergence,
+    GaitChange,
     Maze,
     Outcome,
     Resolution,
@@ -24,7 +24,7 @@ from stepwell.simulation.runs import (
 )
 
 __all__ = [
-    "Change",
+    "GaitChange",
     "Contact",
     "Convergence",
     "Integrator",

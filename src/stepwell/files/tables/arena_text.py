@@ -10,7 +10,7 @@ from stepwell.robot.parts import of_arena
 def arena_text_of(arena: Arena) -> str:
     """The file of an arena: start and goal first, then what stands in the way."""
     left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
-    odd = ["unusual = true"] if arena.unusual or of_arena(arena) else []
+    odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
     text = [*odd, *table_lines(schema.ArenaKeys, arena, left_out), ""]
     if arena.goal is not None:
         text += ["[goal]", *table_lines(schema.GoalKeys, arena.goal), ""]

@@ -27,7 +27,7 @@ def whole_text(robot: Robot) -> str:
 
 
 def _text(robot: Robot, chain: list[str], shared: Shared, *, own_chains: bool) -> str:
-    odd = robot.unusual or of_robot(robot)
+    odd = robot.unusual or any(of_robot(robot))
     head = _title(robot.title) + (["unusual = true"] if odd else [])
     text = [*head, *([""] if head else []), *chain]
     for name, table in (

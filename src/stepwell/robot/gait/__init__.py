@@ -3,10 +3,10 @@
 from stepwell.robot.gait.predict import (
     Flip,
     LegPrediction,
-    Limit,
     Motion,
     Prediction,
     Push,
+    PushEnd,
     depths,
     predict,
 )

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import lru_cache
+from functools import cache, lru_cache
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Vec2
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
-from stepwell.robot.gait.search import changes, first_change
+from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
-from stepwell.robot.parts import Antenna, Leg, Robot
+from stepwell.robot.gait.standing import leaning
+from stepwell.robot.parts import Leg, Robot
 from stepwell.statics import StaticsError
-
-Array = NDArray[np.float64]
-# Margin, what the gait then becomes, and alternatives.
-Doubt = tuple[float, str, tuple[str, ...]]
 
 # A robot walks if a cycle takes it this share of the largest step, and turns from this angle on.
 WALKS = 0.1
@@ -61,7 +58,7 @@ class Motion(Enum):
     NONE = "stays where it is"
 
 
-class Limit(Enum):
+class PushEnd(Enum):
     """What ends a push when the floor drags more."""
 
     SLIP = "the foot slips"
@@ -93,7 +90,7 @@ class Push(ByValue):
     load: float
     drag: float
     largest_drag: float
-    limit: Limit
+    limit: PushEnd
 
     @property
     def safety(self) -> float:
@@ -101,9 +98,9 @@ class Push(ByValue):
         return self.largest_drag / self.drag if self.drag > 0 else math.inf
 
     def __repr__(self):
-        way = "forward" if self.step > 0 else "backward"
+        sense = "forward" if self.step > 0 else "backward"
         return (
-            f"Push({way} while {'loading' if self.loading else 'unloading'}: gains "
+            f"Push({sense} while {'loading' if self.loading else 'unloading'}: gains "
             f"{self.gain * 1e3:.3g} of {self.step * 1e3:.3g} mm, up to a drag of "
             f"{self.largest_drag:.3g} N)"
         )
@@ -261,7 +258,9 @@ class Prediction(ByValue):
         doubt = f"; near a boundary: {', '.join(near)}" if near else ""
         # Nothing is ever minus zero.
         advance, turn = round(self.advance, 2) + 0.0, round(math.degrees(self.turn), 1) + 0.0
-        least, most = (1e3 * end for end in common(self.depths))
+        # The depths at which all legs keep their gaits.
+        lows, highs = zip(*self.depths, strict=True)
+        least, most = 1e3 * max(lows), 1e3 * min(highs)
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {advance:.2f}, "
             f"turn {turn:.1f}°; feet {least:.2f} to {most:.2f} mm deep{doubt})"
@@ -271,12 +270,35 @@ class Prediction(ByValue):
 def predict(robot: Robot) -> Prediction:
     """Say what a robot will do in a cycle, without simulation. All else as for `Robot.predict`."""
     found = rounds(robot)
-    moved = slide(robot, found)
-    x, y, turn = moved.displacement()
+    slid = slide(robot, found)
+    x, y, turn = slid.displacement()
     most = max(leg.stroke for leg in robot.legs)
-    doubts: dict[Hashable, Doubt] = {}
-    legs = tuple(_leg(robot, i, found, moved, doubts) for i in range(len(found)))
-    return Prediction(robot, legs, x / most, y / most, turn)
+    # What can be doubted of legs that are alike, and what antennas do to them, is the same.
+    doubts = cache(lambda i: _doubts(robot, found[i]))
+    flips = cache(lambda i, *antenna: tuple(_flips(robot, found[i], *antenna)))
+    legs: list[LegPrediction] = []
+    for i, (one, first) in enumerate(zip(found, _first_alike(found), strict=True)):
+        margin, nearest, alternatives = doubts(first)
+        legs.append(
+            LegPrediction(
+                one.leg.name,
+                one.gait(),
+                float(slid.gain[:, i].sum()) / one.leg.stroke,
+                float(slid.slip[:, i].sum()),
+                margin,
+                nearest,
+                _uncertainty(robot, one.leg),
+                alternatives,
+                tuple(_pushes(robot, i, one, slid)),
+                tuple(
+                    replace(flip, antenna=antenna.name, leg=one.leg.name)
+                    for antenna in robot.antennas
+                    if antenna.leg == one.leg.name and antenna.connected
+                    for flip in flips(first, antenna.cell, antenna.moves, antenna.swing)
+                ),
+            )
+        )
+    return Prediction(robot, tuple(legs), x / most, y / most, turn)
 
 
 @lru_cache(maxsize=32)
@@ -295,53 +317,20 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
         StaticsError: the engine could not go on; its text says what to do.
     """
     found = rounds(robot)
-    known: dict[Hashable, tuple[float, float]] = {}
-    for i, one in enumerate(found):
-        if _alike(one) not in known:
-            known[_alike(one)] = _depths(robot, i, found)
-    return tuple(known[_alike(one)] for one in found)
+    own = cache(lambda i: _depths(robot, i, found))
+    return tuple(map(own, _first_alike(found)))
 
 
-def common(depths: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Depths of the feet [m] at which all legs keep their gaits."""
-    least, most = zip(*depths, strict=True)
-    return max(least), min(most)
-
-
-def _alike(one: Round) -> Hashable:
-    """What two legs share that are the same in a mirror: so is what can be doubted of them."""
-    return one.leg.chain, *(np.round([*f.load, *f.sharing], 9).tobytes() for f in one.stances)
-
-
-def _leg(
-    robot: Robot, index: int, found: Sequence[Round], moved: Slide, doubts: dict[Hashable, Doubt]
-) -> LegPrediction:
-    one = found[index]
-    leg, gait = one.leg, one.gait()
-    unknown = _uncertainty(robot, leg)
-    alike = _alike(one)
-    if alike not in doubts:
-        others = {one.gait(tolerance) for tolerance in TOLERANCES} | set(_otherwise(robot, one))
-        doubts[alike] = (*_margin(robot, one), tuple(sorted(others - {gait})))
-    margin, nearest, others = doubts[alike]
-    flips = tuple(
-        flip
-        for antenna in robot.antennas
-        if antenna.leg == leg.name and antenna.connected
-        for flip in _flip(robot, one, antenna, unknown)
-    )
-    return LegPrediction(
-        leg.name,
-        gait,
-        float(moved.gain[:, index].sum()) / leg.stroke,
-        float(moved.slip[:, index].sum()),
-        margin,
-        nearest,
-        unknown,
-        others,
-        tuple(_pushes(robot, index, one, moved)),
-        flips,
-    )
+def _first_alike(found: Sequence[Round]) -> list[int]:
+    """For each leg the number of the first one that is the same, or is so in a mirror."""
+    alike = [
+        (
+            one.leg.chain,
+            *(np.round([*foot.load, *foot.sharing], 9).tobytes() for foot in one.stances),
+        )
+        for one in found
+    ]
+    return [alike.index(each) for each in alike]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
@@ -356,25 +345,30 @@ def _uncertainty(robot: Robot, leg: Leg) -> float:
     return damping * speed / 2.0 + falls * speed * late
 
 
-def _margin(robot: Robot, one: Round) -> tuple[float, str]:
-    """Smallest force [N] on one cell that changes the gait, and what it becomes."""
+def _doubts(robot: Robot, one: Round) -> tuple[float, str, tuple[str, ...]]:
+    """Smallest force [N] on one cell that changes the gait, what it becomes, and alternatives."""
     cells = len(one.leg.chain)
     # At a given stroke a force on one of two cells does what its opposite does on the other.
     tried = (cells - 1,) if cells == 2 else range(cells)
-    best, nearest = math.inf, ""
-    for cell in tried:
-        for sense in (1.0, -1.0):
+    margin, nearest = math.inf, ""
+    for cell, sense in product(tried, (1.0, -1.0)):
 
-            def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
-                extra = np.zeros(cells)
-                extra[cell] = sense * force
-                return go_round(robot, one.leg, one.stances, extra).gait()
+        def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
+            return go_round(robot, one.leg, one.stances, {cell: sense * force}).gait()
 
-            nearer = [force for force in FORCES if force < best]
-            change = first_change(pushed, [*nearer, best] if math.isfinite(best) else nearer)
-            if change is not None and change[0] < best:
-                best, nearest = change
-    return best, nearest
+        nearer = [force for force in FORCES if force < margin]
+        looks = [*nearer, margin] if math.isfinite(margin) else nearer
+        change = next(changes(pushed, looks), None)
+        if change is not None and change[0] < margin:
+            margin, nearest = change
+    # What the floor does to the foot may be another: no drag, or one load however far it steps.
+    others = {one.gait(tolerance) for tolerance in TOLERANCES}
+    for out, back in (
+        [replace(foot, drags=False) for foot in one.stances],
+        [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances],
+    ):
+        others.add(go_round(robot, one.leg, (out, back)).gait())
+    return margin, nearest, tuple(sorted(others - {one.gait()}))
 
 
 def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, float]:
@@ -386,12 +380,10 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
 
     def deep(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
-        stances = stances_beside(other, index, found)
+        stances = stances_beside(other, index, found, leaning(other))
         for force in (unknown, -unknown):
-            extra = np.zeros(len(leg.chain))
-            extra[-1] = force
             try:
-                after = go_round(other, leg, stances, extra).gait()
+                after = go_round(other, leg, stances, {len(leg.chain) - 1: force}).gait()
             except StaticsError:
                 return "not followed"  # so it is not sure
             if after != gait:
@@ -399,8 +391,7 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
         return gait
 
     def until(looks: list[float]) -> float:
-        change = first_change(deep, [foot.below, *looks], DEPTH_HALVINGS)
-        return looks[-1] if change is None else change[0]
+        return next(changes(deep, [foot.below, *looks], DEPTH_HALVINGS), (looks[-1], ""))[0]
 
     if deep(foot.below) != gait:
         return foot.below, foot.below
@@ -408,89 +399,66 @@ def _depths(robot: Robot, index: int, found: Sequence[Round]) -> tuple[float, fl
     return until([foot.below / 2, 0.0]), until([*deeper, max(deepest, foot.below)])
 
 
-def _otherwise(robot: Robot, one: Round) -> list[str]:
-    """Gaits of the leg where what the floor does to its foot is another."""
-    variants = (
-        tuple(replace(foot, drags=False) for foot in one.stances),
-        tuple(replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances),
-    )
-    return [go_round(robot, one.leg, (a, b)).gait() for a, b in variants]
-
-
-def _flip(robot: Robot, one: Round, antenna: Antenna, unknown: float) -> list[Flip]:
-    leg, cells = one.leg, len(one.leg.chain)
-    cell = leg.cell_index(antenna.cell)
-    p, moves = leg.chain.cells[cell].bands[0].p, antenna.moves
+def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float) -> Iterator[Flip]:
+    """What an antenna that moves this anchor p changes; it is not named yet."""
+    unknown, length, before = _uncertainty(robot, one.leg), math.hypot(*moves), one.gait()
 
     def thresholds(force: float) -> list[tuple[float, str]]:
-        extra = np.zeros(cells)
-        extra[-1] = force
-
         def pressed(share: float) -> str:
-            moved = leg.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
-            return go_round(robot, moved, one.stances, extra).gait()
+            leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
+            return go_round(robot, leg, one.stances, {last: force}).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
-    length, before = math.hypot(*moves), one.gait()
-    nominal, around = thresholds(0.0), [thresholds(force) for force in (unknown, -unknown)]
-    flips: list[Flip] = []
-    for share, after in nominal:
+    around = [thresholds(force) for force in (unknown, -unknown)]
+    for share, after in thresholds(0.0):
         # The same change where the unknown force is added and taken.
         same = [next((s for s, g in found if g == after), math.inf) for found in around]
         early, late = min(share, *same) * length, max(share, *same) * length
-        swing = share * antenna.swing
-        flips.append(
-            Flip(antenna.name, leg.name, share * length, early, late, swing, before, after)
-        )
+        yield Flip("", one.leg.name, share * length, early, late, share * swing, before, after)
         before = after
-    return flips
 
 
-def _pushes(robot: Robot, index: int, one: Round, moved: Slide) -> list[Push]:
-    pushes: list[Push] = []
+def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]:
     for half in (0, 1):
         rows = slice(half * STEPS, (half + 1) * STEPS)
-        step, load = moved.push[rows, index], moved.load[rows, index]
+        step, load = slid.push[rows, index], slid.load[rows, index]
         total = float(step.sum())
         if abs(total) < PUSHES * one.leg.stroke:
             continue
         # While it pushes the way it ends up going, and not while the weight passes over.
-        way = np.maximum(np.sign(total) * step, 0.0)
-        carries = float(way @ load / way.sum())
-        feet = (moved.load[rows] > 0.0).sum(axis=1)
-        sharing = float(way @ feet / way.sum())
+        pushing = np.maximum(np.sign(total) * step, 0.0)
+        carries = float(pushing @ load / pushing.sum())
+        feet = (slid.load[rows] > 0.0).sum(axis=1)
+        sharing = float(pushing @ feet / pushing.sum())
         largest, limit = _largest_drag(robot, one, carries, sharing)
-        pushes.append(
-            Push(
-                not half,
-                total,
-                float(moved.gain[rows, index].sum()),
-                float(moved.slip[rows, index].sum()),
-                carries,
-                robot.floor.drag,
-                largest,
-                limit,
-            )
+        yield Push(
+            not half,
+            total,
+            float(slid.gain[rows, index].sum()),
+            float(slid.slip[rows, index].sum()),
+            carries,
+            robot.floor.drag,
+            largest,
+            limit,
         )
-    return pushes
 
 
-def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, Limit]:
+def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, PushEnd]:
     """The floor's drag [N] at which a foot slips or its leg steps otherwise."""
     left = robot.weight - sharing * load
     if left <= 0.0 or robot.floor.gravity == 0.0:
-        return math.inf, Limit.NOTHING
+        return math.inf, PushEnd.NOTHING
     slips = robot.mass * 9.81 * sharing * robot.floor.foot_friction * load / left
 
     def dragged(drag: float) -> str:
         other = replace(robot, floor=replace(robot.floor, drag=drag))
-        feet = tuple(replace(foot, robot=other) for foot in one.stances)
-        return go_round(other, one.leg, (feet[0], feet[1])).gait()
+        out, back = (replace(foot, robot=other) for foot in one.stances)
+        return go_round(other, one.leg, (out, back)).gait()
 
     start = robot.floor.drag
     if slips > start:
-        change = first_change(dragged, np.linspace(start, slips, 9).tolist())
+        change = next(changes(dragged, np.linspace(start, slips, 9).tolist()), None)
         if change is not None:
-            return change[0], Limit.GAIT
-    return slips, Limit.SLIP
+            return change[0], PushEnd.GAIT
+    return slips, PushEnd.SLIP

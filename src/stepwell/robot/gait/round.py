@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.mechanism import Chain, Load, curves
-from stepwell.robot.gait.stance import POINTS, Stance, leaning, stance, touch
-from stepwell.robot.gait.standing import HANDOVER
+from stepwell.base import Floats
+from stepwell.mechanism import Cell, Chain, Load, curves
+from stepwell.robot.gait.standing import HANDOVER, POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.states import TOLERANCE, gait
 from stepwell.robot.parts import Leg, Robot
 
-Array = NDArray[np.float64]
+Extra = Mapping[int, float]
 
 MOST_PHASES = 16  # a foot that lands and lifts more often in one way is chattering
 PASSES = 3
@@ -40,10 +40,10 @@ class Phase:
     way: int
     stands: bool
     weighed: float
-    begin: Array
-    travel: Array
+    begin: Floats
+    travel: Floats
 
-    def load(self) -> Array:
+    def load(self) -> Floats:
         """(n,) force of the floor on the foot [N]."""
         foot, edge = self.foot, touch(self.foot.robot)
         last, step = self.travel[:, -1], self.travel[:, :-1].sum(axis=1)
@@ -67,27 +67,27 @@ class Phase:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class HalfRound:
     """A leg's way out or back, in phases."""
 
     phases: tuple[Phase, ...]
 
     @cached_property
-    def travel(self) -> Array:
+    def travel(self) -> Floats:
         """(n, cells) travels [m]."""
         return np.concatenate([phase.travel for phase in self.phases])
 
     @cached_property
-    def load(self) -> Array:
+    def load(self) -> Floats:
         """(n,) force of the floor on the foot [N]."""
         return np.concatenate([phase.load() for phase in self.phases])
 
     @cached_property
-    def stroke(self) -> Array:
+    def stroke(self) -> Floats:
         """(n,) of the actuator [m]."""
         return self.travel.sum(axis=1)
 
-    def at(self, stroke: Array) -> tuple[Array, Array]:
+    def at(self, stroke: Floats) -> tuple[Floats, Floats]:
         """(m, cells) travels [m] and (m,) loads [N] at strokes (m,) [m]."""
         order = slice(None) if self.stroke[-1] >= self.stroke[0] else slice(None, None, -1)
         axis = np.maximum.accumulate(self.stroke[order])
@@ -98,78 +98,62 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A leg's way out and back."""
+    """A leg's way out and back, and how its foot stands on each."""
 
     leg: Leg
-    out: Way
-    back: Way
+    halves: tuple[HalfRound, HalfRound]
     stances: tuple[Stance, Stance]
-
-    @property
-    def ways(self) -> tuple[Way, Way]:
-        """Out, back."""
-        return self.out, self.back
 
     def gait(self, tolerance: float = TOLERANCE) -> str:
         """The states visited, as "00>10>11>01>00"."""
         full = np.array([cell.full_travel for cell in self.leg.chain.cells])
-        share = np.concatenate([self.out.travel, self.back.travel]) / full
-        return gait(share, tolerance)
+        return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
 
 def rounds(robot: Robot) -> list[Round]:
     """The round of every leg, each with the others where they are at the same stroke."""
-    grid = [_together(robot.legs)] * len(robot.legs)
     setting_out = leaning(robot)
     found: list[Round] = []
-    for turn in range(PASSES):
-        if turn:
-            grid = [_beside(leg, found) for leg in robot.legs]
+    for _ in range(PASSES):
         found = [
-            go_round(robot, leg, (stance(robot, i, out, load), stance(robot, i, back)))
-            for i, (leg, load, (out, back)) in enumerate(
-                zip(robot.legs, setting_out, grid, strict=True)
-            )
+            go_round(robot, leg, stances_beside(robot, i, found, setting_out))
+            for i, leg in enumerate(robot.legs)
         ]
     return found
 
 
-def stances_beside(robot: Robot, index: int, found: Sequence[Round]) -> tuple[Stance, Stance]:
+def stances_beside(
+    robot: Robot, index: int, found: Sequence[Round], setting_out: Floats
+) -> tuple[Stance, Stance]:
     """How the foot of one leg stands, out and back, while the other legs go as found.
 
     Args:
         robot: the one that was found, or with another foot or floor.
         index: of the leg.
-        found: the round of each leg.
+        found: the round of each leg; none while all are taken to step alike.
+        setting_out: (legs,) force of the floor on each foot before it has stepped [N].
     """
-    out, back = _beside(robot.legs[index], found)
-    setting_out = leaning(robot)[index]
-    return stance(robot, index, out, setting_out), stance(robot, index, back)
-
-
-def _together(legs: Sequence[Leg]) -> tuple[list[Array], list[Array]]:
-    """All legs stepping alike."""
-    share = np.linspace(0.0, 1.0, POINTS)[:, None]
+    share, leg = np.linspace(0.0, 1.0, POINTS)[:, None], robot.legs[index]
     alike = [
-        share * np.array([*(c.full_travel for c in one.chain.cells[:-1]), 0.0]) for one in legs
+        share * np.array([*(cell.full_travel for cell in one.chain.cells[:-1]), 0.0])
+        for one in robot.legs
     ]
-    return alike, alike
-
-
-def _beside(leg: Leg, found: Sequence[Round]) -> tuple[list[Array], list[Array]]:
-    """Where the legs are at the strokes at which this one has stepped and its foot stands."""
+    # Like legs step together, whatever either would do at that stroke alone.
     stroke = np.linspace(0.0, leg.stroke, POINTS)
-    ways = [one.out.at(stroke)[0] for one in found], [one.back.at(stroke)[0] for one in found]
-    together, _ = _together([one.leg for one in found])
-    for i, (one, alike) in enumerate(zip(found, together, strict=True)):
-        # Like legs step together, whatever either would do at that stroke alone.
-        if one.leg.chain == leg.chain:
-            ways[0][i], ways[1][i] = alike, alike
-    return ways
+    out, back = (
+        [
+            together if one.leg.chain == leg.chain else one.halves[half].at(stroke)[0]
+            for one, together in zip(found, alike, strict=True)
+        ]
+        if found
+        else alike
+        for half in (0, 1)
+    )
+    return stance(robot, index, out, setting_out[index]), stance(robot, index, back)
 
 
 def go_round(
-    robot: Robot, leg: Leg, stances: tuple[Stance, Stance], extra: Array | None = None
+    robot: Robot, leg: Leg, stances: tuple[Stance, Stance], extra: Extra = MappingProxyType({})
 ) -> Round:
     """Follow a leg from all cells at 0 to the drive's amplitude and back.
 
@@ -177,104 +161,87 @@ def go_round(
         robot: whose weight and floor.
         leg: of this robot, or with anchors moved.
         stances: how its foot stands on the way out and back.
-        extra: (cells,) constant force against travel to add [N].
+        extra: cell number to a constant force against its travel to add [N].
 
     Raises:
         StaticsError: the engine could not go on; its text says what to do.
     """
-    extra = np.zeros(len(leg.chain)) if extra is None else extra
-    reach = min(robot.drive.amplitude, leg.chain.full_stroke)
-    begin = np.zeros(len(leg.chain))
-    out = _way(leg, stances[0], 1, begin, reach, extra)
+    reach, begin = min(robot.drive.amplitude, leg.chain.full_stroke), np.zeros(len(leg.chain))
+    out = _half(leg, stances[0], 1, begin, reach, extra)
     if out.travel[-1, -1] <= touch(robot):
         # The foot still stands where the drive turns, and the drag cannot change over from one
         # way to the other in no time; without it both ways have one law.
         quiet = replace(stances[0], drags=False)
         stances = (quiet, quiet)
-        out = _way(leg, quiet, 1, begin, reach, extra)
-    back = _way(leg, stances[1], -1, out.travel[-1], 0.0, extra)
-    return Round(leg, out, back, stances)
+        out = _half(leg, quiet, 1, begin, reach, extra)
+    back = _half(leg, stances[1], -1, out.travel[-1], 0.0, extra)
+    return Round(leg, (out, back), stances)
 
 
-def _way(leg: Leg, foot: Stance, way: int, begin: Array, until: float, extra: Array) -> Way:
+def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: Extra) -> HalfRound:
     """Follow one way in phases, in each of which the foot stands or is in the air."""
-    edge = touch(foot.robot)
-    stands = bool(begin[-1] <= edge)
-    at, ahead = begin, begin[:0]
-    weighed = float(at[:-1].sum())
+    stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
+    phase, ahead = Phase(foot, way, stands, weighed, begin, begin[None]), begin[:0]
     phases: list[Phase] = []
     for _ in range(MOST_PHASES):
         try:
-            taken, end, weighed = _phase(leg, foot, way, at, until, stands, weighed, extra)
+            phase, ahead = _phase(leg, phase, until, extra)
         except ValueError:
             if not phases:
                 raise
             # It turns in the middle of a jump, where it cannot rest: it goes on as it did.
-            phases.append(replace(phases[-1], travel=ahead))
             break
-        phases.append(Phase(foot, way, stands, weighed, at, taken[: end + 1]))
-        if end == len(taken) - 1:
-            break
-        at, ahead, stands = taken[end], taken[end + 1 :], not stands
-    else:
-        # It chatters: the rest of the way as it was last seen.
-        phases.append(replace(phases[-1], travel=ahead))
-    return Way(tuple(phases))
+        phases.append(phase)
+        if not len(ahead):
+            return HalfRound(tuple(phases))
+        phase = replace(phase, stands=not phase.stands, begin=phase.travel[-1])
+    # Here, or where it chatters: the rest of the way as it was last seen.
+    return HalfRound((*phases, replace(phases[-1], travel=ahead)))
 
 
-def _phase(
-    leg: Leg,
-    foot: Stance,
-    way: int,
-    at: Array,
-    until: float,
-    stands: bool,
-    weighed: float,
-    extra: Array,
-) -> tuple[Array, int, float]:
-    """Follow until the foot lifts or lands.
+def _phase(leg: Leg, phase: Phase, until: float, extra: Extra) -> tuple[Phase, Floats]:
+    """Follow from the beginning of a phase until the foot lifts or lands.
 
     Returns:
-        (n, cells) travels [m]; the number of the sample at which the phase ends; the step at
-        which the weight was taken that the last cell feels [m].
+        The phase; and (n, cells) travels past its end [m], as if it went on.
     """
+    foot, at = phase.foot, phase.begin
     # Half a handover either side tells a foot that stands from one that does not.
-    margin = HANDOVER / 2 if stands else -HANDOVER / 2
+    margin = HANDOVER / 2 if phase.stands else -HANDOVER / 2
     taken, end = at[None], 0
     for _ in range(PASSES):
-        chain = loaded(leg, foot, way, at, stands, weighed, extra)
+        chain = _loaded(leg, phase, extra)
         followed = chain.path([float(at.sum()), until], start=tuple(at.tolist()))
         taken = followed.resampled(SAMPLES).travel
         beyond = taken[:, -1] - touch(foot.robot) - margin
-        over = beyond > 0 if stands else beyond < 0
+        over = beyond > 0 if phase.stands else beyond < 0
         end = int(np.argmax(over)) if over.any() else len(taken) - 1
         lands = float(taken[end, :-1].sum())
-        if stands or abs(foot.load_at(lands) - foot.load_at(weighed)) < SETTLED:
+        if phase.stands or abs(foot.load_at(lands) - foot.load_at(phase.weighed)) < SETTLED:
             break
         # It comes down elsewhere, under another weight.
-        weighed = lands
-    return taken, end, weighed
+        phase = replace(phase, weighed=lands)
+    return replace(phase, travel=taken[: end + 1]), taken[end + 1 :]
 
 
-def loaded(
-    leg: Leg, foot: Stance, way: int, at: Array, stands: bool, weighed: float, extra: Array
-) -> Chain:
+def _loaded(leg: Leg, phase: Phase, extra: Extra) -> Chain:
     """The leg's chain with all that the floor does to it, as loads of its cells.
 
-    The last cell feels the weight that the foot carries at the step `weighed` [m]. While it
-    stands, the change of that from where it is, `at`, is a load on the cells that step: at a
+    The last cell feels the weight that the foot carries at the step where it was weighed. While
+    it stands, the change of that from where it is, is a load on the cells that step: at a
     given stroke the same force against those moves the chain as much as it would for the last.
     """
+    foot, way, at = phase.foot, phase.way, phase.begin
     robot = foot.robot
     speed = 2.0 * robot.drive.amplitude / robot.drive.period
     # Damping holds back what moves and not what rests. Half of it as friction on every cell
     # makes that difference: one half on the cell that moves, one on the cell that would start.
     lag = robot.blocks.damping * speed / 2
     cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.cells]
-    travel, load = _handing_over(foot, weighed, cells[-1].full_travel)
-    force = -foot.push(load, travel, weighed, way)
-    cells[-1] = replace(cells[-1], load=_sum(cells[-1].load, travel, force))
-    if stands:
+    travel, load = _handing_over(foot, phase.weighed, cells[-1].full_travel)
+    force = -foot.push(load, travel, phase.weighed, way)
+    cells[-1] = _with_load(cells[-1], travel, force)
+    if phase.stands:
         more = foot.change(float(at[:-1].sum()), way)
         for i, cell in enumerate(cells[:-1]):
             full = cell.full_travel
@@ -288,14 +255,14 @@ def loaded(
                 # is lifted where the stepping cell alone needs more force than at first.
                 here = cell.force(cell.angle(np.append(share, at[i])))
                 change = np.minimum(change, np.maximum(here[-1] - here[:-1], 0.0))
-            cells[i] = replace(cell, load=_sum(cell.load, share, change))
-    for i in np.flatnonzero(extra).tolist():
-        constant = _sum(cells[i].load, np.zeros(1), extra[i : i + 1])
-        cells[i] = replace(cells[i], load=constant)
+            cells[i] = _with_load(cell, share, change)
+    for i, constant in extra.items():
+        if constant:
+            cells[i] = _with_load(cells[i], np.zeros(1), np.array([constant]))
     return replace(leg.chain, cells=tuple(cells))
 
 
-def _handing_over(foot: Stance, step: float, full: float) -> tuple[Array, Array]:
+def _handing_over(foot: Stance, step: float, full: float) -> tuple[Floats, Floats]:
     """Travels [m] of the last cell and what the foot carries there [N]."""
     edge, load = touch(foot.robot), foot.load_at(step)
     low = edge - HANDOVER
@@ -309,9 +276,10 @@ def _handing_over(foot: Stance, step: float, full: float) -> tuple[Array, Array]
     return at, carried
 
 
-def _sum(first: Load | None, travel: Array, force: Array) -> Load:
-    if first is not None:
-        both = np.unique(np.concatenate([first.travel, travel]))
-        force = curves.value(first.pieces(), both) + np.interp(both, travel, force)
+def _with_load(cell: Cell, travel: Floats, force: Floats) -> Cell:
+    """The cell with one more force [N] against its travel, given at some travels [m]."""
+    if cell.load is not None:
+        both = np.unique(np.concatenate([cell.load.travel, travel]))
+        force = curves.value(cell.load.pieces(), both) + np.interp(both, travel, force)
         travel = both
-    return Load(tuple(travel.tolist()), tuple(force.tolist()))
+    return replace(cell, load=Load(tuple(travel.tolist()), tuple(force.tolist())))

@@ -10,22 +10,6 @@ from stepwell.base import bisected
 HALVINGS = 8
 
 
-def first_change(
-    answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
-) -> tuple[float, str] | None:
-    """The first value along `values` at which the answer is no longer that of the first one.
-
-    Args:
-        answer: what to ask at a value.
-        values: where to look, in order; the first one is where to start from.
-        halvings: of the stretch between two of them.
-
-    Returns:
-        The value and the answer just past it; None where it never changes.
-    """
-    return next(changes(answer, values, halvings), None)
-
-
 def changes(
     answer: Callable[[float], str], values: Sequence[float], halvings: int = HALVINGS
 ) -> Iterator[tuple[float, str]]:

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.robot.gait.round import Round
-from stepwell.robot.gait.stance import touch
-from stepwell.robot.gait.standing import feet_places, supports_load
+from stepwell.robot.gait.standing import feet_places, supports_load, touch
 from stepwell.robot.parts import Robot
-
-Array = NDArray[np.float64]
 
 STEPS = 320  # into which each way, out and back, is cut
 # Slides shorter than this share of a step count as none.
@@ -33,11 +30,11 @@ class Slide:
         load: (n, legs) force of the floor on each foot [N].
     """
 
-    twist: Array
-    push: Array
-    gain: Array
-    slip: Array
-    load: Array
+    twist: Floats
+    push: Floats
+    gain: Floats
+    slip: Floats
+    load: Floats
 
     def displacement(self) -> tuple[float, float, float]:
         """Forward, to the left [m] and to the left [rad], from the start of the cycle."""
@@ -62,12 +59,12 @@ def slide(robot: Robot, rounds: list[Round]) -> Slide:
     """
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     edge = touch(robot)
-    points, rubs, moves, pushes, loads = [], [], [], [], []
+    rows: list[tuple[Floats, ...]] = []
     supports = np.asarray(robot.body.supports, float)
     for half in (0, 1):
         stroke = np.linspace(0.0, reach, STEPS + 1)[:: -1 if half else 1]
-        followed = [one.ways[half].at(stroke) for one in rounds]
-        middles = [one.ways[half].at((stroke[1:] + stroke[:-1]) / 2) for one in rounds]
+        followed = [one.halves[half].at(stroke) for one in rounds]
+        middles = [one.halves[half].at((stroke[1:] + stroke[:-1]) / 2) for one in rounds]
         for k in range(STEPS):
             before, after = ([s[j] for s, _ in followed] for j in (k, k + 1))
             middle = [s[k] for s, _ in middles]
@@ -79,17 +76,15 @@ def slide(robot: Robot, rounds: list[Round]) -> Slide:
             push = np.where(load > 0.0, back * np.array(inside), 0.0)
             held = supports_load(robot, middle, load)
             grip = robot.floor.foot_friction * load
-            rubs.append(np.concatenate([grip, robot.support_friction * held]))
-            moves.append(np.concatenate([-push, np.zeros(len(held))]))
-            points.append(np.concatenate([feet_places(robot, middle), supports]))
-            pushes.append(push)
-            loads.append(load)
-    twist, slid = _least(np.array(points), np.array(rubs), np.array(moves))
-    legs = len(rounds)
-    push, load = np.array(pushes), np.array(loads)
+            rubs = np.concatenate([grip, robot.support_friction * held])
+            moves = np.concatenate([-push, np.zeros(len(held))])
+            points = np.concatenate([feet_places(robot, middle), supports])
+            rows.append((points, rubs, moves, push, load))
+    points, rubs, moves, push, load = map(np.array, zip(*rows, strict=True))
+    twist, slid = _least(points, rubs, moves)
     across = np.array([leg.at[1] for leg in robot.legs])
     gain = np.where(load > 0.0, twist[:, :1] - twist[:, 2:] * across, 0.0)
-    return Slide(twist, push, gain, np.where(load > 0.0, slid[:, :legs], 0.0), load)
+    return Slide(twist, push, gain, np.where(load > 0.0, slid[:, : len(rounds)], 0.0), load)
 
 
 def _standing_share(a: float, b: float, edge: float) -> float:
@@ -99,7 +94,7 @@ def _standing_share(a: float, b: float, edge: float) -> float:
     return 1.0 if max(a, b) <= edge else (edge - min(a, b)) / abs(b - a)
 
 
-def _least(points: Array, rubs: Array, moves: Array) -> tuple[Array, Array]:
+def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]:
     """Twists (n, 3) that minimise Σ rub |velocity over the floor|, and those speeds (n, k)."""
     n, k, _ = points.shape
     # Velocity of a contact: (x, y) of the twist, turned about the origin, plus its own motion.

@@ -1,15 +1,14 @@
-"""What each foot and each support carries while the robot stands."""
+"""What the floor does to feet and supports that stand: weight, and drag along it."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.robot.parts import Robot
-
-Array = NDArray[np.float64]
+from stepwell.base import Bools, Floats
+from stepwell.robot.parts import Leg, Robot
 
 # Travel [m] over which the weight passes from foot to supports: nothing beside a travel, and yet a
 # slope that the engine follows like any other.
@@ -18,8 +17,144 @@ HANDOVER = 1e-6
 # Heights of the body that differ by less than this [m] are the same way to stand.
 SAME = 1e-9
 
+POINTS = 8  # steps of a leg at which its stance is worked out
+HAIR = 1e-5  # travel by which a foot is lifted to see who carries its weight [m]
+CLOSE = 0.02  # a foot this share of its travel above the supports' plane is on its way down
 
-def feet_load(robot: Robot, travels: list[Array]) -> Array:
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """How a foot of a leg stands, by how far the leg has stepped. k points.
+
+    Attributes:
+        robot: whose.
+        step: (k,) travel of all cells but the last together [m], rising.
+        load: (k,) force of the floor on the foot [N], its own weight included.
+        sharing: (k,) how many feet stand there together.
+        drags: False leaves the drag out.
+    """
+
+    robot: Robot
+    step: Floats
+    load: Floats
+    sharing: Floats
+    drags: bool = True
+
+    def load_at(self, step: float) -> float:
+        """Force of the floor on the foot [N] when the leg has stepped that far [m]."""
+        return float(np.interp(step, self.step, self.load))
+
+    def hold(self, load: Floats, step: Floats | float) -> Floats:
+        """Force along the floor [N] on the foot as it moves, carrying `load` [N].
+
+        The drag of the T-foot, which carries what the feet leave it, shared by those that
+        stand; or as much of it as the foot can hold before it slips.
+        """
+        load = np.asarray(load, float)
+        if not self.drags:
+            return np.zeros_like(load)
+        sharing = np.interp(step, self.step, self.sharing)
+        left = np.maximum(self.robot.weight - sharing * load, 0.0)
+        drag = self.robot.support_friction * left / sharing
+        return np.minimum(drag, self.robot.floor.foot_friction * load)
+
+    def slips_below(self, step: float) -> float:
+        """Load [N] below which the foot slips and the body stays."""
+        sharing = float(np.interp(step, self.step, self.sharing))
+        drag = self.robot.support_friction
+        if not self.drags or drag == 0.0:
+            return 0.0
+        # friction x load = drag x (weight - sharing x load) / sharing
+        return drag * self.robot.weight / (sharing * (self.robot.floor.foot_friction + drag))
+
+    def push(self, load: Floats, travel: Floats | float, step: Floats | float, way: int) -> Floats:
+        """Force by which the floor opens the last cell [N], of the arguments' common shape.
+
+        A force H along the floor acts on the tip, which goes back by the travels of all cells
+        but the last and by half of the last one's. A force that is the same on every cell moves
+        nothing at a given stroke; so H on all but the last and H/2 on the last is no more
+        than -H/2 against the last one.
+
+        Args:
+            load: of the floor on the foot [N].
+            travel: of the last cell [m].
+            step: of the cells before it [m].
+            way: +1 while the foot is pushed back (loading), -1 while it is pulled forward.
+        """
+        own = self.robot.foot.mass * self.robot.floor.gravity
+        return (load - own) * self.robot.foot.lever(travel) + way * self.hold(load, step) / 2
+
+    def change(self, start: float, way: int) -> Floats:
+        """(k,) by how much more the floor opens the last cell than at `start` [m], in N."""
+        each = self.push(self.load, 0.0, self.step, way)
+        return each - np.interp(start, self.step, each)
+
+
+def touch(robot: Robot) -> float:
+    """Travel of the last cell [m] past which the foot carries nothing."""
+    return max(robot.foot.contact_travel, HANDOVER)
+
+
+def leaning(robot: Robot) -> Floats:
+    """Force of the floor on each foot (legs,) [N] as the actuator sets out from all cells at 0.
+
+    Feet that stand alike share their weight alike. Where one leg would lift its foot and another
+    would rather step, the body leans from the one towards the other until both would lift, or
+    neither: what a last cell lacks to open is made equal by moving weight, as far as the body
+    can lean.
+    """
+    rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
+    even = feet_load(robot, rest)
+    most, least = even.copy(), even.copy()
+    for i in range(len(rest)):
+        for bound, chosen in ((least, [i]), (most, [k for k in range(len(rest)) if k != i])):
+            tilted = [travel.copy() for travel in rest]
+            for k in chosen:
+                tilted[k][-1] = HAIR
+            bound[i] = feet_load(robot, tilted)[i]
+    lacks = np.array([_lacks(leg) for leg in robot.legs])
+    leant = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
+    return np.clip(leant, np.minimum(least, even), np.maximum(most, even))
+
+
+def _lacks(leg: Leg) -> float:
+    """Force [N] by which the last cell of a leg holds out longer than the others at 0."""
+    *stepping, last = leg.chain.cells
+    return last.force_0 - min(cell.force_0 for cell in stepping)
+
+
+def stance(
+    robot: Robot, leg: int, others: list[Floats], setting_out: float | None = None
+) -> Stance:
+    """How a foot stands with its last cell at 0.
+
+    Args:
+        robot: any robot.
+        leg: number of the leg.
+        others: for each leg (POINTS, cells) travels [m] of the others at these steps of the
+            leg; its own are not looked at.
+        setting_out: force of the floor on the foot before it has stepped [N]; None shares
+            the weight there as everywhere.
+    """
+    cells = robot.legs[leg].chain.cells
+    full = np.array([cell.full_travel for cell in cells])
+    share = np.linspace(0.0, 1.0, POINTS)
+    loads, sharing = [], []
+    for k, part in enumerate(share):
+        travels = [other[k].copy() for other in others]
+        travels[leg] = np.append(part * full[:-1], 0.0)
+        for travel, one in zip(travels, robot.legs, strict=True):
+            # A foot that only just touches is about to stand.
+            if travel[-1] <= touch(robot) + CLOSE * one.chain.cells[-1].full_travel:
+                travel[-1] = 0.0
+        loads.append(feet_load(robot, travels)[leg])
+        sharing.append(sum(stands_proud(robot, travel) for travel in travels))
+    if setting_out is not None:
+        loads[0] = setting_out
+    return Stance(robot, share * full[:-1].sum(), np.array(loads), np.array(sharing, float))
+
+
+def feet_load(robot: Robot, travels: list[Floats]) -> Floats:
     """Force of the floor on each foot at rest (legs,) [N], by the lever rule.
 
     The body sinks as low as feet and supports let it: of all triangles of contacts round the
@@ -44,7 +179,7 @@ def feet_load(robot: Robot, travels: list[Array]) -> Array:
     return np.where(stands, weight * share + own, 0.0)
 
 
-def supports_load(robot: Robot, travels: list[Array], feet: Array) -> Array:
+def supports_load(robot: Robot, travels: list[Floats], feet: Floats) -> Floats:
     """Force of the floor on each support (supports,) [N] while the feet carry `feet` [N]."""
     supports = np.asarray(robot.body.supports, float)
     own = robot.foot.mass * robot.floor.gravity
@@ -55,19 +190,19 @@ def supports_load(robot: Robot, travels: list[Array], feet: Array) -> Array:
     return weight * _shares(supports, np.zeros(len(supports)), every, middle)
 
 
-def stands_proud(robot: Robot, travel: Array) -> bool:
+def stands_proud(robot: Robot, travel: Floats) -> bool:
     """Whether a foot stands deeper than the supports, so that the body leans on it."""
     return bool(travel[-1] <= max(robot.foot.contact_travel - HANDOVER, 0.0))
 
 
-def feet_places(robot: Robot, travels: list[Array]) -> Array:
+def feet_places(robot: Robot, travels: list[Floats]) -> Floats:
     """(legs, 2) of the feet in the body's frame [m]."""
     # A tip hangs midway between the block before the outermost one and that one.
     back = [travel[:-1].sum() + travel[-1] / 2 for travel in travels]
     return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros(len(back))], axis=1)
 
 
-def _body_weight(robot: Robot, travels: list[Array], lifted: Array) -> tuple[float, Array]:
+def _body_weight(robot: Robot, travels: list[Floats], lifted: Floats) -> tuple[float, Floats]:
     """What feet that lift the body by these forces (legs,) [N] leave of its weight, and where.
 
     Returns:
@@ -81,7 +216,7 @@ def _body_weight(robot: Robot, travels: list[Array], lifted: Array) -> tuple[flo
     return weight, (whole * centre - lifted @ feet_places(robot, travels)) / weight
 
 
-def _without_feet(robot: Robot, travels: list[Array]) -> tuple[float, Array]:
+def _without_feet(robot: Robot, travels: list[Floats]) -> tuple[float, Floats]:
     """Mass [kg] and (x, y) of the centre of mass [m] of all but the feet."""
     parts = [(robot.body.mass, robot.body.centre[0], robot.body.centre[1])]
     half = robot.foot.span / 2
@@ -105,9 +240,9 @@ def _without_feet(robot: Robot, travels: list[Array]) -> tuple[float, Array]:
     return mass, table[:, 0] @ table[:, 1:] / mass
 
 
-def _shares(points: Array, height: Array, usable: NDArray[np.bool_], middle: Array) -> Array:
+def _shares(points: Floats, height: Floats, usable: Bools, middle: Floats) -> Floats:
     """(points,) share of the weight on each, 0 .. 1."""
-    found: list[tuple[float, float, tuple[int, ...], Array]] = []
+    found: list[tuple[float, float, tuple[int, ...], Floats]] = []
     for three in combinations(np.flatnonzero(usable).tolist(), 3):
         corners = np.vstack([points[list(three)].T, np.ones(3)])
         if abs(np.linalg.det(corners)) < 1e-12:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from stepwell.base import Floats
 
 # A cell within this share of its full travel from a stop counts as being there: weight on a foot
 # holds its cell a little open, and a compliant drive stops short.
 TOLERANCE = 0.2
 
 
-def states(share: NDArray[np.float64], tolerance: float = TOLERANCE) -> list[str | None]:
+def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
     """States as "01", or None where a cell is in transit.
 
     Args:
@@ -28,7 +29,7 @@ def states(share: NDArray[np.float64], tolerance: float = TOLERANCE) -> list[str
     ]
 
 
-def gait(share: NDArray[np.float64], tolerance: float = TOLERANCE) -> str:
+def gait(share: Floats, tolerance: float = TOLERANCE) -> str:
     """The states that follow each other, as "00>10>11>01>00".
 
     Args:

@@ -56,15 +56,10 @@ class Antenna(ByValue):
     connected: bool = True
 
     def __post_init__(self):
-        for name in ("pivot", "moves"):
-            object.__setattr__(self, name, check.vector(name, getattr(self, name)))
-        units = {"length": "m", "swing": "rad", "mass": "kg", "damping": "N m s/rad"}
-        for name, unit in units.items():
-            object.__setattr__(self, name, check.positive(name, getattr(self, name), unit))
-        object.__setattr__(self, "friction", check.not_negative("friction", self.friction, "1"))
-        object.__setattr__(self, "hook", check.not_negative("hook", self.hook, "m"))
-        object.__setattr__(self, "angle", check.finite("angle", self.angle, "rad"))
-        object.__setattr__(self, "hook_angle", check.finite("hook_angle", self.hook_angle, "rad"))
+        check.fields(self, check.vector, pivot="m", moves="m")
+        check.fields(self, check.positive, length="m", swing="rad", mass="kg", damping="N m s/rad")
+        check.fields(self, check.not_negative, friction="1", hook="m")
+        check.fields(self, check.finite, angle="rad", hook_angle="rad")
         if not 0 < abs(self.angle) < math.pi:
             raise InputError(
                 f"angle = {math.degrees(self.angle):.6g} deg of antenna {self.name!r}: must be "

@@ -1,4 +1,4 @@
-"""Where a robot is put: walls, cylinders, a start and a goal."""
+"""Where a robot is put: the floor, walls, cylinders, a start and a goal, and others like them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,36 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stepwell.base import ByValue, InputError, Vec2, check, require
-from stepwell.mechanism import SlipError
-from stepwell.robot.parts.slips import WAY, of_arena
+from stepwell.robot.parts.slips import of_arena, refuse_slips
+
+# Declared before any run: what a start or a layout may differ by.
+PLACE = 0.040  # [m]
+HEADING = math.radians(10.0)
+ANGLE = math.radians(8.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Floor(ByValue):
+    """A level floor.
+
+    Args:
+        drag: force that pulls the robot along on its T-foot alone [N], >= 0.
+        foot_friction: Coulomb's coefficient between a foot and the floor, > 0.
+        gravity: [m/s²], >= 0; 0 hangs the robot in the air.
+
+    Raises:
+        ValueError: a value out of range.
+
+    Source: the notes of Kamp et al. 2024: a drag of 0.39 N on MDF and 0.79 N on rubber.
+    """
+
+    drag: float = 0.39
+    foot_friction: float = 0.5
+    gravity: float = 9.81
+
+    def __post_init__(self):
+        check.fields(self, check.not_negative, drag="N", gravity="m/s²")
+        check.fields(self, check.positive, foot_friction="1")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,9 +58,8 @@ class Wall(ByValue):
     thickness: float = 0.020
 
     def __post_init__(self):
-        object.__setattr__(self, "start", check.vector("start", self.start))
-        object.__setattr__(self, "end", check.vector("end", self.end))
-        object.__setattr__(self, "thickness", check.positive("thickness", self.thickness, "m"))
+        check.fields(self, check.vector, start="m", end="m")
+        check.fields(self, check.positive, thickness="m")
         if self.start == self.end:
             raise InputError(f"start = end = {self.start}: a wall needs two different ends.")
 
@@ -63,8 +90,8 @@ class Cylinder(ByValue):
     radius: float = 0.025
 
     def __post_init__(self):
-        object.__setattr__(self, "at", check.vector("at", self.at))
-        object.__setattr__(self, "radius", check.positive("radius", self.radius, "m"))
+        check.fields(self, check.vector, at="m")
+        check.fields(self, check.positive, radius="m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,8 +110,8 @@ class Goal(ByValue):
     radius: float = 0.150
 
     def __post_init__(self):
-        object.__setattr__(self, "at", check.vector("at", self.at))
-        object.__setattr__(self, "radius", check.positive("radius", self.radius, "m"))
+        check.fields(self, check.vector, at="m")
+        check.fields(self, check.positive, radius="m")
 
     def reached(self, x: float, y: float) -> bool:
         """Whether the point (x, y) [m] lies in the disc."""
@@ -122,13 +149,9 @@ class Arena(ByValue):
         object.__setattr__(self, "walls", tuple(self.walls))
         object.__setattr__(self, "cylinders", tuple(self.cylinders))
         require("obstacles", len(self.walls) + len(self.cylinders), "the arena has")
-        object.__setattr__(self, "start", check.vector("start", self.start))
-        object.__setattr__(self, "heading", check.finite("heading", self.heading, "rad"))
-        if not (self.unusual or self._asked):
-            slips = of_arena(self)
-            if slips:
-                raise SlipError(slips, WAY)
-        object.__setattr__(self, "_asked", True)
+        check.fields(self, check.vector, start="m")
+        check.fields(self, check.finite, heading="rad")
+        refuse_slips(self, of_arena(self))
         gap = self.clearance(*self.start)
         if gap <= 0:
             raise InputError(
@@ -155,3 +178,57 @@ class Arena(ByValue):
         title = f"{self.title!r}, " if self.title else ""
         goal = "" if self.goal is None else ", a goal"
         return f"Arena({title}{len(self.walls)} walls, {len(self.cylinders)} cylinders{goal})"
+
+
+def other_start(
+    arena: Arena, seed: int, *, place: float = PLACE, heading: float = HEADING
+) -> Arena:
+    """The same arena, entered a little elsewhere.
+
+    Args:
+        arena: any.
+        seed: of the draw.
+        place: largest shift along x and along y [m].
+        heading: largest rotation [rad].
+
+    Returns:
+        The arena with another start.
+
+    Raises:
+        ValueError: the start that was drawn lies inside an obstacle.
+    """
+    draw = np.random.default_rng(seed).uniform(-1.0, 1.0, 3)
+    x, y = arena.start
+    return arena.from_start(
+        (x + place * draw[0], y + place * draw[1]), arena.heading + heading * draw[2]
+    )
+
+
+def other_layout(arena: Arena, seed: int, *, place: float = PLACE, angle: float = ANGLE) -> Arena:
+    """The same start among walls and cylinders that stand a little differently.
+
+    Args:
+        arena: any.
+        seed: of the draw.
+        place: largest shift of each obstacle along x and along y [m].
+        angle: largest rotation of each wall about its middle [rad].
+
+    Returns:
+        The arena with other obstacles.
+
+    Raises:
+        ValueError: the start lies inside an obstacle that was drawn.
+    """
+    rng = np.random.default_rng(seed)
+    walls = []
+    for wall in arena.walls:
+        dx, dy, turn = rng.uniform(-1.0, 1.0, 3) * (place, place, angle)
+        middle = np.add(wall.start, wall.end) / 2 + (dx, dy)
+        along = np.array([math.cos(wall.angle + turn), math.sin(wall.angle + turn)])
+        half = along * wall.length / 2
+        walls.append(Wall(tuple(middle - half), tuple(middle + half), wall.thickness))
+    cylinders = []
+    for cylinder in arena.cylinders:
+        dx, dy = rng.uniform(-place, place, 2)
+        cylinders.append(replace(cylinder, at=(cylinder.at[0] + dx, cylinder.at[1] + dy)))
+    return replace(arena, walls=tuple(walls), cylinders=tuple(cylinders))

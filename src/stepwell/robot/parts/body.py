@@ -35,10 +35,8 @@ class Body(ByValue):
     wall_friction: float = 0.2
 
     def __post_init__(self):
-        for name, unit in (("mass", "kg"), ("length", "m"), ("width", "m")):
-            object.__setattr__(self, name, check.positive(name, getattr(self, name), unit))
-        friction = check.not_negative("wall_friction", self.wall_friction, "1")
-        object.__setattr__(self, "wall_friction", friction)
+        check.fields(self, check.positive, mass="kg", length="m", width="m")
+        check.fields(self, check.not_negative, wall_friction="1")
         x, y, z = self.centre
         centre = tuple(check.finite("centre", value, "m") for value in (x, y, z))
         object.__setattr__(self, "centre", centre)

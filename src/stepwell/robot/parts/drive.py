@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, check
+from stepwell.base import ByValue, Floats, check
 
 
 class Profile(StrEnum):
@@ -46,15 +46,10 @@ class Drive(ByValue):
     stiffness: float = 2000.0
 
     def __post_init__(self):
-        for name, unit in (("amplitude", "m"), ("period", "s"), ("stiffness", "N/m")):
-            object.__setattr__(self, name, check.positive(name, getattr(self, name), unit))
-        try:
-            object.__setattr__(self, "profile", Profile(self.profile))
-        except ValueError:
-            allowed = ", ".join(repr(str(profile)) for profile in Profile)
-            raise InputError(f"profile = {self.profile!r}: must be one of {allowed}.") from None
+        check.fields(self, check.positive, amplitude="m", period="s", stiffness="N/m")
+        check.fields(self, check.one_of, profile=Profile)
 
-    def stroke(self, time: ArrayLike) -> NDArray[np.float64]:
+    def stroke(self, time: ArrayLike) -> Floats:
         """The commanded stroke [m] at times [s] of any shape; 0 before time 0.
 
         Args:

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from stepwell.robot.parts.antenna import Antenna
-    from stepwell.robot.parts.leg import Leg
     from stepwell.robot.parts.robot import Robot
 
 # Strokes that differ by less than this [m] are the same stroke.
@@ -31,7 +29,8 @@ def _legs(robot: Robot) -> Iterator[str]:
         yield f"legs: two are called {name!r}: give each leg a name of its own."
     for a, b in combinations(robot.legs, 2):
         apart = abs(a.at[1] - b.at[1])
-        length = _length(robot, a) + robot.blocks.length
+        # From a leg's first moving block to its last, fully open.
+        length = robot.foot.span + a.chain.full_stroke + robot.blocks.length
         if apart < robot.blocks.width and abs(a.at[0] - b.at[0]) < length:
             yield (
                 f"legs {a.name!r} and {b.name!r} collide: their feet are {apart * 1e3:.6g} mm "
@@ -48,11 +47,6 @@ def _legs(robot: Robot) -> Iterator[str]:
                     f"leg {leg.name!r}: its foot runs into the support at ({point[0] * 1e3:.6g}, "
                     f"{point[1] * 1e3:.6g}) mm; move either sideways by {near * 1e3:.6g} mm."
                 )
-
-
-def _length(robot: Robot, leg: Leg) -> float:
-    """From a leg's first moving block to its last, fully open."""
-    return robot.foot.span + leg.chain.full_stroke
 
 
 def _reach(robot: Robot) -> Iterator[str]:
@@ -120,33 +114,26 @@ def _inside(points: np.ndarray, point: np.ndarray) -> float:
 
 def _antennas(robot: Robot) -> Iterator[str]:
     names = [leg.name for leg in robot.legs]
+    moved: list[tuple[str, str]] = []
     for antenna in robot.antennas:
         if antenna.leg not in names:
             allowed = ", ".join(map(repr, names))
             yield f"antenna {antenna.name!r}: leg = {antenna.leg!r}: must be one of {allowed}."
             continue
         leg = robot.leg(antenna.leg)
+        # The leg and the cell whose anchor it moves, by what both are called.
+        moved.append((leg.name, f"{antenna.cell!r}, which is no cell,"))
         try:
             cell = leg.cell_index(antenna.cell)
-            p = leg.chain.cells[cell].bands[0].p
+            moved[-1] = leg.name, leg.chain.names[cell]
             if len(leg.chain.cells[cell].bands) > 1:
                 yield (
                     f"antenna {antenna.name!r}: its cell has several bands: an antenna moves the "
                     f"anchor of one; split the cell's bands or give it one."
                 )
-                continue
-            leg.with_anchors(cell, p=(p[0] + antenna.moves[0], p[1] + antenna.moves[1]))
+            else:
+                leg.with_moved_anchor(cell, antenna.moves)
         except ValueError as error:
             yield f"antenna {antenna.name!r}: {error}"
-    moved = [_moved(robot, antenna) for antenna in robot.antennas if antenna.leg in names]
-    for leg, cell in {each for each in moved if moved.count(each) > 1}:
-        yield f"antennas: two move the anchor of {cell} of leg {leg!r}: give it one."
-
-
-def _moved(robot: Robot, antenna: Antenna) -> tuple[str, str]:
-    """The leg and the cell whose anchor an antenna moves, by what both are called."""
-    leg = robot.leg(antenna.leg)
-    try:
-        return leg.name, leg.chain.names[leg.cell_index(antenna.cell)]
-    except ValueError:
-        return leg.name, f"{antenna.cell!r}, which is no cell,"
+    for name, cell in {each for each in moved if moved.count(each) > 1}:
+        yield f"antennas: two move the anchor of {cell} of leg {name!r}: give it one."

@@ -8,17 +8,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from stepwell.base import ByValue, InputError, Vec2, require
-from stepwell.mechanism import SlipError
 from stepwell.robot.parts.antenna import Antenna
-from stepwell.robot.parts.arena import Arena
-from stepwell.robot.parts.blocks import Blocks
+from stepwell.robot.parts.arena import Arena, Floor
 from stepwell.robot.parts.body import Body
 from stepwell.robot.parts.drive import Drive
 from stepwell.robot.parts.fit import problems
-from stepwell.robot.parts.floor import Floor
-from stepwell.robot.parts.foot import Foot
-from stepwell.robot.parts.leg import Leg
-from stepwell.robot.parts.slips import WAY, of_robot
+from stepwell.robot.parts.leg import Blocks, Foot, Leg
+from stepwell.robot.parts.slips import of_robot, refuse_slips
 
 if TYPE_CHECKING:
     from stepwell.robot.gait import Prediction
@@ -72,11 +68,7 @@ class Robot(ByValue):
         object.__setattr__(self, "sources", dict(self.sources))
         require("legs", len(self.legs), "the robot has")
         require("antennas", len(self.antennas), "the robot has")
-        if not (self.unusual or self._asked):
-            slips = of_robot(self)
-            if slips:
-                raise SlipError(slips, WAY)
-        object.__setattr__(self, "_asked", True)
+        refuse_slips(self, of_robot(self))
         found = problems(self)
         if found:
             raise InputError("\n".join(found))
@@ -131,8 +123,7 @@ class Robot(ByValue):
         Raises:
             ValueError: no such leg or cell, or anchors that no cell can have.
         """
-        moved = self.leg(leg).with_anchors(cell, p, q)
-        return replace(self, legs=tuple(moved if one.name == leg else one for one in self.legs))
+        return self._with_leg(self.leg(leg).with_anchors(cell, p, q))
 
     def pressed(self, swings: Mapping[str, float]) -> Robot:
         """The same robot with antennas held back, as anchors that have moved.
@@ -158,15 +149,14 @@ class Robot(ByValue):
                     f"swing = {math.degrees(swing):.6g} deg of antenna {name!r}: must be from 0 "
                     f"to {math.degrees(antenna.swing):.6g} deg."
                 )
-            if not antenna.connected:
-                continue
-            leg = robot.leg(antenna.leg)
-            index = leg.cell_index(antenna.cell)
-            p = leg.chain.cells[index].bands[0].p
-            share = swing / antenna.swing
-            moved = (p[0] + share * antenna.moves[0], p[1] + share * antenna.moves[1])
-            robot = robot.with_anchors(antenna.leg, index, p=moved)
+            if antenna.connected:
+                leg, share = robot.leg(antenna.leg), swing / antenna.swing
+                robot = robot._with_leg(leg.with_moved_anchor(antenna.cell, antenna.moves, share))
         return robot
+
+    def _with_leg(self, leg: Leg) -> Robot:
+        """The same robot with this leg for the one of its name."""
+        return replace(self, legs=tuple(leg if one.name == leg.name else one for one in self.legs))
 
     def predict(self) -> Prediction:
         """Say what a robot will do in a cycle, without simulation.

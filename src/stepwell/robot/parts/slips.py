@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from stepwell.mechanism import Slip, sizes
+from stepwell.mechanism import Slip, SlipError, sizes
 
 if TYPE_CHECKING:
-    from stepwell.robot.parts.antenna import Antenna
     from stepwell.robot.parts.arena import Arena
     from stepwell.robot.parts.robot import Robot
 
@@ -18,20 +17,19 @@ _BODY, _PART = (1 / 50, 50.0), (1 / 2000, 10.0)
 # How far an arena goes, and how thick what stands in it is [m].
 FARTHEST = 0.010, 100.0
 THICKNESS = 5e-4, 10.0
-WAY = "If it is meant so, say unusual=True."
 
 
-def of_robot(robot: Robot) -> tuple[Slip, ...]:
+def refuse_slips(value: Robot | Arena, slips: Iterable[Slip]) -> None:
+    """Refuse sizes in another unit, once: what `replace` makes of a value is not asked again."""
+    if not (value.unusual or value._asked):
+        found = tuple(slips)
+        if found:
+            raise SlipError(found, "If it is meant so, say unusual=True.")
+    object.__setattr__(value, "_asked", True)
+
+
+def of_robot(robot: Robot) -> Iterator[Slip]:
     """All numbers of a robot that are probably in another unit; of its chains, their cells tell."""
-    return tuple(_of_robot(robot))
-
-
-def of_arena(arena: Arena) -> tuple[Slip, ...]:
-    """All numbers of an arena that are probably in another unit."""
-    return tuple(_of_arena(arena))
-
-
-def _of_robot(robot: Robot) -> Iterator[Slip]:
     # Lengths are beside the longest stroke of a leg, as those of a cell are beside its lever.
     size = max((leg.chain.full_stroke for leg in robot.legs), default=0.0)
     cells = [cell for leg in robot.legs for cell in leg.chain.cells]
@@ -51,18 +49,15 @@ def _of_robot(robot: Robot) -> Iterator[Slip]:
     for i, leg in enumerate(robot.legs):
         yield from _of_stroke(f"leg[{i}].at", leg.at, size)
     for i, antenna in enumerate(robot.antennas):
-        yield from _of_antenna(f"antenna[{i}]", antenna, size, own)
-
-
-def _of_antenna(where: str, antenna: Antenna, size: float, own: float) -> Iterator[Slip]:
-    yield from _lengths(where, antenna, ("pivot", "length", "moves"), size)
-    yield from _mass(f"{where}.mass", antenna.mass, own)
-    for name in ("angle", "swing", "hook_angle"):
-        angle = getattr(antenna, name)
-        turned = math.degrees(angle)
-        if 0 < abs(angle) < sizes.LEAST_LIMIT:
-            likely = turned if abs(turned) <= math.pi else None
-            yield Slip(f"{where}.{name}", angle, likely, "rad", f"is {turned:.4g}°")
+        where = f"antenna[{i}]"
+        yield from _lengths(where, antenna, ("pivot", "length", "moves"), size)
+        yield from _mass(f"{where}.mass", antenna.mass, own)
+        for name in ("angle", "swing", "hook_angle"):
+            angle = getattr(antenna, name)
+            turned = math.degrees(angle)
+            if 0 < abs(angle) < sizes.LEAST_LIMIT:
+                likely = turned if abs(turned) <= math.pi else None
+                yield Slip(f"{where}.{name}", angle, likely, "rad", f"is {turned:.4g}°")
 
 
 def _lengths(where: str, part: object, names: tuple[str, ...], size: float) -> Iterator[Slip]:
@@ -83,7 +78,8 @@ def _mass(name: str, mass: float, own: float) -> Iterator[Slip]:
         yield Slip(name, mass, sizes.meant(mass, low, high), "kg", why)
 
 
-def _of_arena(arena: Arena) -> Iterator[Slip]:
+def of_arena(arena: Arena) -> Iterator[Slip]:
+    """All numbers of an arena that are probably in another unit."""
     points = [arena.start, *(end for wall in arena.walls for end in (wall.start, wall.end))]
     points += [one.at for one in arena.cylinders]
     points += [arena.goal.at] if arena.goal else []

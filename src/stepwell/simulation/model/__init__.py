@@ -1,7 +1,6 @@
 """A robot as a MuJoCo model."""
 
-from stepwell.simulation.model.arena import obstacle_names
-from stepwell.simulation.model.model import mjcf, spec, start_position
-from stepwell.simulation.model.sensors import columns, contacts, rod_names, sampled
+from stepwell.simulation.model.model import mjcf, spec
+from stepwell.simulation.model.sensors import columns, contacts, obstacle_names, rod_names, sampled
 from stepwell.simulation.model.settings import Integrator, Linkage, Settings
 from stepwell.simulation.model.simulator import mujoco, quietly, rollout

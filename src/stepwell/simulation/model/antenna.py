@@ -8,7 +8,7 @@ from typing import Any
 from stepwell.base import InputError
 from stepwell.robot import Antenna, Robot
 from stepwell.simulation.model import parts
-from stepwell.simulation.model.leg import TOP, in_body, places
+from stepwell.simulation.model.leg import in_body, places
 from stepwell.simulation.model.settings import Settings
 
 ROD = 0.0015  # radius [m]
@@ -34,17 +34,17 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
     x, y, _ = in_body(leg, antenna.moves)
     axis = (x / travel, y / travel, 0.0)
     part = body.add_body(
-        name=f"{antenna.name}.anchor", pos=(where.joints[0] + p[0], leg.at[1] + p[1], TOP)
+        name=f"{antenna.name}.anchor", pos=(where.joints[0] + p[0], leg.at[1] + p[1], parts.TOP)
     )
     most = travel if antenna.connected else 1e-6
-    parts.slide(
+    parts.slider(
         part,
         f"{antenna.name}.anchor",
         axis,
         range=(0.0, most),
         limited=True,
         damping=SLIDING,
-        solref_limit=(settings.contact_time, 1.0),
+        solref_limit=parts.soft(settings),
     )
     parts.ball(part, ROD, mass=ANCHOR, rgba=parts.ANTENNA, **parts.SEEN)
     return part
@@ -68,28 +68,24 @@ def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Sett
         limited=True,
         damping=antenna.damping,
         stiffness=(0.0 if antenna.connected else LOOSE, 0.0, 0.0),
-        solref_limit=(2 * settings.contact_time, 1.0),
+        solref_limit=parts.soft(settings, 2),
     )
     touch = dict(
         rgba=parts.ANTENNA,
         priority=3,
         condim=3,
         friction=(antenna.friction, 0.0, 0.0),
-        solref=(2 * settings.contact_time, 1.0),
+        solref=parts.soft(settings, 2),
         **parts.ANTENNAS,
     )
-    angle = abs(antenna.angle)
-    tip = (antenna.length * math.cos(angle), side * antenna.length * math.sin(angle), 0.0)
-    whole = antenna.length + antenna.hook
-    parts.rod(holder, (0, 0, 0), tip, ROD, mass=antenna.mass * antenna.length / whole, **touch)
-    if antenna.hook > 0:
-        bent = angle + antenna.hook_angle
-        end = (
-            tip[0] + antenna.hook * math.cos(bent),
-            tip[1] + side * antenna.hook * math.sin(bent),
-            0.0,
-        )
-        parts.rod(holder, tip, end, ROD, mass=antenna.mass * antenna.hook / whole, **touch)
+    whole, angle = antenna.length + antenna.hook, abs(antenna.angle)
+    begin = (0.0, 0.0, 0.0)
+    for length, bent in ((antenna.length, 0.0), (antenna.hook, antenna.hook_angle)):
+        if length > 0:
+            along, across = math.cos(angle + bent), side * math.sin(angle + bent)
+            end = (begin[0] + length * along, begin[1] + length * across, 0.0)
+            parts.rod(holder, begin, end, ROD, mass=antenna.mass * length / whole, **touch)
+            begin = end
     reach = whole + 0.005
     holder.add_site(
         name=f"{name}.feeler",

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from stepwell.robot import Leg, Robot
-from stepwell.simulation.model import parts
-from stepwell.simulation.model.parts import Vec3
-from stepwell.simulation.model.settings import Settings
+from stepwell.simulation.model import hinges, parts
+from stepwell.simulation.model.parts import TOP, Place, Vec3
+from stepwell.simulation.model.settings import Linkage, Settings
 
 # The damping that keeps a lever's sideways swing quiet [N s/m]: small beside that of a travel.
 SIDEWAYS = 0.02
-# Levers and bands lie on top of the blocks, where they are seen [m].
-TOP = 0.007
 
 
 @dataclass(frozen=True)
@@ -32,6 +30,37 @@ class Places:
     joints: tuple[float, ...]
     sideways: tuple[float, ...]
     foot: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class LegModel:
+    """A leg and what it is added to.
+
+    Attributes:
+        spec: the model.
+        robot: whose leg it is.
+        leg: the leg.
+        body, carriage: bodies of the model.
+        anchors: cell number to the body that carries its anchor p, where an antenna moves it.
+        settings: of the simulation.
+    """
+
+    spec: Any
+    robot: Robot
+    leg: Leg
+    body: Any
+    carriage: Any
+    anchors: dict[int, Any]
+    settings: Settings
+
+    @property
+    def hinged(self) -> bool:
+        """Whether levers and links are hinged bodies, and not lines of fixed length."""
+        return self.settings.linkage is Linkage.HINGES
+
+    def cell_name(self, number: int) -> str:
+        """What the model calls a cell, counted from inside."""
+        return f"{self.leg.name}.{self.leg.chain.names[number]}"
 
 
 def places(robot: Robot, leg: Leg) -> Places:
@@ -58,193 +87,124 @@ def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
     return (-anchor[1], leg.side * anchor[0], 0.0)
 
 
-def add_leg(
-    spec: Any,
-    robot: Robot,
-    leg: Leg,
-    body: Any,
-    carriage: Any,
-    anchors: dict[int, Any],
-    settings: Settings,
-) -> None:
-    """Add a leg to the model.
-
-    Args:
-        spec: the model.
-        robot: whose leg it is.
-        leg: the leg.
-        body, carriage: bodies of the model.
-        anchors: cell number to the body that carries its anchor p, where an antenna moves it.
-        settings: of the simulation.
-    """
-    where = places(robot, leg)
-    cells = leg.chain.cells
-    last = len(cells) - 1
-    previous, origin = body, (0.0, 0.0)
-    joints: list[str] = []
+def add_leg(model: LegModel) -> None:
+    """Add a leg on rods or on hinges, with the same names for what a recording reads."""
+    spec, robot, leg, settings = model.spec, model.robot, model.leg, model.settings
+    where, cells = places(robot, leg), leg.chain.cells
+    previous, origin = model.body, (0.0, 0.0)
+    before: dict[str, float] = {}
     for i, cell in enumerate(cells):
-        name = f"{leg.name}.{leg.chain.names[i]}"
+        name = model.cell_name(i)
         x, y = where.blocks[i], where.sideways[i + 1]
-        if i < last:
-            joints.append(
-                _sliding(robot, leg, body, name, x, sum(c.full_travel for c in cells[: i + 1]))
-            )
+        if i < len(cells) - 1:
+            carrier, joint, at = _slider(model, i, x), f"{name}.block", (0.0, y - leg.at[1], 0.0)
+            mass = robot.blocks.mass / 2
         else:
-            joints.append("stroke")
-        carrier = body if i == last else spec.body(f"{name}.block")
-        lateral = _swinging(robot, leg, carriage if i == last else carrier, name, x, y)
-        # The lever and the band join this block to the previous one.
-        joint = where.joints[i]
-        inner = (joint - origin[0], where.sideways[i] - origin[1], TOP)
-        outer = (joint - x, 0.0, TOP)
-        parts.site(previous, f"{name}.lever.in", inner)
-        parts.site(lateral, f"{name}.lever.out", outer)
-        ends = (f"{name}.lever.in", f"{name}.lever.out")
-        parts.between(spec, f"{name}.lever", ends, width=0.0016, rgba=parts.LEVER)
-        parts.fixed_length(spec, f"{name}.lever", settings)
-        add_bands(spec, leg, i, (previous, inner), (lateral, outer), anchors)
-        factors = {joints[i]: 1.0} | ({joints[i - 1]: -1.0} if i else {})
+            # The carriage guides the outermost block along the stroke and lets it swing.
+            carrier, joint, at, mass = model.carriage, "stroke", (x, y, 0.0), robot.blocks.mass
+        block = carrier.add_body(name=f"{name}.side", pos=at)
+        parts.slider(block, f"{name}.side", (0.0, leg.side, 0.0), damping=SIDEWAYS)
+        if model.hinged:
+            parts.hinge(block, f"{name}.yaw", (0.0, 0.0, 1.0))
+            mass -= 2 * hinges.LEVER * robot.blocks.mass
+        size = (robot.blocks.length / 2, 0.004, 0.004)
+        parts.box(block, size, (0.0, 0.0, TOP), mass=mass, rgba=parts.BLOCK, **parts.SEEN)
+        # The levers and the bands join this block to the previous one.
+        inner = previous, (where.joints[i] - origin[0], where.sideways[i] - origin[1], TOP)
+        outer = block, (where.joints[i] - x, 0.0, TOP)
+        if model.hinged:
+            hinges.add_levers(model, name, cell, inner, outer)
+        parts.site(previous, f"{name}.lever.in", inner[1])
+        parts.site(block, f"{name}.lever.out", outer[1])
+        _add_line(model, f"{name}.lever", (f"{name}.lever.in", f"{name}.lever.out"), parts.LEVER)
+        _add_bands(model, i, inner, outer)
+        stops: dict[str, Any] = {
+            "limited": True,
+            "range": (0.0, cell.full_travel),
+            "solref_limit": parts.soft(settings),
+        }
         parts.combined(
             spec,
             f"{name}.travel",
-            factors,
-            limited=True,
-            range=(0.0, cell.full_travel),
+            {joint: 1.0} | before,
             damping=robot.blocks.damping,
             frictionloss=cell.friction,
-            solref_limit=(settings.contact_time, 1.0),
             # MuJoCo's own values let a slow cell creep at a fraction of its friction.
-            solref_friction=(settings.contact_time, 1.0),
+            solref_friction=parts.soft(settings),
             solimp_friction=parts.STIFF,
+            # On hinges the levers end at the stops.
+            **({} if model.hinged else stops),
         )
-        previous, origin = lateral, (x, y)
-    _foot(spec, robot, leg, body, carriage, where, settings)
+        previous, origin, before = block, (x, y), {joint: -1.0}
+    _add_foot(model, where)
 
 
-def add_bands(
-    spec: Any,
-    leg: Leg,
-    number: int,
-    inner: tuple[Any, Vec3],
-    outer: tuple[Any, Vec3],
-    anchors: dict[int, Any],
-) -> None:
-    """Add the bands of a cell.
+def _slider(model: LegModel, number: int, x: float) -> Any:
+    """A box that slides along the chain with all cells up to this one, and meets walls."""
+    robot, leg, name = model.robot, model.leg, f"{model.cell_name(number)}.block"
+    travel = sum(cell.full_travel for cell in leg.chain.cells[: number + 1])
+    slider = model.body.add_body(name=name, pos=(x, leg.at[1], 0.0))
+    parts.slider(slider, name, (-1.0, 0.0, 0.0), ref=travel / 2)
+    size, mass = (robot.blocks.length, robot.blocks.width, 0.008), robot.blocks.mass / 2
+    parts.hull(robot, slider, size, mass=mass, rgba=parts.BLOCK, **parts.BLOCKS)
+    return slider
 
-    Args:
-        spec: the model.
-        leg: whose.
-        number: of the cell, from inside.
-        inner, outer: each block's body, and the midpoint of its lever joints in it [m].
-        anchors: cell number to the body that carries its anchor p, where an antenna moves it.
-    """
-    name, cell = f"{leg.name}.{leg.chain.names[number]}", leg.chain.cells[number]
+
+def _add_line(model: LegModel, name: str, ends: tuple[str, str], rgba: parts.Colour) -> None:
+    """A lever or link on rods; on hinges a line whose length tells that the linkage holds."""
+    if model.hinged:
+        parts.between(model.spec, name, ends, rgba=parts.HIDDEN)
+    else:
+        parts.between(model.spec, name, ends, width=0.0016, rgba=rgba)
+        parts.fixed_length(model.spec, name, model.settings)
+
+
+def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None:
+    """The bands of a cell, counted from inside, between the lever joints of its two blocks."""
+    leg, name, cell = model.leg, model.cell_name(number), model.leg.chain.cells[number]
     for j, band in enumerate(cell.bands):
         label = f"{name}.band" if len(cell.bands) == 1 else f"{name}.band{j + 1}"
-        (x, y, z), p, q = inner[1], in_body(leg, band.p), in_body(leg, band.q)
-        if number in anchors and j == 0:
-            parts.site(anchors[number], f"{label}.p")
-        else:
-            parts.site(inner[0], f"{label}.p", (x + p[0], y + p[1], z))
-        x, y, z = outer[1]
-        parts.site(outer[0], f"{label}.q", (x + q[0], y + q[1], z))
-        parts.between(
-            spec,
-            label,
-            (f"{label}.p", f"{label}.q"),
-            width=0.0012,
-            rgba=parts.BAND,
-            **parts.stretch(band),
-        )
+        ends = {"p": (inner, band.p), "q": (outer, band.q)}
+        for end, ((body, joint), anchor) in ends.items():
+            if end == "p" and j == 0 and number in model.anchors:
+                parts.site(model.anchors[number], f"{label}.p")
+            else:
+                x, y, _ = in_body(leg, anchor)
+                parts.site(body, f"{label}.{end}", (joint[0] + x, joint[1] + y, joint[2]))
+        sites = (f"{label}.p", f"{label}.q")
+        law = parts.stretch(band)
+        parts.between(model.spec, label, sites, width=0.0012, rgba=parts.BAND, **law)
 
 
-def _sliding(robot: Robot, leg: Leg, body: Any, name: str, x: float, travel: float) -> str:
-    """A block that slides along the chain; returns the name of its joint."""
-    block = body.add_body(name=f"{name}.block", pos=(x, leg.at[1], 0.0))
-    parts.slide(block, f"{name}.block", (-1.0, 0.0, 0.0), ref=travel / 2)
-    outline(robot, block)
-    return f"{name}.block"
-
-
-def _swinging(robot: Robot, leg: Leg, carrier: Any, name: str, x: float, y: float) -> Any:
-    """The sideways part of a block: its lever joints and its anchors."""
-    on_body = carrier.name in ("body", "carriage")
-    at = (x, y, 0.0) if on_body else (0.0, y - leg.at[1], 0.0)
-    lateral = carrier.add_body(name=f"{name}.side", pos=at)
-    parts.slide(lateral, f"{name}.side", (0.0, leg.side, 0.0), damping=SIDEWAYS)
-    share = 1.0 if carrier.name == "carriage" else 0.5
-    parts.box(
-        lateral,
-        (robot.blocks.length / 2, 0.004, 0.004),
-        (0.0, 0.0, TOP),
-        mass=robot.blocks.mass * share,
-        rgba=parts.BLOCK,
-        **parts.SEEN,
-    )
-    return lateral
-
-
-def outline(robot: Robot, body: Any, at: Vec3 = (0.0, 0.0, 0.0), mass: float | None = None) -> None:
-    """The box of a block, which meets walls."""
-    parts.box(
-        body,
-        (robot.blocks.length, robot.blocks.width, 0.008),
-        at,
-        mass=robot.blocks.mass / 2 if mass is None else mass,
-        rgba=parts.BLOCK,
-        priority=2,
-        condim=3,
-        friction=(robot.body.wall_friction, 0.0, 0.0),
-        **parts.BLOCKS,
-    )
-
-
-def _foot(
-    spec: Any, robot: Robot, leg: Leg, body: Any, carriage: Any, where: Places, settings: Settings
-) -> None:
-    name = leg.name
-    add_tip(robot, leg, body, where, settings)
-    middle = spec.body(f"{name}.{leg.chain.names[-2]}.block")
-    parts.site(middle, f"{name}.pivot.in")
-    parts.site(carriage, f"{name}.pivot.out", (where.blocks[-1], leg.at[1], 0.0))
-    for link, pivot in (("in", "pivot.in"), ("out", "pivot.out")):
-        label = f"{name}.link.{link}"
-        ends = (f"{name}.{pivot}", f"{name}.tip")
-        parts.between(spec, label, ends, width=0.0016, rgba=parts.LINK)
-        parts.fixed_length(spec, label, settings)
-
-
-def add_tip(
-    robot: Robot,
-    leg: Leg,
-    body: Any,
-    where: Places,
-    settings: Settings,
-    links: float = 0.0,
-) -> None:
-    """Add a foot, free in its leg's plane; what its links weigh [kg] is taken off it."""
-    foot, name = robot.foot, leg.name
-    tip = body.add_body(name=f"{name}.foot", pos=(where.foot[0], leg.at[1], where.foot[1]))
-    parts.slide(tip, f"{name}.foot.x", (1.0, 0.0, 0.0))
-    parts.slide(tip, f"{name}.foot.z", (0.0, 0.0, 1.0))
-    parts.ball(
+def _add_foot(model: LegModel, where: Places) -> None:
+    """The V and its foot, which is free in its leg's plane."""
+    robot, leg, name = model.robot, model.leg, model.leg.name
+    x, z = where.foot
+    # The V hangs from sliders, which share a block's travel and not its sideways swing.
+    middle = model.spec.body(f"{model.cell_name(-2)}.block")
+    tip = model.body.add_body(name=f"{name}.foot", pos=(x, leg.at[1], z))
+    parts.slider(tip, f"{name}.foot.x", (1.0, 0.0, 0.0))
+    parts.slider(tip, f"{name}.foot.z", (0.0, 0.0, 1.0))
+    parts.site(tip, f"{name}.tip")
+    foot = robot.foot
+    links = 2 * (hinges.LINK * foot.mass) if model.hinged else 0.0
+    parts.stand(
         tip,
+        (f"{name}.foot", f"{name}.sole"),
         foot.radius,
         (0.0, 0.0, foot.radius),
-        name=f"{name}.foot",
+        model.settings,
+        friction=(robot.floor.foot_friction, 0.0, 0.0),
         mass=foot.mass - links,
         rgba=parts.FOOT,
-        priority=1,
-        condim=3,
-        friction=(robot.floor.foot_friction, 0.0, 0.0),
-        solref=(settings.contact_time, 1.0),
-        solimp=parts.TOUCHING,
         **parts.FEET,
     )
-    parts.site(tip, f"{name}.tip")
-    tip.add_site(
-        name=f"{name}.sole",
-        pos=(0, 0, foot.radius),
-        size=(1.1 * foot.radius,) * 3,
-        rgba=parts.HIDDEN,
-    )
+    pivots = {
+        "in": (middle, (0.0, 0.0, 0.0), where.blocks[-2]),
+        "out": (model.carriage, (where.blocks[-1], leg.at[1], 0.0), where.blocks[-1]),
+    }
+    for end, (holder, at, pivot) in pivots.items():
+        if model.hinged:
+            hinges.add_link(model, end, (holder, at), (x - pivot, 0.0, z))
+        parts.site(holder, f"{name}.pivot.{end}", at)
+        _add_line(model, f"{name}.link.{end}", (f"{name}.pivot.{end}", f"{name}.tip"), parts.LINK)

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from stepwell.base import InputError
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model import hinges, leg as _leg, parts
+from stepwell.simulation.model import hinges, parts
 from stepwell.simulation.model.antenna import add_anchor, add_rod
-from stepwell.simulation.model.arena import add_arena
-from stepwell.simulation.model.sensors import add_sensors
-from stepwell.simulation.model.settings import Integrator, Linkage, Settings
+from stepwell.simulation.model.leg import LegModel, add_leg, places
+from stepwell.simulation.model.sensors import add_sensors, obstacle_names
+from stepwell.simulation.model.settings import Linkage, Settings
 from stepwell.simulation.model.simulator import Model, Spec, mujoco
 
-INTEGRATORS = {
-    Integrator.EULER: mujoco.mjtIntegrator.mjINT_EULER,
-    Integrator.IMPLICIT: mujoco.mjtIntegrator.mjINT_IMPLICIT,
-    Integrator.IMPLICIT_FAST: mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    Integrator.RK4: mujoco.mjtIntegrator.mjINT_RK4,
-}
 SUPPORT = 0.003  # radius of the balls under the T-foot [m]
 HUNG = 0.050  # height of the feet above the floor of a robot without gravity [m]
+HEIGHT = 0.10  # of walls [m]: above everything of the robot that meets them
 GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
@@ -55,13 +51,12 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
         cell = robot.leg(antenna.leg).cell_index(antenna.cell)
         anchors[antenna.leg][cell] = add_anchor(robot, antenna, body, settings)
         add_rod(model, robot, antenna, body, settings)
-    linkage = hinges if settings.linkage is Linkage.HINGES else _leg
     for leg in robot.legs:
-        linkage.add_leg(model, robot, leg, body, carriage, anchors[leg.name], settings)
+        add_leg(LegModel(model, robot, leg, body, carriage, anchors[leg.name], settings))
     if arena is not None:
-        add_arena(model, arena)
+        _add_arena(model, arena)
     add_sensors(model, robot, arena)
-    model.add_key(name="start", qpos=start_position(model.compile(), robot, arena))
+    model.add_key(name="start", qpos=_start_position(model.compile(), robot, arena, settings))
     return model
 
 
@@ -95,7 +90,7 @@ def _refuse(robot: Robot) -> None:
 def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option = model.option
     option.timestep = settings.time_step
-    option.integrator = INTEGRATORS[settings.integrator]
+    option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{settings.integrator.upper()}")
     option.gravity = (0.0, 0.0, -robot.floor.gravity)
     # The pyramidal cone lets feet creep, which changes the gait.
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
@@ -120,8 +115,8 @@ def _scenery(model: Any) -> None:
         rgb1=(0.93, 0.93, 0.91),
         rgb2=(0.86, 0.86, 0.84),
     )
-    layers = [""] * mujoco.mjtTextureRole.mjNTEXROLE
-    layers[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    role = mujoco.mjtTextureRole
+    layers = ["floor" if i == role.mjTEXROLE_RGB else "" for i in range(role.mjNTEXROLE)]
     # One square of the floor is 100 mm wide.
     model.add_material(name="floor", textures=layers, texrepeat=(5, 5), texuniform=True)
     model.worldbody.add_light(
@@ -137,68 +132,39 @@ def _scenery(model: Any) -> None:
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=(0, 0, 0.05),
         material="floor",
-        contype=1,
-        conaffinity=1,
+        **parts.STANDS,
     )
 
 
 def _body(model: Any, robot: Robot, settings: Settings) -> Any:
     body = model.worldbody.add_body(name="body", pos=(0.0, 0.0, robot.pivot_height))
     body.add_freejoint(name="body")
-    x, y, z = robot.body.centre
     # A plate of the outline's size; its weight sits where the body's centre of mass is.
     size = (robot.body.length, robot.body.width, 0.020)
     weight = {"mass": robot.body.mass, "rgba": parts.HIDDEN, "group": 4, **parts.SEEN}
-    parts.box(body, size, (x, y, z), **weight)
-    parts.box(
-        body,
-        size,
-        (0.0, 0.0, 0.012),
-        mass=0.0,
-        rgba=parts.BODY,
-        priority=2,
-        condim=3,
-        friction=(robot.body.wall_friction, 0.0, 0.0),
-        **parts.OUTLINE,
-    )
-    floor = -robot.pivot_height
-    for i, (a, b) in enumerate(robot.body.supports):
-        parts.ball(
+    parts.box(body, size, robot.body.centre, **weight)
+    outline = {"mass": 0.0, "rgba": parts.BODY, **parts.OUTLINE}
+    parts.hull(robot, body, size, (0.0, 0.0, 0.012), **outline)
+    for i, (x, y) in enumerate(robot.body.supports):
+        name, foot = f"support {i + 1}", (x, y, SUPPORT - robot.pivot_height)
+        parts.stand(
             body,
+            (name, name),
             SUPPORT,
-            (a, b, floor + SUPPORT),
-            name=f"support {i + 1}",
+            foot,
+            settings,
+            friction=(robot.support_friction, 0.0, 0.0),
             mass=0.0,
             rgba=parts.SUPPORT,
-            priority=1,
-            condim=3,
-            friction=(robot.support_friction, 0.0, 0.0),
-            solref=(settings.contact_time, 1.0),
-            solimp=parts.TOUCHING,
             **parts.STANDS,
         )
-        foot = (a, b, floor + SUPPORT)
-        parts.rod(
-            body, foot, (0.4 * a, 0.4 * b, 0.0), 0.002, mass=0.0, rgba=parts.SUPPORT, **parts.SEEN
-        )
-        body.add_site(
-            name=f"support {i + 1}", pos=foot, size=(1.1 * SUPPORT,) * 3, rgba=parts.HIDDEN
-        )
+        arm = {"mass": 0.0, "rgba": parts.SUPPORT, **parts.SEEN}
+        parts.rod(body, foot, (0.4 * x, 0.4 * y, 0.0), 0.002, **arm)
     for leg in robot.legs:
         # The innermost block is part of the body.
         inner = (leg.at[0] + robot.foot.span / 2 + robot.blocks.length, leg.at[1], 0.0)
         size = (robot.blocks.length / 2, robot.blocks.width, 0.008)
-        parts.box(
-            body,
-            size,
-            inner,
-            mass=0.0,
-            rgba=parts.BODY,
-            priority=2,
-            condim=3,
-            friction=(robot.body.wall_friction, 0.0, 0.0),
-            **parts.OUTLINE,
-        )
+        parts.hull(robot, body, size, inner, **outline)
     body.add_camera(
         name="above",
         pos=(0.0, 0.0, 0.9),
@@ -210,7 +176,7 @@ def _body(model: Any, robot: Robot, settings: Settings) -> Any:
 def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     full = robot.legs[0].chain.full_stroke
     carriage = body.add_body(name="carriage")
-    parts.slide(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
+    parts.slider(carriage, "stroke", (-1.0, 0.0, 0.0), ref=full / 2, damping=GUIDE)
     ends = [leg.at[0] - robot.foot.span / 2 - full / 2 for leg in robot.legs]
     across = [leg.at[1] for leg in robot.legs]
     middle = (min(ends), (min(across) + max(across)) / 2, 0.012)
@@ -218,17 +184,8 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     parts.box(carriage, bar, middle, mass=robot.blocks.carriage, rgba=parts.BLOCK, **parts.SEEN)
     for leg, end in zip(robot.legs, ends, strict=True):
         size = (robot.blocks.length, robot.blocks.width, 0.008)
-        parts.box(
-            carriage,
-            size,
-            (end, leg.at[1], 0.0),
-            mass=0.0,
-            rgba=parts.BLOCK,
-            priority=2,
-            condim=3,
-            friction=(robot.body.wall_friction, 0.0, 0.0),
-            **parts.OUTLINE,
-        )
+        outline = {"mass": 0.0, "rgba": parts.BLOCK, **parts.OUTLINE}
+        parts.hull(robot, carriage, size, (end, leg.at[1], 0.0), **outline)
     drive = model.add_actuator(
         name="drive",
         target="stroke",
@@ -240,30 +197,51 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     return carriage
 
 
-def start_position(model: Model, robot: Robot, arena: Arena | None = None) -> np.ndarray:
+def _add_arena(model: Any, arena: Arena) -> None:
+    """Add every obstacle, each a body of its own, so that what touches it is known."""
+    names = iter(obstacle_names(arena))
+    for wall in arena.walls:
+        x, y = ((a + b) / 2 for a, b in zip(wall.start, wall.end, strict=True))
+        half = wall.angle / 2
+        body = model.worldbody.add_body(
+            name=next(names), pos=(x, y, HEIGHT / 2), quat=(math.cos(half), 0, 0, math.sin(half))
+        )
+        size = (wall.length, wall.thickness, HEIGHT)
+        parts.box(body, size, rgba=parts.WALL, **parts.OBSTACLE)
+        _feel(body, mujoco.mjtGeom.mjGEOM_BOX, [length / 2 + 0.01 for length in size])
+    for cylinder in arena.cylinders:
+        body = model.worldbody.add_body(name=next(names), pos=(*cylinder.at, HEIGHT / 2))
+        shape = mujoco.mjtGeom.mjGEOM_CYLINDER
+        size = (cylinder.radius, HEIGHT / 2, 0.0)
+        body.add_geom(type=shape, size=size, rgba=parts.WALL, **parts.OBSTACLE)
+        _feel(body, shape, (cylinder.radius + 0.01, HEIGHT / 2 + 0.01, 0.0))
+
+
+def _feel(body: Any, shape: Any, size: Any) -> None:
+    body.add_site(name=body.name, type=shape, size=size, rgba=parts.HIDDEN)
+
+
+def _start_position(
+    model: Model, robot: Robot, arena: Arena | None, settings: Settings
+) -> np.ndarray:
     """Joint positions (nq,) of the robot standing with every cell at 0, at the arena's start."""
-    q = model.qpos0.copy()
-
-    def place(joint: str, value: float) -> None:
-        q[model.joint(joint).qposadr[0]] = value
-
-    place("stroke", 0.0)
+    joints = {"stroke": 0.0}
     for leg in robot.legs:
-        cells, names, sideways = leg.chain.cells, leg.chain.names, 0.0
-        for i, cell in enumerate(cells):
-            if i < len(cells) - 1:
-                place(f"{leg.name}.{names[i]}.block", 0.0)
+        sideways = 0.0
+        for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
             sideways += cell.lever * (np.cos(cell.limit) - 1.0)
-            place(f"{leg.name}.{names[i]}.side", sideways)
-        half = [cell.full_travel / 2 for cell in cells]
-        width = robot.foot.span + half[-1]
-        forward = sum(half[:-1]) + half[-1] / 2
-        reference = np.sqrt(robot.foot.link**2 - width**2 / 4)
-        place(f"{leg.name}.foot.x", forward)
-        place(f"{leg.name}.foot.z", reference - float(robot.foot.depth(0.0)))
-        for joint, value in hinges.start(robot, leg).items():
-            if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint) >= 0:
-                place(joint, value)
+            joints[f"{leg.name}.{name}.side"] = sideways
+        half = [cell.full_travel / 2 for cell in leg.chain.cells]
+        # The outermost block slides on the carriage, whose joint is the stroke.
+        joints |= {f"{leg.name}.{name}.block": 0.0 for name in leg.chain.names[:-1]}
+        joints[f"{leg.name}.foot.x"] = sum(half[:-1]) + half[-1] / 2
+        reference = -places(robot, leg).foot[1]
+        joints[f"{leg.name}.foot.z"] = reference - float(robot.foot.depth(0.0))
+        if settings.linkage is Linkage.HINGES:
+            joints |= hinges.start(robot, leg)
+    q = model.qpos0.copy()
+    for joint, value in joints.items():
+        q[model.joint(joint).qposadr[0]] = value
     heading, x, y = (arena.heading, *arena.start) if arena else (0.0, 0.0, 0.0)
     root = model.joint("body").qposadr[0]
     # Without gravity the robot hangs clear of the floor, or its feet would push it off.

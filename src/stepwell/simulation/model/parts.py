@@ -9,10 +9,16 @@ import numpy as np
 
 from stepwell.base import InputError
 from stepwell.mechanism import Band, Cubic, Linear
+from stepwell.robot import Robot
 from stepwell.simulation.model.settings import Settings
 from stepwell.simulation.model.simulator import mujoco
 
 Vec3 = tuple[float, float, float]
+Colour = tuple[float, float, float, float]
+Place = tuple[Any, Vec3]  # a body, and a point of it [m]
+
+# Levers and bands lie on top of the blocks, where they are seen [m].
+TOP = 0.007
 
 # Okabe and Ito's palette, as red, green, blue, opacity.
 BODY = (0.45, 0.47, 0.50, 0.55)
@@ -64,7 +70,27 @@ def rod(body: Any, start: Vec3, end: Vec3, radius: float, **more: Any) -> Any:
     )
 
 
-def slide(body: Any, name: str, axis: Vec3, **more: Any) -> Any:
+def hull(robot: Robot, body: Any, size: Vec3, at: Vec3 = (0, 0, 0), **more: Any) -> None:
+    """A box of the body or of a block, which meets walls."""
+    friction = (robot.body.wall_friction, 0.0, 0.0)
+    box(body, size, at, priority=2, condim=3, friction=friction, **more)
+
+
+def stand(
+    body: Any, names: tuple[str, str], radius: float, at: Vec3, settings: Settings, **more: Any
+) -> None:
+    """A ball that meets the floor, and a site round it that feels how hard; the names of both."""
+    touch = {"priority": 1, "condim": 3, "solref": soft(settings), "solimp": TOUCHING}
+    ball(body, radius, at, name=names[0], **touch, **more)
+    body.add_site(name=names[1], pos=at, size=(1.1 * radius,) * 3, rgba=HIDDEN)
+
+
+def soft(settings: Settings, times: float = 1.0) -> tuple[float, float]:
+    """How fast a contact or a stop pushes back, critically damped, as MuJoCo's solref."""
+    return times * settings.contact_time, 1.0
+
+
+def slider(body: Any, name: str, axis: Vec3, **more: Any) -> Any:
     """A sliding joint."""
     return body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **more)
 
@@ -102,7 +128,7 @@ def fixed_length(spec: Any, tendon: str, settings: Settings) -> None:
         objtype=mujoco.mjtObj.mjOBJ_TENDON,
         name=tendon,
         name1=tendon,
-        solref=(settings.contact_time, 1.0),
+        solref=soft(settings),
         solimp=STIFF,
     )
     equality.data[0] = 0.0

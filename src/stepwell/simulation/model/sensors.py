@@ -6,13 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.robot import Arena, Robot
-from stepwell.simulation.model.arena import obstacle_names
 from stepwell.simulation.model.simulator import Model, mujoco
-
-Array = NDArray[np.float64]
 
 TYPE = mujoco.mjtSensor
 OBJECT = mujoco.mjtObj
@@ -25,37 +22,38 @@ def rod_names(robot: Robot) -> Iterator[str]:
         yield from (f"{leg.name}.link.{end}" for end in ("in", "out"))
 
 
+def obstacle_names(arena: Arena) -> tuple[str, ...]:
+    """What the model calls the obstacles: walls first, numbered from 1."""
+    walls = (f"wall {i + 1}" for i in range(len(arena.walls)))
+    return (*walls, *(f"cylinder {i + 1}" for i in range(len(arena.cylinders))))
+
+
 def add_sensors(spec: Any, robot: Robot, arena: Arena | None) -> None:
     """Add every sensor that a recording needs."""
 
-    def add(name: str, kind: Any, target: str, what: Any) -> None:
+    def add(kind: Any, what: Any, target: str, of: str = "") -> None:
+        name = f"{target}.{of}" if of else target
         spec.add_sensor(name=name, type=kind, objname=target, objtype=what)
 
-    add("body.position", TYPE.mjSENS_FRAMEPOS, "body", OBJECT.mjOBJ_XBODY)
-    add("body.attitude", TYPE.mjSENS_FRAMEQUAT, "body", OBJECT.mjOBJ_XBODY)
-    add("stroke", TYPE.mjSENS_JOINTPOS, "stroke", OBJECT.mjOBJ_JOINT)
-    add("drive", TYPE.mjSENS_ACTUATORFRC, "drive", OBJECT.mjOBJ_ACTUATOR)
+    add(TYPE.mjSENS_FRAMEPOS, OBJECT.mjOBJ_XBODY, "body", "position")
+    add(TYPE.mjSENS_FRAMEQUAT, OBJECT.mjOBJ_XBODY, "body", "attitude")
+    add(TYPE.mjSENS_JOINTPOS, OBJECT.mjOBJ_JOINT, "stroke")
+    add(TYPE.mjSENS_ACTUATORFRC, OBJECT.mjOBJ_ACTUATOR, "drive")
     for leg in robot.legs:
         for cell in leg.chain.names:
-            travel = f"{leg.name}.{cell}.travel"
-            add(travel, TYPE.mjSENS_TENDONPOS, travel, OBJECT.mjOBJ_TENDON)
-        tip = f"{leg.name}.tip"
-        add(f"{tip}.position", TYPE.mjSENS_FRAMEPOS, tip, OBJECT.mjOBJ_SITE)
-        add(f"{tip}.velocity", TYPE.mjSENS_FRAMELINVEL, tip, OBJECT.mjOBJ_SITE)
-        sole = f"{leg.name}.sole"
-        add(sole, TYPE.mjSENS_TOUCH, sole, OBJECT.mjOBJ_SITE)
+            add(TYPE.mjSENS_TENDONPOS, OBJECT.mjOBJ_TENDON, f"{leg.name}.{cell}.travel")
+        add(TYPE.mjSENS_FRAMEPOS, OBJECT.mjOBJ_SITE, f"{leg.name}.tip", "position")
+        add(TYPE.mjSENS_FRAMELINVEL, OBJECT.mjOBJ_SITE, f"{leg.name}.tip", "velocity")
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"{leg.name}.sole")
     for i in range(len(robot.body.supports)):
-        add(f"support {i + 1}", TYPE.mjSENS_TOUCH, f"support {i + 1}", OBJECT.mjOBJ_SITE)
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"support {i + 1}")
     for antenna in robot.antennas:
-        swing, feeler = f"{antenna.name}.antenna", f"{antenna.name}.feeler"
-        add(swing, TYPE.mjSENS_JOINTPOS, swing, OBJECT.mjOBJ_JOINT)
-        add(feeler, TYPE.mjSENS_TOUCH, feeler, OBJECT.mjOBJ_SITE)
+        add(TYPE.mjSENS_JOINTPOS, OBJECT.mjOBJ_JOINT, f"{antenna.name}.antenna")
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, f"{antenna.name}.feeler")
     for name in obstacle_names(arena) if arena is not None else ():
-        add(name, TYPE.mjSENS_TOUCH, name, OBJECT.mjOBJ_SITE)
-    rods = {tendon.name for tendon in spec.tendons}
+        add(TYPE.mjSENS_TOUCH, OBJECT.mjOBJ_SITE, name)
     for name in rod_names(robot):
-        if name in rods:
-            add(f"{name}.length", TYPE.mjSENS_TENDONPOS, name, OBJECT.mjOBJ_TENDON)
+        add(TYPE.mjSENS_TENDONPOS, OBJECT.mjOBJ_TENDON, name, "length")
 
 
 def columns(model: Model) -> dict[str, slice]:
@@ -66,15 +64,13 @@ def columns(model: Model) -> dict[str, slice]:
     }
 
 
-def contacts(model: Model) -> NDArray[np.intp]:
+def contacts(model: Model) -> Ints:
     """(m,) columns that are forces of what touches."""
     touches = np.flatnonzero(model.sensor_type == int(TYPE.mjSENS_TOUCH))
-    return np.asarray(model.sensor_adr[touches], np.intp)
+    return np.asarray(model.sensor_adr[touches], np.int64)
 
 
-def sampled(
-    readings: Array, pending: Array, every: int, columns: NDArray[np.intp]
-) -> tuple[Array, Array]:
+def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tuple[Floats, Floats]:
     """The readings of every so many steps, forces of what touches as means over these steps.
 
     Between two samples feet land and lift; what one carries at an instant says little of it.

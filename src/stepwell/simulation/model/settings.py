@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from stepwell.base import ByValue, InputError, check as _check
+from stepwell.base import ByValue, InputError, check
 
 
 class Integrator(StrEnum):
@@ -49,17 +49,9 @@ class Settings(ByValue):
     linkage: Linkage = Linkage.RODS
 
     def __post_init__(self):
-        for name in ("time_step", "contact_time", "sample"):
-            object.__setattr__(self, name, _check.positive(name, getattr(self, name), "s"))
-        object.__setattr__(self, "settle", _check.not_negative("settle", self.settle, "s"))
-        for name, kind in (("integrator", Integrator), ("linkage", Linkage)):
-            try:
-                object.__setattr__(self, name, kind(getattr(self, name)))
-            except ValueError:
-                allowed = ", ".join(repr(str(one)) for one in kind)
-                raise InputError(
-                    f"{name} = {getattr(self, name)!r}: must be one of {allowed}."
-                ) from None
+        check.fields(self, check.positive, time_step="s", contact_time="s", sample="s")
+        check.fields(self, check.not_negative, settle="s")
+        check.fields(self, check.one_of, integrator=Integrator, linkage=Linkage)
         if self.contact_time < 2 * self.time_step:
             raise InputError(
                 f"contact_time = {self.contact_time:g} s: must be >= {2 * self.time_step:g} s, "

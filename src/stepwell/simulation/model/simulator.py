@@ -37,7 +37,7 @@ def quietly() -> Iterator[None]:
     # There is one place for all threads, so the last run to end puts back what was there.
     with _lock:
         _quiet.append(_quiet[0] if _quiet else mujoco.get_mju_user_warning())
-        mujoco.set_mju_user_warning(_silent)
+        mujoco.set_mju_user_warning(lambda _: None)
     try:
         yield
     finally:
@@ -45,7 +45,3 @@ def quietly() -> Iterator[None]:
             before = _quiet.pop()
             if not _quiet:
                 mujoco.set_mju_user_warning(before)
-
-
-def _silent(_: str) -> None:
-    pass

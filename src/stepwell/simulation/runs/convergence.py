@@ -7,14 +7,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Floats, InputError
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
-
-Array = NDArray[np.float64]
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
 JUMP = 0.2  # a floor force that changes by more than this share in one step jumps
@@ -100,57 +97,39 @@ def convergence(
             raise InputError(
                 f"time_steps: {step:g} s does not divide the sample of {settings.sample:g} s."
             )
+    costs = [1 / step for step in steps]
+    walks: list[Walk] = []
+    forces: list[Floats] = []  # (n, contacts) of the floor in every step [N]
+    means: list[Floats] = []  # (samples, contacts) over each sample [N]
+    for i, step in enumerate(steps):
 
-    def tell(step: float) -> Callable[[float, float], None]:
-        """The progress of the walk with this time step as part of all, which cost 1/step each."""
-        before, total = sum(1 / one for one in steps if one > step), sum(1 / one for one in steps)
-        return lambda done, of: progress(before + done / of / step, total) if progress else None
+        def tell(done: float, of: float, i: int = i) -> None:
+            if progress is not None:
+                progress(sum(costs[:i]) + done / of * costs[i], sum(costs))
 
-    walks = [_walked(robot, step, cycles, settings, tell(step)) for step in steps]
-    samples = [
-        _means(one, round(settings.sample / step)) for one, step in zip(walks, steps, strict=True)
-    ]
-    finest = samples[-1]
+        fine = replace(settings, time_step=step, sample=step)
+        one = walk(robot, cycles, settings=fine, progress=tell)
+        if one.stopped:
+            text = f"time_steps: at {step:g} s it does not walk to the end. {one.stopped}"
+            raise InputError(text)
+        walks.append(one)
+        forces.append(np.concatenate([one.foot_force, one.support_force], axis=1))
+        every = round(settings.sample / step)
+        whole = len(forces[i]) // every
+        means.append(forces[i][: whole * every].reshape(whole, every, -1).mean(axis=1))
     rows = tuple(
         Resolution(
             step,
             float(one.advance[1:].mean()),
             float(one.turn[1:].mean()),
-            float(np.sqrt(np.mean((found - finest) ** 2))) / robot.weight,
-            _jumps(one),
+            float(np.sqrt(np.mean((mean - means[-1]) ** 2))) / robot.weight,
+            _jumps(force),
         )
-        for step, one, found in zip(steps, walks, samples, strict=True)
+        for step, one, force, mean in zip(steps, walks, forces, means, strict=True)
     )
     return Convergence(robot, rows)
 
 
-def _walked(
-    robot: Robot,
-    step: float,
-    cycles: int,
-    settings: Settings,
-    progress: Callable[[float, float], None],
-) -> Walk:
-    """A walk of which every step is kept."""
-    fine = replace(settings, time_step=step, sample=step)
-    found = walk(robot, cycles, settings=fine, progress=progress)
-    if found.stopped:
-        raise InputError(f"time_steps: at {step:g} s it does not walk to the end. {found.stopped}")
-    return found
-
-
-def _floor(one: Walk) -> Array:
-    """(n, contacts) forces of the floor [N]."""
-    return np.concatenate([one.foot_force, one.support_force], axis=1)
-
-
-def _means(one: Walk, every: int) -> Array:
-    forces = _floor(one)
-    whole = len(forces) // every
-    return forces[: whole * every].reshape(whole, every, -1).mean(axis=1)
-
-
-def _jumps(one: Walk) -> float:
-    forces = _floor(one)
+def _jumps(forces: Floats) -> float:
     larger = np.maximum(np.maximum(forces[1:], forces[:-1]), LOADED)
     return float((np.abs(np.diff(forces, axis=0)) > JUMP * larger).any(axis=1).mean())

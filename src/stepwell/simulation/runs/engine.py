@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError, require
+from stepwell.base import Bools, Floats, InputError, require
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import (
     Settings,
@@ -21,10 +20,7 @@ from stepwell.simulation.model import (
     rollout,
     sampled,
     spec,
-    start_position,
 )
-
-Array = NDArray[np.float64]
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 STRETCHED = 1e-3  # a rod that is off its length by this [m] has come apart
@@ -33,7 +29,7 @@ CHUNK = 0.5  # time between two looks at a run [s]
 
 
 @dataclass(frozen=True)
-class Samples:
+class RunSamples:
     """What came out of a run.
 
     Attributes:
@@ -51,18 +47,23 @@ class Samples:
         pending: (m, sensors) readings of the steps since the last sample.
     """
 
-    time: Array
-    data: Array
-    positions: Array
+    time: Floats
+    data: Floats
+    positions: Floats
     where: dict[str, slice]
     stopped: str
-    state: Array
+    state: Floats
     steps: int
     begin: float
     time_step: float
     every: int
-    warm: Array
-    pending: Array
+    warm: Floats
+    pending: Floats
+
+    @property
+    def end(self) -> float:
+        """Time of the last step [s]."""
+        return self.begin + self.steps * self.time_step
 
 
 class Run:
@@ -73,7 +74,7 @@ class Run:
         robot: Robot,
         arena: Arena | None,
         settings: Settings,
-        start: Samples | None = None,
+        start: RunSamples | None = None,
     ):
         self.robot, self.settings = robot, settings
         self.model = spec(robot, arena, settings).compile()
@@ -86,7 +87,7 @@ class Run:
         self.begin, self.steps = -settings.settle, 0
         self.pending = np.empty((0, self.model.nsensordata))
         if start is None:
-            self.data.qpos[:] = start_position(self.model, robot, arena)
+            self.data.qpos[:] = self.model.key_qpos[0]
         else:
             if start.state.size != self.state.size:
                 raise InputError(
@@ -94,35 +95,57 @@ class Run:
                     "robot, or one whose numbers alone have changed."
                 )
             mujoco.mj_setState(self.model, self.data, start.state, STATE)
-            # Counting on from the same beginning keeps every number what it would have been.
-            same = (start.time_step, start.every) == (settings.time_step, self.every)
-            now = start.begin + start.steps * start.time_step
-            self.begin, self.steps = (start.begin, start.steps) if same else (now, 0)
-            if same:
-                self.pending = start.pending
+            if (start.time_step, start.every) == (settings.time_step, self.every):
+                # Counting on from the same beginning keeps every number what it would have been.
+                self.begin, self.steps, self.pending = start.begin, start.steps, start.pending
+            else:
+                self.begin = start.end
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_getState(self.model, self.data, self.state, STATE)
         self.stopped = ""
-        self._times: list[Array] = []
-        self._data: list[Array] = []
-        self._positions: list[Array] = []
+        self._times = [np.empty(0)]
+        self._data = [np.empty((0, self.model.nsensordata))]
+        self._positions = [np.empty((0, self.model.nq))]
         self._warm = (self.data.qacc_warmstart if start is None else start.warm).copy()
-        self.rods = self._lengths()
+        # Of every rod the column of its length, and what it should be [m].
+        self.rods = {
+            name: (
+                self.where[f"{name}.length"].start,
+                float(self.model.tendon_length0[self.model.tendon(name).id]),
+            )
+            for name in rod_names(robot)
+        }
 
     @property
     def now(self) -> float:
         """Time from the start of the first cycle [s]."""
         return self.begin + self.steps * self.settings.time_step
 
+    def require_affordable(self, end: float) -> None:
+        """Refuse to go on to this time [s] in more time steps, or readings, than the limits."""
+        seconds, step = end - self.now, self.settings.time_step
+        require("steps", round(seconds / step), f"{seconds:.6g} s in steps of {step:g} s are")
+        width = self.model.nsensordata + self.model.nq
+        kept = seconds / (self.every * step)
+        require("readings", round(kept * width), f"{kept:.0f} samples of {width} numbers are")
+
+    def chunks(self, end: float) -> Iterator[float]:
+        """Go on to this time [s], or to where it goes wrong; each time looked at is given."""
+        self.require_affordable(end)
+        begin = self.now
+        count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
+        for i in range(count):
+            self.advance(begin + (end - begin) * (i + 1) / count)
+            yield self.now
+            if self.stopped:
+                return
+
     def advance(self, until: float) -> None:
         """Step to this time [s], or to where the run goes wrong."""
         steps = round((until - self.now) / self.settings.time_step)
         if steps <= 0 or self.stopped:
             return
-        after = self.steps + np.arange(1, steps + 1)
-        time = self.begin + self.settings.time_step * after.astype(float)
-        # The command of a step is the one that stands at its beginning.
-        command = self.robot.drive.stroke(time - self.settings.time_step)
+        command = self.command(steps)
         with quietly():
             states, readings = rollout.rollout(
                 self.model,
@@ -131,27 +154,43 @@ class Run:
                 command[None, :, None],
                 initial_warmstart=self._warm,
             )
-        keep = after % self.every == 0
-        self._times.append(time[keep])
-        found, self.pending = sampled(readings[0], self.pending, self.every, self.touching)
-        self._data.append(found)
-        # The full state begins with the time and the joint positions.
-        self._positions.append(states[0, keep, 1 : 1 + self.model.nq])
-        self.state = states[0, -1].copy()
         self._warm = self.data.qacc_warmstart.copy()
-        self.steps += steps
-        self._look()
+        self.take(states[0], readings[0])
 
-    def samples(self) -> Samples:
+    def command(self, steps: int) -> Floats:
+        """(steps,) the stroke that is commanded in each of the next steps [m]."""
+        # The command of a step is the one that stands at its beginning.
+        return self.robot.drive.stroke(self._after(steps) - self.settings.time_step)
+
+    def take(self, states: Floats, readings: Floats) -> None:
+        """Take what the next steps gave, up to where it goes wrong.
+
+        Args:
+            states: (steps, states) MuJoCo's full state after each.
+            readings: (steps, sensors).
+        """
+        if self.stopped:
+            return
+        steps = len(states)
+        time = self._after(steps)
+        keep = (self.steps + np.arange(1, steps + 1)) % self.every == 0
+        data, self.pending = sampled(readings, self.pending, self.every, self.touching)
+        self.state = states[-1].copy()
+        self.steps += steps
+        sound, self.stopped = stopped_at(time[keep], data, self.where, self.rods)
+        if not self.stopped and not np.isfinite(self.state).all():
+            self.stopped = f"Stopped at {self.now:.3f} s: a number overflowed."
+        self._times.append(time[keep][:sound])
+        self._data.append(data[:sound])
+        # The full state begins with the time and the joint positions.
+        self._positions.append(states[keep, 1 : 1 + self.model.nq][:sound])
+
+    def samples(self) -> RunSamples:
         """Everything so far."""
-        width = self.model.nsensordata
-        time = np.concatenate([np.empty(0), *self._times])
-        data = np.concatenate([np.empty((0, width)), *self._data])
-        positions = np.concatenate([np.empty((0, self.model.nq)), *self._positions])
-        return Samples(
-            time=time,
-            data=data,
-            positions=positions,
+        return RunSamples(
+            time=np.concatenate(self._times),
+            data=np.concatenate(self._data),
+            positions=np.concatenate(self._positions),
             where=self.where,
             stopped=self.stopped,
             state=self.state,
@@ -163,31 +202,14 @@ class Run:
             pending=self.pending,
         )
 
-    @property
-    def last(self) -> Array:
-        """(m, sensors) readings of the newest chunk."""
-        return self._data[-1]
-
-    def _look(self) -> None:
-        time, data = self._times[-1], self._data[-1]
-        first, self.stopped = stopped_at(time, data, self.where, self.rods)
-        if not self.stopped and not np.isfinite(self.state).all():
-            self.stopped = f"Stopped at {self.now:.3f} s: a number overflowed."
-        self._times[-1], self._data[-1] = time[:first], data[:first]
-        self._positions[-1] = self._positions[-1][:first]
-
-    def _lengths(self) -> dict[str, tuple[int, float]]:
-        rods: dict[str, tuple[int, float]] = {}
-        for name in rod_names(self.robot):
-            column = self.where.get(f"{name}.length")
-            if column is not None:
-                length = float(self.model.tendon_length0[self.model.tendon(name).id])
-                rods[name] = (column.start, length)
-        return rods
+    def _after(self, steps: int) -> Floats:
+        """(steps,) time after each of the next steps [s]."""
+        count = self.steps + np.arange(1, steps + 1)
+        return self.begin + self.settings.time_step * count.astype(float)
 
 
 def stopped_at(
-    time: Array, data: Array, where: dict[str, slice], rods: dict[str, tuple[int, float]]
+    time: Floats, data: Floats, where: dict[str, slice], rods: dict[str, tuple[int, float]]
 ) -> tuple[int, str]:
     """How many samples are sound, and what is wrong with the next one.
 
@@ -202,7 +224,7 @@ def stopped_at(
     """
     wrong: list[tuple[int, str]] = []
 
-    def check(bad: NDArray[np.bool_], why: str) -> None:
+    def check(bad: Bools, why: str) -> None:
         if bad.any():
             wrong.append((int(bad.argmax()), why))
 
@@ -210,38 +232,12 @@ def stopped_at(
     for name, (column, length) in rods.items():
         off = np.abs(data[:, column] - length)
         check(off > STRETCHED, f"the rod {name!r} came off its length")
-    check(np.asarray(_lean(data[:, where["body.attitude"]]) > FALLEN), "the robot fell over")
+    _, x, y, _ = data[:, where["body.attitude"]].T
+    # Between the body's upward axis and the vertical, from the attitude as a quaternion.
+    lean = np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0))
+    check(np.asarray(lean > FALLEN), "the robot fell over")
     if not wrong:
         return len(time), ""
     # Of what is found in the same sample, the first check says most.
     first, why = min(wrong, key=lambda one: one[0])
     return first, f"Stopped at {time[first]:.3f} s: {why}."
-
-
-def _lean(attitude: Array) -> Array:
-    """Angle [rad] between the body's upward axis and the vertical, for (n, 4) quaternions."""
-    upward = 1.0 - 2.0 * (attitude[:, 1] ** 2 + attitude[:, 2] ** 2)
-    return np.arccos(np.clip(upward, -1.0, 1.0))
-
-
-def affordable(run: Run, seconds: float) -> None:
-    """Refuse a run of more time steps, or of more readings, than the limits.
-
-    Args:
-        run: not yet begun.
-        seconds: how long it is to go on [s].
-    """
-    step = run.settings.time_step
-    require("steps", round(seconds / step), f"{seconds:.6g} s in steps of {step:g} s are")
-    width = run.model.nsensordata + run.model.nq
-    kept = seconds / (run.every * step)
-    require("readings", round(kept * width), f"{kept:.0f} samples of {width} numbers are")
-
-
-def chunks(begin: float, end: float) -> Iterator[float]:
-    """Times at which a run from `begin` to `end` [s] is looked at."""
-    count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
-    yield from (begin + (end - begin) * (i + 1) / count for i in range(count))
-
-
-Progress = Callable[[float, float], None]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from threading import Event
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from stepwell.base import ByValue, InputError
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, affordable, chunks
+from stepwell.simulation.runs.engine import Run
 from stepwell.simulation.runs.walk import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
@@ -57,7 +58,7 @@ class Contact(NamedTuple):
     moved: float
 
 
-class Change(NamedTuple):
+class GaitChange(NamedTuple):
     """A leg that changed its gait: when [s], which, from what to what."""
 
     time: float
@@ -105,14 +106,14 @@ class Maze(ByValue):
         return tuple(sorted(found, key=lambda contact: contact.begin))
 
     @property
-    def changes(self) -> tuple[Change, ...]:
+    def changes(self) -> tuple[GaitChange, ...]:
         """Every change of a leg's gait from one cycle to the next, dated by the later one."""
-        found: list[Change] = []
+        found: list[GaitChange] = []
         period = self.walk.robot.drive.period
         for leg, gaits in self.walk.gaits.items():
-            for i in range(1, len(gaits)):
-                if gaits[i] != gaits[i - 1]:
-                    found.append(Change(i * period, leg, gaits[i - 1], gaits[i]))
+            for i, (before, after) in enumerate(pairwise(gaits), 1):
+                if after != before:
+                    found.append(GaitChange(i * period, leg, before, after))
         return tuple(sorted(found, key=lambda change: change.time))
 
     @property
@@ -165,17 +166,15 @@ def maze(
     run = Run(robot, arena, settings)
     outcome = Outcome.TIMED_OUT
     places: list[tuple[float, float, float]] = []
-    affordable(run, limit - run.now)
-    for until in chunks(run.now, limit):
-        run.advance(until)
+    for now in run.chunks(limit):
         if progress is not None:
-            progress(max(run.now, 0.0), limit)
+            progress(max(now, 0.0), limit)
         if run.stopped:
             outcome = Outcome.STOPPED
             break
         # The full state begins with the time and the body's place.
         x, y = float(run.state[1]), float(run.state[2])
-        places.append((run.now, x, y))
+        places.append((now, x, y))
         if arena.goal is not None and arena.goal.reached(x, y):
             outcome = Outcome.REACHED
             break

@@ -6,12 +6,11 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import (
     ByValue,
@@ -25,14 +24,12 @@ from stepwell.base import (
 )
 from stepwell.kernels import cores
 from stepwell.robot import Robot
-from stepwell.simulation.model import Settings, mujoco, quietly, rollout, sampled
-from stepwell.simulation.runs.engine import Run, Samples, affordable, stopped_at
+from stepwell.simulation.model import Settings, mujoco, quietly, rollout
+from stepwell.simulation.runs.engine import Run
 from stepwell.simulation.runs.walk import Walk, recorded
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
 
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8
@@ -73,18 +70,13 @@ class Trial(ByValue):
     @classmethod
     def of(cls, walk: Walk) -> Trial:
         """Sum up a walk."""
-        if not walk.cycles:
-            nothing = float("nan")
-            gaits = ("",) * len(walk.robot.legs)
-            return cls(nothing, nothing, nothing, gaits, nothing, walk.stopped)
-        late = slice(min(1, walk.cycles - 1), None)
+        late, nothing = slice(min(1, walk.cycles - 1), None), float("nan")
+        each = (walk.advance, walk.sideways, walk.turn)
         return cls(
-            float(walk.advance[late].mean()),
-            float(walk.sideways[late].mean()),
-            float(walk.turn[late].mean()),
-            tuple(gaits[-1] for gaits in walk.gaits.values()),
-            walk.work / walk.cycles,
-            walk.stopped,
+            *(float(values[late].mean()) if walk.cycles else nothing for values in each),
+            gaits=tuple(gaits[-1] if gaits else "" for gaits in walk.gaits.values()),
+            work=walk.work / walk.cycles if walk.cycles else nothing,
+            stopped=walk.stopped,
         )
 
 
@@ -205,65 +197,31 @@ def sweep(
 def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: int) -> list[Walk]:
     """Every robot's walk, stepped together where their models have the same size."""
     runs = [Run(robot, None, settings) for robot in robots]
-    alike: dict[tuple[int, ...], list[int]] = {}
-    for i, run in enumerate(runs):
-        period = robots[i].drive.period
-        affordable(run, settings.settle + cycles * period)
+    alike: dict[tuple[int, ...], list[Run]] = {}
+    for run in runs:
+        period = run.robot.drive.period
+        run.require_affordable(cycles * period)
         key = (run.model.nq, run.model.nv, run.model.nsensordata, round(period * 1e9))
-        alike.setdefault(key, []).append(i)
-    walks: dict[int, Walk] = {}
+        alike.setdefault(key, []).append(run)
     for group in alike.values():
-        together = [runs[i] for i in group]
-        samples = _together(together, cycles, settings, threads)
-        for i, one in zip(group, samples, strict=True):
-            walks[i] = recorded(robots[i], None, settings, one)
-    return [walks[i] for i in range(len(robots))]
+        _step_together(group, cycles * group[0].robot.drive.period, threads)
+    return [recorded(run.robot, None, settings, run.samples()) for run in runs]
 
 
-def _together(runs: Sequence[Run], cycles: int, settings: Settings, threads: int) -> list[Samples]:
+def _step_together(runs: Sequence[Run], end: float, threads: int) -> None:
+    """Step runs whose models have the same size to this time [s], on all threads."""
     models = [run.model for run in runs]
     data = [mujoco.MjData(models[0]) for _ in range(min(threads, len(runs)))]
     state = np.stack([run.state for run in runs])
-    total = round((settings.settle + cycles * runs[0].robot.drive.period) / settings.time_step)
-    times, readings, positions = [], [], []
-    every, nq, pending = runs[0].every, models[0].nq, np.stack([run.pending for run in runs])
+    total = round((end - runs[0].now) / runs[0].settings.time_step)
     with quietly(), rollout.Rollout(nthread=len(data)) as pool:
         for first in range(0, total, CHUNK):
-            after = np.arange(first, min(first + CHUNK, total)) + 1
-            time = after * settings.time_step - settings.settle
-            command = np.stack([run.robot.drive.stroke(time - settings.time_step) for run in runs])[
-                :, :, None
-            ]
-            states, sensed = pool.rollout(models, data, state, command)
+            steps = min(CHUNK, total - first)
+            command = np.stack([run.command(steps) for run in runs])[:, :, None]
+            states, readings = pool.rollout(models, data, state, command)
             state = states[:, -1].copy()
-            keep = after % every == 0
-            times.append(time[keep])
-            found, pending = sampled(sensed, pending, every, runs[0].touching)
-            readings.append(found)
-            positions.append(states[:, keep, 1 : 1 + nq])
-    time = np.concatenate(times)
-    sensed = np.concatenate(readings, axis=1)
-    placed = np.concatenate(positions, axis=1)
-    samples: list[Samples] = []
-    for i, run in enumerate(runs):
-        first, why = stopped_at(time, sensed[i], run.where, run.rods)
-        samples.append(
-            Samples(
-                time=time[:first],
-                data=sensed[i, :first],
-                positions=placed[i, :first],
-                where=run.where,
-                stopped=why,
-                state=state[i],
-                steps=total,
-                begin=run.begin,
-                time_step=settings.time_step,
-                every=every,
-                warm=np.zeros(models[i].nv),
-                pending=pending[i],
-            )
-        )
-    return samples
+            for run, taken, read in zip(runs, states, readings, strict=True):
+                run.take(taken, read)
 
 
 class _Kept:
@@ -298,10 +256,7 @@ class _Kept:
         return found
 
     def add(self, trials: Mapping[int, Trial]) -> None:
-        record = {
-            number: {name: getattr(trial, name) for name in Trial.__slots__}
-            for number, trial in trials.items()
-        }
+        record = {number: asdict(trial) for number, trial in trials.items()}
         write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
 
 

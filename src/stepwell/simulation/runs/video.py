@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepwell.base import ExtraError, InputError, StepwellError, most, problem, write_atomic
+from stepwell.base import ExtraError, Floats, InputError, StepwellError, most, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.runs import render
 from stepwell.simulation.runs.maze import Maze
@@ -68,7 +68,7 @@ def video(
     """
     targets = tuple(Path(file) for file in files)
     for target in targets:
-        if target.suffix.lower() not in (".mp4", ".gif"):
+        if target.suffix.lower() not in _ENCODERS:
             raise InputError(f"{target}: must end in .mp4 or .gif.")
     if width % 2 or height % 2 or width < 16 or height < 16:
         raise InputError(f"width, height = {width}, {height}: must be even and at least 16.")
@@ -83,10 +83,7 @@ def video(
     if count > most("frames"):
         raise VideoError(f"{problem('frames', count, 'These are')} Or a higher speed makes fewer.")
     chosen = _chosen(walk, fps, speed)
-    encoders = [
-        _Mp4(width, height, fps) if target.suffix.lower() == ".mp4" else _Gif(width, height, fps)
-        for target in targets
-    ]
+    encoders = [_ENCODERS[target.suffix.lower()](width, height, fps) for target in targets]
     with _drawn(walk, result, chosen, width, height) as frames:
         for done, frame in enumerate(frames, 1):
             for encoder in encoders:
@@ -192,16 +189,13 @@ def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]
     }
 
 
-def _extent(walk: Walk) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extent(walk: Walk) -> tuple[Floats, Floats]:
     """Lower and upper corner of everything that is to be seen [m]."""
     points = [np.stack([walk.x, walk.y], axis=1)]
     if walk.arena is not None:
         points += [np.array([wall.start, wall.end]) for wall in walk.arena.walls]
-        for cylinder in walk.arena.cylinders:
-            points.append(np.array(cylinder.at) + cylinder.radius * np.array([[-1, -1], [1, 1]]))
-        if walk.arena.goal is not None:
-            goal = walk.arena.goal
-            points.append(np.array(goal.at) + goal.radius * np.array([[-1, -1], [1, 1]]))
+        for disc in (*walk.arena.cylinders, *filter(None, [walk.arena.goal])):
+            points.append(np.array(disc.at) + disc.radius * np.array([[-1, -1], [1, 1]]))
     all_points = np.concatenate(points)
     return all_points.min(axis=0) - EDGE, all_points.max(axis=0) + EDGE
 
@@ -275,3 +269,6 @@ class _Gif:
             loop=0,
         )
         return out.getvalue()
+
+
+_ENCODERS = {".mp4": _Mp4, ".gif": _Gif}

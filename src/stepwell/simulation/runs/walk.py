@@ -8,20 +8,48 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError, write_netcdf
+from stepwell.base import (
+    ByValue,
+    Floats,
+    InputError,
+    Quantity,
+    Schema,
+    __version__,
+    variables,
+    write_netcdf,
+)
 from stepwell.robot import Arena, Robot
 from stepwell.robot.gait import gait, states
 from stepwell.simulation.model import Settings, obstacle_names
-from stepwell.simulation.runs.engine import Run, Samples, affordable, chunks
+from stepwell.simulation.runs.engine import Run, RunSamples
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 LOADED = 0.02  # a foot that carries more than this [N] stands
+_MEAN = "mean since the sample before"
+_CARRIED = f"that the floor carries, {_MEAN}"
+SAMPLES: Schema = (
+    Quantity("x", "mm", doc="body's origin, along the start's x axis"),
+    Quantity("y", "mm", doc="body's origin, to the left"),
+    Quantity("z", "mm", doc="body's origin, above the floor"),
+    Quantity("yaw", "deg", doc="heading"),
+    Quantity("pitch", "deg", doc="nose down"),
+    Quantity("roll", "deg", doc="right side down"),
+    Quantity("command", "mm", doc="stroke wanted"),
+    Quantity("stroke", "mm", doc="stroke reached"),
+    Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
+    Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
+    Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
+    Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
+    Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
+    Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
+    Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
+    Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
+    Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,26 +82,26 @@ class Walk(ByValue):
     robot: Robot
     settings: Settings
     arena: Arena | None
-    time: Array
-    x: Array
-    y: Array
-    z: Array
-    yaw: Array
-    pitch: Array
-    roll: Array
-    command: Array
-    stroke: Array
-    travel: Array
-    foot_height: Array
-    foot_force: Array
-    foot_speed: Array
-    support_force: Array
-    actuator_force: Array
-    antenna: Array
-    touch: Array
-    obstacle_force: Array
+    time: Floats
+    x: Floats
+    y: Floats
+    z: Floats
+    yaw: Floats
+    pitch: Floats
+    roll: Floats
+    command: Floats
+    stroke: Floats
+    travel: Floats
+    foot_height: Floats
+    foot_force: Floats
+    foot_speed: Floats
+    support_force: Floats
+    actuator_force: Floats
+    antenna: Floats
+    touch: Floats
+    obstacle_force: Floats
     stopped: str
-    _samples: Samples = field(repr=False)
+    _samples: RunSamples = field(repr=False)
 
     @property
     def cycles(self) -> int:
@@ -85,7 +113,7 @@ class Walk(ByValue):
         return max(0, int(last) - self._first)
 
     @property
-    def starts(self) -> Array:
+    def starts(self) -> Floats:
         """(cycles + 1,) when each whole cycle begins, and when the last one ends [s].
 
         Empty for a walk without a whole cycle.
@@ -113,9 +141,8 @@ class Walk(ByValue):
         """
         if not 0 <= cycle < self.cycles:
             raise InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
-        index = self._leg(leg)
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
-        return gait(self._share(index)[begin : end + 1])
+        return gait(self._share(leg)[begin : end + 1])
 
     def state(self, leg: str, time: float) -> str | None:
         """State of one leg at a time [s], as "01"; None while a cell is in transit.
@@ -126,10 +153,10 @@ class Walk(ByValue):
         if len(self.time) == 0:
             raise InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
         sample = min(int(np.searchsorted(self.time, time)), len(self.time) - 1)
-        return states(self._share(self._leg(leg))[sample : sample + 1])[0]
+        return states(self._share(leg)[sample : sample + 1])[0]
 
     @property
-    def advance(self) -> Array:
+    def advance(self) -> Floats:
         """(cycles,) displacement along the heading at each cycle's start, over u_max [1].
 
         u_max is the largest step that the legs can make: the travel of their stepping cells.
@@ -137,12 +164,12 @@ class Walk(ByValue):
         return self._displacement()[0]
 
     @property
-    def sideways(self) -> Array:
+    def sideways(self) -> Floats:
         """(cycles,) displacement to the left of that heading, over u_max [1]."""
         return self._displacement()[1]
 
     @property
-    def turn(self) -> Array:
+    def turn(self) -> Floats:
         """(cycles,) rotation to the left [rad]."""
         return np.diff(self._at_starts(self.yaw))
 
@@ -165,7 +192,7 @@ class Walk(ByValue):
         return self.work / carried if carried > 0 else float("inf")
 
     @property
-    def slip(self) -> Array:
+    def slip(self) -> Floats:
         """(legs,) how far each foot slid while it carried weight, per cycle [m]."""
         loaded = self.foot_force > LOADED
         slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
@@ -173,9 +200,27 @@ class Walk(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """The samples with their units, for xarray, NetCDF or Zarr."""
-        from stepwell.simulation.runs.dataset import dataset
+        import xarray as xr
 
-        return dataset(self)
+        coordinates = {
+            "time": (
+                "time",
+                self.time,
+                {"units": "s", "long_name": "from the first cycle's start"},
+            ),
+            "leg": [leg.name for leg in self.robot.legs],
+            "support": np.arange(1, self.support_force.shape[1] + 1),
+            "antennas": np.array([antenna.name for antenna in self.robot.antennas], dtype=str),
+        }
+        attributes = {
+            "title": self.robot.title,
+            "stepwell": __version__,
+            "stopped": self.stopped,
+            "time_step_s": self.settings.time_step,
+            "integrator": str(self.settings.integrator),
+            "linkage": str(self.settings.linkage),
+        }
+        return xr.Dataset(variables(SAMPLES, self, "time"), coordinates, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write the samples as NetCDF; the file appears whole or not at all.
@@ -183,16 +228,17 @@ class Walk(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        from stepwell.simulation.runs.dataset import without_empty
+        data = self.to_xarray()
+        # Readers of NetCDF 3 take a dimension of length 0, of antennas or obstacles that are
+        # none, for an unlimited one and stumble.
+        empty = [name for name, size in data.sizes.items() if not size and name != "time"]
+        write_netcdf(path, data.drop_dims(empty))
 
-        write_netcdf(path, without_empty(self.to_xarray()))
-
-    def _share(self, leg: int) -> Array:
-        full = [cell.full_travel for cell in self.robot.legs[leg].chain.cells]
-        return self.travel[:, leg, : len(full)] / np.array(full)
-
-    def _leg(self, name: str) -> int:
-        return self.robot.legs.index(self.robot.leg(name))
+    def _share(self, name: str) -> Floats:
+        """(n, cells) travel of each cell of a leg over its full travel [1]."""
+        leg = self.robot.leg(name)
+        full = [cell.full_travel for cell in leg.chain.cells]
+        return self.travel[:, self.robot.legs.index(leg), : len(full)] / np.array(full)
 
     @property
     def _first(self) -> int:
@@ -203,14 +249,13 @@ class Walk(ByValue):
     @property
     def _end(self) -> float:
         """When the run ended [s]; the last sample may be a little earlier."""
-        run = self._samples
-        return float(self.time[-1]) if self.stopped else run.begin + run.steps * run.time_step
+        return float(self.time[-1]) if self.stopped else self._samples.end
 
-    def _at_starts(self, values: Array) -> Array:
+    def _at_starts(self, values: Floats) -> Floats:
         """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
         return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
 
-    def _displacement(self) -> tuple[Array, Array]:
+    def _displacement(self) -> tuple[Floats, Floats]:
         dx, dy = np.diff(self._at_starts(self.x)), np.diff(self._at_starts(self.y))
         yaw = self._at_starts(self.yaw)[:-1]
         most = max(leg.stroke for leg in self.robot.legs)
@@ -250,21 +295,17 @@ def walk(
     settings = settings or Settings()
     run = Run(robot, arena, settings, start=start._samples if start is not None else None)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
-    affordable(run, end - begin)
-    for until in chunks(begin, end):
-        run.advance(until)
+    for now in run.chunks(end):
         if progress is not None:
-            progress(run.now - begin, end - begin)
-        if run.stopped:
-            break
+            progress(now - begin, end - begin)
     return recorded(robot, arena, settings, run.samples())
 
 
-def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Samples) -> Walk:
+def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: RunSamples) -> Walk:
     """The readings of a run by their names."""
     data, where = samples.data, samples.where
 
-    def read(*names: str) -> Array:
+    def read(*names: str) -> Floats:
         chosen = [data[:, where[name]] for name in names]
         return np.concatenate(chosen, axis=1) if chosen else np.empty((len(data), 0))
 
@@ -306,7 +347,7 @@ def recorded(robot: Robot, arena: Arena | None, settings: Settings, samples: Sam
     )
 
 
-def _angles(attitude: Array) -> tuple[Array, Array, Array]:
+def _angles(attitude: Floats) -> tuple[Floats, Floats, Floats]:
     """Yaw, pitch and roll [rad] from (n, 4) quaternions."""
     w, x, y, z = attitude.T
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
