@@ -97,18 +97,19 @@ class SortedChain:
             (np.argsort(loading), np.argsort(unloading)),
         )
 
-    def neighbours(self, cell: int) -> list[Neighbour]:
-        """The end forces next to those of a cell, up to four.
+    def neighbours(
+        self, cell: int, orders: tuple[tuple[int, ...], tuple[int, ...]] | None = None
+    ) -> list[Neighbour]:
+        """The end forces next to those of a cell, up to four; in its own orders, or in others.
 
         The sequence changes exactly when an end force of the cell passes one of these: whatever
         it passes first is next to it in the sorted list.
         """
         found: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.
-        for side, order, force, place, up in (
-            (-1, self.loading, self.forces[0], int(self.places[0][cell]), 1),
-            (+1, self.unloading, self.forces[1], int(self.places[1][cell]), -1),
-        ):
+        for k, (side, up) in enumerate(((-1, 1), (+1, -1))):
+            order, force = (orders or (self.loading, self.unloading))[k], self.forces[k]
+            place = order.index(cell) if orders else int(self.places[k][cell])
             own = float(force[cell])
             if place > 0:
                 found.append(Neighbour(side, own, float(force[order[place - 1]]), -up))

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Vec2
-from stepwell.concave import SortedChain
+from stepwell.concave import Neighbour, SortedChain
 from stepwell.design.margins.displacements import Displacements
-from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
+from stepwell.design.margins.nearest_place import Place, nearest_place
 from stepwell.design.margins.search import nearest_found
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
@@ -125,24 +125,15 @@ def _in_closed_form(
     return best
 
 
-def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Condition]]:
+def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Neighbour]]:
     """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
     if wanted is None:
-        return [[Condition(n.side, n.other, n.up)] for n in forces.neighbours(cell)]
+        return [[neighbour] for neighbour in forces.neighbours(cell)]
     orders = wanted.orders
     if orders is None:
         return []
-    found: list[Condition] = []
-    # Cells load in ascending F0 and unload in descending F1.
-    for side, up, order, now in (
-        (-1, 1, orders[0], forces.loading),
-        (+1, -1, orders[1], forces.unloading),
-    ):
+    for order, now in zip(orders, (forces.loading, forces.unloading), strict=True):
         if [i for i in order if i != cell] != [i for i in now if i != cell]:
             return []  # the other cells do not do their part
-        force, place = forces.forces[0 if side < 0 else 1], order.index(cell)
-        if place > 0:
-            found.append(Condition(side, float(force[order[place - 1]]), up))
-        if place + 1 < len(order):
-            found.append(Condition(side, float(force[order[place + 1]]), -up))
-    return [found]
+    # It must not pass its neighbours in the wanted orders, but keep to its own side of them.
+    return [[n._replace(up=-n.up) for n in forces.neighbours(cell, orders)]]
