@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from figures.drawn import legend_of, lines, points, says
 from stepwell import figures, files
 from stepwell.figures.cells.drawing import Drawing
-from stepwell.figures.cells.linkage import Linkage
+from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.figures.common.style import blank, place
 from stepwell.mechanism import Band, Cell, Chain
 
@@ -36,7 +36,7 @@ def travels_of(chain: Chain, share: list[float]) -> list[float]:
 @given(chains, shares)
 def test_bands_and_levers_are_drawn_true_to_length(chain, share):
     travels = travels_of(chain, share)
-    pose = Linkage(chain).pose(travels)
+    pose = LinkageDrawing(chain).pose(travels)
     drawn = np.hypot(*(pose.bands[:, 1] - pose.bands[:, 0]).T)
     expected = [
         float(band.length(cell.angle(s), cell.lever))
@@ -50,7 +50,7 @@ def test_bands_and_levers_are_drawn_true_to_length(chain, share):
 
 @given(chains, shares)
 def test_the_outermost_block_moves_by_the_stroke(chain, share):
-    linkage = Linkage(chain)
+    linkage = LinkageDrawing(chain)
     travels = travels_of(chain, share)
     start = linkage.pose([0.0] * len(chain)).blocks[-1]
     now = linkage.pose(travels).blocks[-1]
@@ -59,7 +59,7 @@ def test_the_outermost_block_moves_by_the_stroke(chain, share):
 
 @given(chains, shares)
 def test_blocks_of_one_row_never_touch(chain, share):
-    blocks = Linkage(chain).pose(travels_of(chain, share)).blocks
+    blocks = LinkageDrawing(chain).pose(travels_of(chain, share)).blocks
     for row in (blocks[0::2], blocks[1::2]):
         assert np.all(row[1:, 0] > row[:-1, 2])
 
@@ -67,7 +67,7 @@ def test_blocks_of_one_row_never_touch(chain, share):
 def test_a_thicker_band_pulls_harder_and_a_dashed_one_is_slack():
     chain = files.preset("slack").cycle().chain
     figure = blank(100, 60)
-    drawing = Drawing(place(figure, 0, 0, 100, 60), Linkage(chain), (0.0, 0.0), 1.0)
+    drawing = Drawing(place(figure, 0, 0, 100, 60), LinkageDrawing(chain), (0.0, 0.0), 1.0)
     for state in ((0.0, 0.0), (0.0, chain.cells[1].full_travel)):
         pose = drawing.move(state)
         width = np.asarray(drawing.bands.get_linewidth())
@@ -107,7 +107,7 @@ def test_the_scale_bar_is_as_long_as_it_says():
     ax = figure.axes[0]
     (blocks,) = (c for c in ax.collections if isinstance(c, PolyCollection))
     drawn = np.ptp(np.asarray(blocks.get_paths()[0].vertices)[:, 0])
-    linkage = Linkage(files.preset("paper-forward"))
+    linkage = LinkageDrawing(files.preset("paper-forward"))
     assert page / drawn == pytest.approx(0.010 / (2 * linkage.reach))
 
 

@@ -1,5 +1,7 @@
 """Force, travel and landscape: what is drawn is what the engine found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.text import Annotation
@@ -154,3 +156,10 @@ def test_loading_stays_visible_under_unloading_where_both_go_the_same_way():
             if line.get_gid() is None
         }
         assert width[LOADING] > 1.5 * width[UNLOADING]
+
+
+def test_names_of_many_cells_are_text_too():
+    cell = files.preset("paper-cell-10-0").cells[0]
+    chain = Chain([replace(cell, name=f"${k}$") for k in range(13)])
+    (ax,) = figures.travel_stroke(chain.path([0.0, 0.001])).axes
+    assert [label.get_text() for label in ax.get_yticklabels()][:2] == [r"\$0\$", r"\$1\$"]

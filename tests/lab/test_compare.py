@@ -273,8 +273,11 @@ def test_loading_and_unloading_in_one_recording_are_two_series():
         np.concatenate([up.stroke, 0.020 + down.stroke]),
         np.concatenate([up.force, down.force]),
     )
-    tests = lab.compare([both]).cells
+    tests = lab.compare([replace(both, remarks=("the last row is cut off",))]).cells
     assert [test.series.unloading for test in tests] == [False, True]
+    # What was left out as it was read is told of both.
+    for test in tests:
+        assert "1unit_MB_1: the last row is cut off" in test.series.told
 
 
 def test_repeats_are_averaged_where_all_of_them_reach():

@@ -58,7 +58,7 @@ def test_with_the_anchor_pressed_the_largest_outer_anchor_is_the_one_of_equal_fo
         (largest - 1e-5, Pathway.COUNTERCLOCKWISE),
         (largest + 1e-5, Pathway.CLOCKWISE),
     ):
-        assert _antennas.pressed(q_out, bands).cycle().pathway is pathway
+        assert _antennas.pair(q_out, bands, pressed=True).cycle().pathway is pathway
 
 
 def test_a_claim_is_decided_only_where_all_numbers_of_bands_say_the_same():

@@ -143,30 +143,31 @@ def test_a_field_keeps_its_gaps_and_is_the_same_for_the_same_seed():
 def test_every_change_of_an_assumed_number_makes_another_robot_of_each():
     for result in sensitivity.RESULTS:
         one = robot(result.robot)
-        for change in sensitivity.CHANGES:
+        for variation in sensitivity.VARIATIONS:
             low, high = (
-                sensitivity._changed(one, change, value) for value in (change.low, change.high)
+                sensitivity._changed(one, variation, value)
+                for value in (variation.low, variation.high)
             )
-            assert low != high, change.label  # one of them may be what it is
+            assert low != high, variation.label  # one of them may be what it is
 
 
 @pytest.mark.slow
 def test_every_assumed_number_has_its_bar_and_the_nominal_results_are_on_target(monkeypatch):
     if SIZE == "ci":
         # Each is a walk like any other: a few stand for all.
-        monkeypatch.setattr(sensitivity, "CHANGES", sensitivity.CHANGES[::5])
+        monkeypatch.setattr(sensitivity, "VARIATIONS", sensitivity.VARIATIONS[::5])
         monkeypatch.setattr(sensitivity, "CYCLES", 3)
     sensitivities = sensitivity.sensitivities.__wrapped__()
     assert len(sensitivities) == len(sensitivity.RESULTS)
     for one in sensitivities:
-        assert len(one.effects) == len(sensitivity.CHANGES) + 3
+        assert len(one.effects) == len(sensitivity.VARIATIONS) + 3
         assert one.target is not None
         low, high = one.target
         assert low < one.nominal < high
 
 
 def test_every_assumed_number_that_can_matter_on_a_bare_floor_is_varied():
-    varied = {key.lstrip("-") for change in sensitivity.CHANGES for key in change.keys}
+    varied = {key.lstrip("-") for variation in sensitivity.VARIATIONS for key in variation.keys}
     # Walls are not met; gravity is the earth's; the rest is symmetry, or the same on both sides.
     spared = {"wall_friction", "gravity_m_per_s2", "length_mm", "width_mm"}
     symmetric = {

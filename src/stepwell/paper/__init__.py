@@ -1,8 +1,7 @@
 """The claims of the paper as data, each with a function that computes ours."""
 
 from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, markdown
-from stepwell.paper.registry import claims
-from stepwell.paper.run import outputs, record, run
+from stepwell.paper.run import claims, outputs, record, run
 
 __all__ = [
     "Claim",

@@ -28,10 +28,7 @@ def main(given: list[str]) -> None:
         raise SystemExit(USAGE)
     target, *pages = map(Path, given)
     texts = [page.read_text("utf-8") for page in pages]
-    if many:
-        verdicts = tuple(claim.judge() for claim in MANY_RUNS)
-    else:
-        verdicts = run(data=data)
+    verdicts = tuple(claim.judge() for claim in MANY_RUNS) if many else run(data=data)
     if data is not None:
         verdicts = tuple(verdict for verdict in verdicts if verdict.claim.id in IDS)
     table = markdown(verdicts)

@@ -18,7 +18,7 @@ import numpy as np
 
 from stepwell.base import write_atomic
 from stepwell.design import Tolerances, design
-from stepwell.paper.claims import replaced as between
+from stepwell.paper.claims import replaced
 from stepwell.paper.mechanisms import SPREAD, WANTED
 from stepwell.sequences import Sequence
 
@@ -70,15 +70,6 @@ def table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def replaced(page: str, text: str) -> str:
-    """A page with its table replaced.
-
-    Raises:
-        ValueError: a marker is missing.
-    """
-    return between(page, text, BEGIN, END, "table")
-
-
 def main(file: Path, pages: list[Path]) -> None:
     """Add what is missing to the file, and write its table into the pages."""
     known = json.loads(file.read_text("utf-8")) if file.exists() else []
@@ -96,7 +87,8 @@ def main(file: Path, pages: list[Path]) -> None:
             if len(shares) % _SAVED == 0 or len(shares) == cycles(cells):
                 write_atomic(file, json.dumps(rows) + "\n")
     for page in pages:
-        write_atomic(page, replaced(page.read_text("utf-8"), table(rows)))
+        text = replaced(page.read_text("utf-8"), table(rows), BEGIN, END, "table")
+        write_atomic(page, text)
 
 
 if __name__ == "__main__":

@@ -112,12 +112,12 @@ def figures_of(everything: bool) -> dict[str, Callable[[], Figure]]:
 
 
 def _pairs() -> dict[str, Cycle]:
-    return {_name(pair_cycle(pathway)): pair_cycle(pathway) for pathway in PAIRS}
-
-
-def _name(cycle: Cycle) -> str:
-    words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
-    return f"{words.capitalize()}: outer q = ({_mm(cycle.chain.cells[1].bands[0].q)}) mm"
+    found: dict[str, Cycle] = {}
+    for cycle in map(pair_cycle, PAIRS):
+        words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
+        q = cycle.chain.cells[1].bands[0].q
+        found[f"{words.capitalize()}: outer q = ({_mm(q)}) mm"] = cycle
+    return found
 
 
 def _mm(q: tuple[float, float]) -> str:

@@ -1,18 +1,60 @@
-"""All claims judged, and the paper's figures drawn from the model."""
+"""Every claim in the order of the paper, judged, and the figures drawn from the model."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Callable, Iterable
-from typing import Any
+from itertools import count
+from typing import TYPE_CHECKING, Any
 
-from stepwell.files import pictures
-from stepwell.paper.claims import Verdict
-from stepwell.paper.registry import claims
+from stepwell import files
+from stepwell.paper.claims import Claim, Verdict
+from stepwell.paper.mechanisms import (
+    CELLS,
+    MAP,
+    MISPRINTS,
+    MORE_CELLS,
+    ORDER,
+    PATHWAYS,
+    WELLS,
+    measured_claims,
+)
+from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
 from stepwell.results import head
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 SCHEMA = "stepwell.paper/1"
+
+
+def claims(
+    data: str | os.PathLike[str] | None = None, *, everything: bool = False
+) -> tuple[Claim, ...]:
+    """The claims about unit cells, two-cell mechanisms and the robot; nothing is computed yet.
+
+    Args:
+        data: folder of the recordings published with the paper, for the claims they decide.
+        everything: also those that take many simulated runs, minutes of them.
+
+    Source: Kamp et al. 2024.
+    """
+    return (
+        *CELLS,
+        *PATHWAYS,
+        *ORDER,
+        *WELLS,
+        *MAP,
+        *MISPRINTS,
+        *measured_claims(data),
+        *ROBOT,
+        *LOSS,
+        *STEERING,
+        *ANTENNAS,
+        *MORE_CELLS,
+        *(MANY_RUNS if everything else ()),
+    )
 
 
 def run(
@@ -45,20 +87,34 @@ def run(
     Source: Kamp et al. 2024.
     """
     asked = claims(data, everything=everything)
-    total = len(asked)
+    drawn: dict[str, Callable[[], Figure]] = {}
+    names = outputs(everything) if out is not None else ()
     if out is not None:
-        from stepwell import files
         from stepwell.paper.figures import figures_of
 
-        files.check_folder(out, "paper", names=outputs(everything), force=force)
-        total += len(figures_of(everything))
+        files.check_folder(out, "paper", names=names, force=force)
+        drawn = figures_of(everything)
+    steps = count(1)
+
+    def done() -> None:
+        if progress is not None:
+            progress(next(steps), len(asked) + len(drawn))
+
     found: list[Verdict] = []
     for claim in asked:
         found.append(claim.judge())
-        if progress is not None:
-            progress(len(found), total)
+        done()
     if out is not None:
-        _write(out, found, progress, total, everything, force)
+        from stepwell import figures
+
+        told = record(found)
+        with files.staged_folder(out, "paper", told, names=names, force=force) as draft:
+            files.write_atomic(draft / "claims.json", json.dumps(told, indent=2) + "\n")
+            for name, draw in drawn.items():
+                figure = draw()
+                for suffix in (".png", ".svg"):
+                    figures.save(figure, draft / f"{name}{suffix}")
+                done()
     return tuple(found)
 
 
@@ -86,27 +142,4 @@ def outputs(everything: bool = False) -> tuple[str, ...]:
     """The names of the files that `run` writes."""
     from stepwell.paper.figures import figures_of
 
-    return ("claims.json", *pictures(*figures_of(everything)))
-
-
-def _write(
-    out: str | os.PathLike[str],
-    verdicts: list[Verdict],
-    progress: Callable[[int, int], None] | None,
-    total: int,
-    everything: bool,
-    force: bool,
-) -> None:
-    from stepwell import figures, files
-    from stepwell.paper.figures import figures_of
-
-    told = record(verdicts)
-    names = outputs(everything)
-    with files.staged_folder(out, "paper", told, names=names, force=force) as draft:
-        files.write_atomic(draft / "claims.json", json.dumps(told, indent=2) + "\n")
-        for done, (name, draw) in enumerate(figures_of(everything).items(), len(verdicts) + 1):
-            figure = draw()
-            for suffix in (".png", ".svg"):
-                figures.save(figure, draft / f"{name}{suffix}")
-            if progress is not None:
-                progress(done, total)
+    return ("claims.json", *files.pictures(*figures_of(everything)))

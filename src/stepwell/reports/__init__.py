@@ -11,8 +11,14 @@ It returns the names of the files, and raises OverwriteError where a file there 
 wrote, and OSError where the folder cannot be written; nothing has changed then.
 """
 
+from stepwell.reports.chain import (
+    checked_suffix,
+    write_graph,
+    write_map,
+    write_program,
+    write_run,
+)
 from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
-from stepwell.reports.graph import checked_suffix, write_graph
 from stepwell.reports.measured import (
     write_band,
     write_calibration,
@@ -20,9 +26,7 @@ from stepwell.reports.measured import (
     write_readings,
 )
 from stepwell.reports.page import report
-from stepwell.reports.program import write_program
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
-from stepwell.reports.run import write_map, write_run
 
 __all__ = [
     "checked_suffix",

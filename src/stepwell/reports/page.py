@@ -5,11 +5,13 @@ from __future__ import annotations
 import base64
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stepwell.base import Column, Columns, __version__, number, shown
 from stepwell.mechanism import Cell, Chain, Linear
@@ -75,9 +77,8 @@ def _sequence(cycle: Cycle) -> str:
 def _meaning(cycle: Cycle) -> str:
     names = cycle.chain.names
 
-    def order(cells: Iterable[int]) -> str:
-        listed = [names[i] for i in cells]
-        return ", ".join(listed[:12]) + (", …" if len(listed) > 12 else "")
+    def order(cells: Sequence[int]) -> str:
+        return ", ".join(names[i] for i in cells[:12]) + ", …" * (len(cells) > 12)
 
     pathway = f"Pathway {cycle.pathway.label}. " if cycle.pathway is not None else ""
     return (
@@ -129,7 +130,7 @@ def _figure(caption: str, figure: Figure) -> str:
 
 
 def _cells(chain: Chain, records: list[dict[str, Any]]) -> str:
-    rows = [told | {"bands": _bands(cell)} for told, cell in zip(records, chain.cells, strict=True)]
+    rows = [row | {"bands": _bands(cell)} for row, cell in zip(records, chain.cells, strict=True)]
     bands = Column("bands: anchors, stiffness k, rest length", lambda row: row["bands"])
     name, *others = shown(CELL)
     about = (
@@ -158,27 +159,25 @@ def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
     return _table(event_columns(list(chain.names), page=True), events, about)
 
 
-def _margin(chain: Chain, margin: Margin | None, told: dict[str, Any] | None) -> str:
-    if margin is None or told is None:
+def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) -> str:
+    if margin is None or record is None:
         return "<p>Not computed.</p>"
-    near = sorted(
-        zip(margin.changes, told["changes"], strict=True), key=lambda both: both[0].distance
-    )
-    changes = [change for _, change in near]
+    distances = [change.distance for change in margin.changes]
+    changes = [record["changes"][k] for k in np.argsort(distances, kind="stable")]
     how = (
         "exact: every change is in closed form"
         if margin.method == "exact"
         else f"searched with the engine. {margin.resolution}"
     )
     gap = (
-        f" The smallest gap between two F0 or two F1 is {number(told['gap_over_kr'])} times k r "
+        f" The smallest gap between two F0 or two F1 is {number(record['gap_over_kr'])} times k r "
         f"of the innermost cell."
-        if told["gap_over_kr"] is not None
+        if record["gap_over_kr"] is not None
         else ""
     )
     about = (
         f"The smallest change of one thing at a time that gives another sequence ({how}); anchors "
-        f"were moved by up to {number(told['reach_mm'])} mm.{gap}"
+        f"were moved by up to {number(record['reach_mm'])} mm.{gap}"
     )
     return _table(change_columns(list(chain.names), changes), changes, about)
 
@@ -192,54 +191,49 @@ def _assumptions(chain: Chain) -> list[str]:
         actuator = "The actuator prescribes the force, not the stroke."
     else:
         actuator = f"The actuator has a stiffness of {number(stiffness)} N/m in series."
-    found = [
+
+    def having(holds: Callable[[Cell], Any]) -> list[str]:
+        return [name for cell, name in zip(cells, names, strict=True) if holds(cell)]
+
+    def told(of: list[str], none: str, some: str, every: str = "") -> str:
+        if every and len(of) == len(cells):
+            return every
+        return some.format(_listed(of)) if of else none
+
+    return [
         "Quasi-static: the stroke changes slowly, inertia plays no part between snaps.",
         "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks "
         "touch.",
         "After a snap the chain lands where overdamped flow at fixed drive leads it, every travel "
         "being equally mobile; the energy released is lost.",
         actuator,
+        told(
+            having(lambda cell: any(band.two_sided for band in cell.bands)),
+            "Bands pull and never push: a slack band carries nothing.",
+            "Bands of {} are two-sided springs that also push; the others pull only.",
+            "Bands are two-sided springs, as in the paper: below rest length they push.",
+        ),
+        told(
+            having(lambda cell: any(not isinstance(band.law, Linear) for band in cell.bands)),
+            "Bands are linear: tension is stiffness times extension, without hysteresis.",
+            "Bands of {} follow a nonlinear law; the others are linear.",
+            "Bands follow a nonlinear law.",
+        ),
+        told(
+            [
+                f"{name} {number(cell.friction)} N"
+                for cell, name in zip(cells, names, strict=True)
+                if cell.friction
+            ],
+            "No friction between blocks.",
+            "Coulomb friction against travel: {}.",
+        ),
+        told(
+            having(lambda cell: cell.load is not None),
+            "No weight or other load acts on a cell.",
+            "A load that depends on its travel acts on {}.",
+        ),
     ]
-    pushing = [
-        n for cell, n in zip(cells, names, strict=True) if any(b.two_sided for b in cell.bands)
-    ]
-    if not pushing:
-        found.append("Bands pull and never push: a slack band carries nothing.")
-    elif len(pushing) == len(cells):
-        found.append("Bands are two-sided springs, as in the paper: below rest length they push.")
-    else:
-        found.append(
-            f"Bands of {_listed(pushing)} are two-sided springs that also push; the others pull "
-            f"only."
-        )
-    curved = [
-        n for cell, n in zip(cells, names, strict=True)
-        if any(not isinstance(b.law, Linear) for b in cell.bands)
-    ]  # fmt: skip
-    found.append(
-        f"Bands of {_listed(curved)} follow a nonlinear law; the others are linear."
-        if curved and len(curved) < len(cells)
-        else "Bands follow a nonlinear law."
-        if curved
-        else "Bands are linear: tension is stiffness times extension, without hysteresis."
-    )
-    rubbing = [
-        f"{n} {number(cell.friction)} N"
-        for cell, n in zip(cells, names, strict=True)
-        if cell.friction
-    ]
-    found.append(
-        f"Coulomb friction against travel: {_listed(rubbing)}."
-        if rubbing
-        else "No friction between blocks."
-    )
-    loaded = [n for cell, n in zip(cells, names, strict=True) if cell.load is not None]
-    found.append(
-        f"A load that depends on its travel acts on {_listed(loaded)}."
-        if loaded
-        else "No weight or other load acts on a cell."
-    )
-    return found
 
 
 def _table(columns: Columns, rows: list[dict[str, Any]], about: str) -> str:

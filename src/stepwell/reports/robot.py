@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepwell.files import dumps
-from stepwell.reports.steps import Folder, Progress, bundle, netcdf
+from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 
 if TYPE_CHECKING:
@@ -15,8 +13,6 @@ if TYPE_CHECKING:
 
     from stepwell.robot import Prediction, Robot
     from stepwell.simulation import Maze, Sweep, Walk
-
-Film = Callable[[Path], None]
 
 
 def write_robot(

@@ -1,10 +1,11 @@
-"""Writing a folder of results, its steps counted for a progress bar."""
+"""Writing a folder of results, its files counted for a progress bar."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,39 +18,7 @@ if TYPE_CHECKING:
 
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
-
-
-class Steps:
-    """Counts what is done and says so."""
-
-    def __init__(self, progress: Progress | None, total: int):
-        self.progress, self.total, self.done = progress, total, 0
-
-    def next(self) -> None:
-        """One more is done."""
-        self.done += 1
-        if self.progress is not None:
-            self.progress(self.done, self.total)
-
-
-def save_figures(drawn: Mapping[str, Figure], folder: Path, steps: Steps) -> None:
-    """Write every figure as .png and as .svg."""
-    from stepwell import figures
-
-    for name, figure in drawn.items():
-        for suffix in (".png", ".svg"):
-            figures.save(figure, folder / f"{name}{suffix}")
-            steps.next()
-
-
-def write_json(file: Path, record: dict[str, Any]) -> None:
-    """Write a record, finite numbers only."""
-    write_atomic(file, json.dumps(record, indent=2, allow_nan=False) + "\n")
-
-
-def names(folder: Path) -> tuple[str, ...]:
-    """What a draft will have put into its folder, by name."""
-    return tuple(sorted(file.name for file in folder.iterdir()))
+Film = Callable[[Path], None]
 
 
 def bundle(
@@ -58,7 +27,7 @@ def bundle(
     contents: Mapping[str, Any],
     drawn: Mapping[str, Figure] | None = None,
     *,
-    film: Callable[[Path], None] | None = None,
+    film: Film | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
@@ -81,22 +50,25 @@ def bundle(
         OverwriteError: a file there is not one that this command wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
+    from stepwell import figures
+
     record = next(one for one in contents.values() if isinstance(one, dict))
-    drawn = drawn or {}
+    files = dict(contents)
+    for name, figure in (drawn or {}).items():
+        files |= {f"{name}{suffix}": partial(figures.save, figure) for suffix in (".png", ".svg")}
     with staged_folder(folder, command, record, force=force) as draft:
-        steps = Steps(progress, len(contents) + 2 * len(drawn))
-        for name, content in contents.items():
+        for done, (name, content) in enumerate(files.items(), 1):
+            if isinstance(content, dict):
+                content = json.dumps(content, indent=2, allow_nan=False) + "\n"
             if isinstance(content, str):
                 write_atomic(draft / name, content)
-            elif isinstance(content, dict):
-                write_json(draft / name, content)
             else:
                 content(draft / name)
-            steps.next()
-        save_figures(drawn, draft, steps)
+            if progress is not None:
+                progress(done, len(files))
         if film is not None:
             film(draft)
-        return names(draft)
+        return tuple(sorted(file.name for file in draft.iterdir()))
 
 
 def netcdf(data: xarray.Dataset) -> Callable[[Path], None]:

@@ -2,7 +2,7 @@
 
 from stepwell.figures.cells.drawing import Drawing
 from stepwell.figures.cells.force_plane import force_plane
-from stepwell.figures.cells.linkage import Linkage
+from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.figures.cells.mechanism import (
     MOST_CELLS,
     MOST_STATES,

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from stepwell.figures.cells.linkage import Linkage, Pose
-from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours
+from stepwell.figures.cells.linkage import LinkageDrawing, Pose
+from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours, hollow
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Drawing:
     def __init__(
         self,
         ax: Axes,
-        linkage: Linkage,
+        linkage: LinkageDrawing,
         origin: tuple[float, float],
         scale: float,
         weight: float = 1.0,
@@ -54,19 +54,10 @@ class Drawing:
         )
         self.levers = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=3)
         self.bands = LineCollection([], colors=colours, zorder=5, capstyle="round")
-        (self.joints,) = ax.plot(
-            [],
-            [],
-            "o",
-            markersize=2.6 * weight,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            markeredgewidth=0.6 * weight,
-            zorder=4,
-        )
+        joints = hollow(2.6 * weight, markeredgewidth=0.6 * weight, zorder=4)
+        (self.joints,) = ax.plot([], [], "o", **joints)
         self.anchors = ax.scatter(
-            np.zeros(len(colours) * 2),
-            np.zeros(len(colours) * 2),
+            *np.zeros((2, len(colours) * 2)),
             s=(2.6 * weight) ** 2,
             c=np.repeat(colours, 2),
             linewidths=0,

@@ -7,28 +7,29 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
-    INK,
     VERMILLION,
     YELLOW,
     Label,
     beside,
     blank,
     cell_colours,
+    legends,
     literal,
     pale,
     place,
     shortened,
     styled,
+    text_at,
 )
 from stepwell.mechanism import Chain
 
@@ -40,7 +41,7 @@ _ROW = 3.6
 _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
 # A normal distribution has 95 % of its draws within so many deviations in two dimensions.
 _ELLIPSE = 2.4477
-_FILL, _RIGHT_GAP, _WRONG_GAP = "#EFEFEF", pale(YELLOW, 0.0), pale(VERMILLION, 0.3)
+_FILL = "#EFEFEF"
 _CENTRAL = (2.5, 97.5)
 # Characters that a row's name has room for.
 _NAME = 9
@@ -53,6 +54,11 @@ class _Gap(NamedTuple):
     second: int
     side: int
     size: float
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Yellow for a step of the right sign, red for one of the wrong sign."""
+        return pale(YELLOW, 0.0) if self.size > 0 else pale(VERMILLION, 0.3)
 
 
 @styled
@@ -122,29 +128,28 @@ def force_plane(
     if cloud is not None:
         for i, colour in enumerate(colours):
             _draw_cloud(ax, cloud[:, i], colour)
+    dot = {"markersize": 5.0, "markeredgecolor": "white", "zorder": 6, "gid": "cells"}
     for (x, y), colour in zip(forces.tolist(), colours, strict=True):
-        ax.plot(
-            x, y, "o", markersize=5.0, color=colour, markeredgecolor="white", zorder=6, gid="cells"
-        )
+        ax.plot(x, y, "o", color=colour, **dot)
     ax.margins(0.12)
     ax.autoscale_view()
-    ax.set_xlabel(_name(chain, 0))
-    ax.set_ylabel(_name(chain, 1))
-    _draw_gap(ax, forces, gap)
+    ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
+    if gap is not None:
+        # The narrowest step as a band across the plane.
+        band = ax.axvspan if gap.side == 0 else ax.axhspan
+        look = {"color": gap.colour, "alpha": 0.6, "linewidth": 0}
+        ends = np.sort(forces[[gap.first, gap.second], gap.side])
+        band(*ends, **look, zorder=0.5, gid="narrowest")
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
         _frame_order(strip_ax, ax, half, orders[half], chain.names)
-    beside(
-        ax,
-        [Label(x, y, literal(n)) for (x, y), n in zip(forces.tolist(), chain.names, strict=True)],
-    )
-    figure.text(
-        3.0 / width, (_BOTTOM + side + _BETWEEN + strip / 2) / height, "loads",
-        rotation=90, ha="center", va="center",
-    )  # fmt: skip
-    figure.text(1.0 - (_RIGHT + strip / 2) / width, 4.8 / height, "unloads", ha="center", va="top")
-    above.legend(handles=key, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
+    named = zip(forces.tolist(), chain.names, strict=True)
+    beside(ax, [Label(x, y, literal(name)) for (x, y), name in named])
+    middle = {"ha": "center", "va": "center"}
+    text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
+    text_at(figure, width - _RIGHT - strip / 2, 4.8, "unloads", ha="center", va="top")
+    legends.above(above, key, columns)
     return figure
 
 
@@ -187,19 +192,6 @@ def _draw_cloud(ax: Axes, points: Array, colour: str) -> None:
     ax.plot(*outline.T, color=colour, linewidth=1.0, zorder=4, gid="cloud")
 
 
-def _draw_gap(ax: Axes, forces: Array, gap: _Gap | None) -> None:
-    """The narrowest step as a band across the plane."""
-    if gap is None:
-        return
-    ends = np.sort(forces[[gap.first, gap.second], gap.side])
-    band = ax.axvspan if gap.side == 0 else ax.axhspan
-    band(*ends, color=_gap_colour(gap), alpha=0.6, linewidth=0, zorder=0.5, gid="narrowest")
-
-
-def _gap_colour(gap: _Gap) -> tuple[float, float, float]:
-    return _RIGHT_GAP if gap.size > 0 else _WRONG_GAP
-
-
 def _draw_order(
     ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Array, cloud: Array | None
 ) -> None:
@@ -213,10 +205,8 @@ def _draw_order(
         value, colour = float(forces[cell, side]), colours[cell]
         if cloud is not None:
             ends = np.nanpercentile(cloud[:, cell, side], _CENTRAL).tolist()
-            ax.plot(
-                *turned(ends, [row, row]), color=pale(colour, 0.45), linewidth=4.0, zorder=2,
-                solid_capstyle="butt", gid="spread",
-            )  # fmt: skip
+            bar = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2, "gid": "spread"}
+            ax.plot(*turned(ends, [row, row]), color=pale(colour, 0.45), **bar)
         ax.plot(*turned([value], [row]), "o", markersize=3.6, color=colour, zorder=4, gid="order")
         # From the cell's place in the plane to its row.
         lead = {"color": FAINT, "linewidth": 0.5, "linestyle": (0, (1, 2)), "zorder": 1}
@@ -232,51 +222,34 @@ def _frame_order(
     """Ticks with the names of the rows; the forces are those of the plane."""
     colours = cell_colours(len(order))
     words = [literal(shortened(name, _NAME)) for name in names]
+    ends, in_order = (len(order) - 0.4, -0.6), [words[i] for i in order]
     if side == 0:
-        ax.set_ylim(len(order) - 0.4, -0.6)
+        ax.set_ylim(ends)
         ax.set_xticks(main.get_xticks(), [])
         ax.set_xlim(main.get_xlim())
-        ax.set_yticks(range(len(order)), [words[i] for i in order])
+        ax.set_yticks(range(len(order)), in_order)
         labels = ax.get_yticklabels()
     else:
-        ax.set_xlim(-0.6, len(order) - 0.4)
+        ax.set_xlim(ends[1], ends[0])
         ax.set_yticks(main.get_yticks(), [])
         ax.set_ylim(main.get_ylim())
         ax.xaxis.tick_top()
-        ax.set_xticks(range(len(order)), [words[i] for i in order], rotation=90)
+        ax.set_xticks(range(len(order)), in_order, rotation=90)
         labels = ax.get_xticklabels()
     ax.tick_params(length=0.0, labelsize=7.0, pad=2.0)
     for label, cell in zip(labels, order, strict=True):
-        label.set_color(colours[cell])
-        label.set_fontweight("bold")
+        label.set(color=colours[cell], fontweight="bold")
 
 
-def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Line2D | Patch]:
-    found: list[Line2D | Patch] = []
+def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Artist]:
+    found: list[Artist] = []
     if region:
-        found.append(Patch(facecolor=_FILL, edgecolor=FAINT, linewidth=0.8, label="can be reached"))
+        found.append(legends.shade("can be reached", _FILL, edgecolor=FAINT, linewidth=0.8))
     if places:
-        found.append(
-            Line2D(
-                [],
-                [],
-                linestyle="none",
-                marker=".",
-                markersize=3.0,
-                color=FAINT,
-                label="can be reached",
-            )
-        )
+        found.append(legends.mark("can be reached", ".", 3.0, color=FAINT))
     if cloud:
-        found.append(Line2D([], [], color=INK, linewidth=1.0, label="95 % as built"))
+        found.append(legends.line("95 % as built", width=1.0))
     if gap is not None:
-        words = "narrowest step" if gap.size > 0 else "wrong by"
-        found.append(
-            Patch(
-                facecolor=_gap_colour(gap),
-                alpha=0.6,
-                linewidth=0,
-                label=f"{words} {abs(gap.size):.3g} N",
-            )
-        )
+        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} N"
+        found.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
     return found

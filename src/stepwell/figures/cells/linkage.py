@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -36,16 +36,13 @@ class Pose:
     slack: NDArray[np.bool_]
 
     @property
-    def bounds(self) -> tuple[float, float, float, float]:
-        """left, bottom, right, top [m]."""
-        xy = np.concatenate(
-            [self.blocks.reshape(-1, 2), self.bands.reshape(-1, 2), self.levers.reshape(-1, 2)]
-        )
-        (left, bottom), (right, top) = xy.min(axis=0), xy.max(axis=0)
-        return float(left), float(bottom), float(right), float(top)
+    def points(self) -> Array:
+        """(n, 2) corners of the blocks and ends of all else but the posts [m]."""
+        parts = (self.blocks, self.bands, self.levers)
+        return np.concatenate([part.reshape(-1, 2) for part in parts])
 
 
-class Linkage:
+class LinkageDrawing:
     """Places a chain on the page: stroke to the right, fixed block at the left.
 
     A cell's own drawing has the travel upwards and the outer block beside the inner one. Here
@@ -110,6 +107,14 @@ class Linkage:
             np.array(tension),
             np.array(slack),
         )
+
+    def bounds(
+        self, states: Iterable[Sequence[float] | Array], room: float = 0.0
+    ) -> tuple[float, float, float, float]:
+        """left, bottom, right, top [m] of the chain at all these travels (N,), with room around."""
+        points = np.concatenate([self.pose(travels).points for travels in states])
+        low, high = points.min(axis=0) - room, points.max(axis=0) + room
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
     def greatest_tension(self) -> float:
         """The largest tension or thrust [N] any band has between the stops."""

@@ -9,20 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
-from stepwell.figures.cells.linkage import Linkage, Pose
+from stepwell.figures.cells.linkage import LinkageDrawing
 from stepwell.figures.common import (
     INK,
     MM,
     PAGE,
     canvas,
-    cell_colours,
     direction_colour,
-    literal,
+    legends,
     marks,
+    plain,
     styled,
 )
 from stepwell.mechanism import Chain
@@ -72,26 +71,19 @@ def mechanism(
 
 @dataclass(frozen=True)
 class Sheet:
-    """Where each drawing goes on a page of `width` × `height` mm."""
+    """Where each drawing goes on a page of this height [mm]."""
 
-    linkage: Linkage
+    linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
     titles: list[str]
     origins: list[tuple[float, float]]
     scale: float
     bounds: tuple[float, float, float, float]
     rest: float
-    width: float
     height: float
 
 
-def arrange(
-    chain: Chain,
-    states: Iterable[State],
-    *,
-    columns: int | None = None,
-    width: float = PAGE,
-) -> Sheet:
+def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None) -> Sheet:
     """Lay the drawings out in rows."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
@@ -102,14 +94,16 @@ def arrange(
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     travels = [_travels(chain, state) for state in wanted]
-    linkage = Linkage(chain)
-    bounds = _union([linkage.pose(t) for t in travels], linkage)
-    wide, high = ((bounds[k + 2] - bounds[k]) * MM for k in (0, 1))
+    linkage = LinkageDrawing(chain)
+    left, bottom, right, top = linkage.bounds(travels)
+    # The wall of the fixed block is part of the picture.
+    left = min(left, -1.7 * linkage.reach)
+    wide, high = (right - left) * MM, (top - bottom) * MM
 
     def scale_of(c: int) -> float:
         # Where the drawings wrap, each row but the first begins with an arrow.
         gaps = c - 1 if c >= len(wanted) else c
-        return min(_LARGEST, (width - 4.0 - gaps * _BETWEEN) / (c * wide))
+        return min(_LARGEST, (PAGE - 4.0 - gaps * _BETWEEN) / (c * wide))
 
     if columns is None:
         columns = 1
@@ -121,11 +115,11 @@ def arrange(
     scale = scale_of(columns)
     row = high * scale + _ABOVE + _BELOW
     used = columns * (wide * scale + _BETWEEN) - _BETWEEN
-    first = (width - used) / 2 if rows == 1 else (width - used + _BETWEEN) / 2
+    first = (PAGE - used) / 2 if rows == 1 else (PAGE - used + _BETWEEN) / 2
     origins = [
         (
-            first + (k % columns) * (wide * scale + _BETWEEN) - bounds[0] * MM * scale,
-            _KEY + (rows - 1 - k // columns) * row + _BELOW - bounds[1] * MM * scale,
+            first + (k % columns) * (wide * scale + _BETWEEN) - left * MM * scale,
+            _KEY + (rows - 1 - k // columns) * row + _BELOW - bottom * MM * scale,
         )
         for k in range(len(wanted))
     ]
@@ -135,19 +129,15 @@ def arrange(
         [_title(state) for state in wanted],
         origins,
         scale,
-        bounds,
+        (left, bottom, right, top),
         float(linkage.pose([0.0] * len(chain)).blocks[-1, 2]),
-        width,
         _KEY + rows * row,
     )
 
 
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    ax.set_xlim(0, sheet.width)
-    ax.set_ylim(0, sheet.height)
-    ax.set_aspect("equal")
-    ax.set_axis_off()
+    plain(ax, (0.0, PAGE, 0.0, sheet.height))
     per_metre = sheet.scale * MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -160,15 +150,8 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         slack = slack or bool(pose.slack.any())
         ground(ax, sheet.linkage, origin, per_metre)
         middle = origin[0] + (left + right) / 2
-        ax.text(
-            middle,
-            origin[1] + top + 1.0,
-            title,
-            ha="center",
-            va="bottom",
-            fontweight="bold",
-            fontsize=8,
-        )
+        above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
+        ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
         # From where the outermost block's edge is at zero stroke to where it is now.
         start = origin[0] + sheet.rest * per_metre
@@ -189,7 +172,7 @@ def draw(ax: Axes, sheet: Sheet) -> None:
     _key(ax, sheet, slack)
 
 
-def ground(ax: Axes, linkage: Linkage, origin: tuple[float, float], scale: float) -> None:
+def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale: float) -> None:
     """The wall that holds the fixed block."""
     x = origin[0] - linkage.reach * scale
     half = 1.2 * linkage.half_block * scale
@@ -202,36 +185,18 @@ def ground(ax: Axes, linkage: Linkage, origin: tuple[float, float], scale: float
 
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     names = sheet.linkage.chain.names
-    handles = [
-        Line2D([], [], color=colour, linewidth=2.0, label=literal(name))
-        for name, colour in zip(names, cell_colours(len(names)), strict=True)
-    ]
+    handles = legends.cells(names, 2.0)
     strongest = sheet.linkage.greatest_tension()
-    handles.append(
-        Line2D([], [], color=INK, linewidth=THICKEST * 0.8, label=f"band at {strongest:.2f} N")
-    )
+    handles.append(legends.line(f"band at {strongest:.2f} N", width=THICKEST * 0.8))
     if slack:
-        handles.append(
-            Line2D([], [], color=INK, linewidth=0.8, linestyle=SLACK_DASHES, label="slack band")
-        )
-    columns = min(len(handles), 7)
-    ax.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.02, 0.6 / sheet.height),
-        ncols=columns,
-    )
+        handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
+    place_of_key = (0.02, 0.6 / sheet.height)
+    legends.above(ax, handles, min(len(handles), 7), bbox_to_anchor=place_of_key)
     # A round length of about a lever, so that no reader needs the design file.
     bar = 0.010 if sheet.linkage.reach < 0.02 else 0.050
-    x = sheet.width - 4.0
-    ax.plot(
-        [x - bar * MM * sheet.scale, x],
-        [2.4, 2.4],
-        color=INK,
-        linewidth=1.4,
-        solid_capstyle="butt",
-        gid="scale bar",
-    )
+    x = PAGE - 4.0
+    look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
+    ax.plot([x - bar * MM * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
 
 
@@ -241,10 +206,8 @@ def _travels(chain: Chain, state: State) -> tuple[float, ...]:
             raise InputError(
                 f"state {state!r}: must be {len(chain)} characters, each 0 or 1, innermost first."
             )
-        return tuple(
-            cell.full_travel if one == "1" else 0.0
-            for cell, one in zip(chain.cells, state, strict=True)
-        )
+        pairs = zip(chain.cells, state, strict=True)
+        return tuple(cell.full_travel if one == "1" else 0.0 for cell, one in pairs)
     travels = tuple(float(s) for s in state)
     if len(travels) != len(chain):
         raise InputError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
@@ -255,12 +218,3 @@ def _title(state: State) -> str:
     if isinstance(state, str):
         return state
     return "$s$ = " + ", ".join(f"{s * MM:.3g}" for s in state) + " mm"
-
-
-def _union(poses: list[Pose], linkage: Linkage) -> tuple[float, float, float, float]:
-    edges = np.array([pose.bounds for pose in poses])
-    left, bottom = edges[:, :2].min(axis=0)
-    right, top = edges[:, 2:].max(axis=0)
-    # The wall of the fixed block is part of the picture.
-    left = min(left, -1.7 * linkage.reach)
-    return float(left), float(bottom), float(right), float(top)

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
     COLUMN,
     INK,
-    MM,
     canvas,
     cell_colours,
+    hollow,
     keep_inside,
+    legends,
     literal,
-    marks as _marks,
+    marks,
+    mm_pair,
     styled,
 )
 from stepwell.mechanism import Cell
@@ -30,6 +32,7 @@ Curve = Callable[[Cell, Array], Array]
 
 _SAMPLES = 181
 _END_0, _END_1, _PEAK = "<", ">", "D"
+_GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 
 @styled
@@ -48,13 +51,7 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
     def scaled(cell: Cell, theta: Array) -> Array:
         return cell.force(theta) / (_stiffness(cell) * cell.lever)
 
-    own = ax is None
-    figure, ax = _curves(cells, scaled, ax, ends=True)
-    _marks.zero_line(ax)
-    ax.set_ylabel("Force $F/(kr)$")
-    if own:
-        keep_inside(ax)
-    return figure
+    return _curves(cells, scaled, ax, "Force $F/(kr)$", ends=True)
 
 
 @styled
@@ -73,75 +70,60 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
     def scaled(cell: Cell, theta: Array) -> Array:
         return cell.energy(theta) / (_stiffness(cell) * cell.lever**2)
 
-    own = ax is None
-    figure, ax = _curves(cells, scaled, ax, ends=False)
-    ax.set_ylabel("Energy $E/(kr^2)$")
-    if own:
-        keep_inside(ax)
-    return figure
+    return _curves(cells, scaled, ax, "Energy $E/(kr^2)$", ends=False)
 
 
 def _curves(
-    cells: Sequence[Cell], curve: Curve, ax: Axes | None, *, ends: bool
-) -> tuple[Figure, Axes]:
+    cells: Sequence[Cell], curve: Curve, ax: Axes | None, label: str, *, ends: bool
+) -> Figure:
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
     # Names in rows of two, the marks in a row of their own.
     rows = math.ceil(len(cells) / 2)
     top = 6.5 + 3.6 * rows
+    own = ax is None
     figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
-    named = _names(cells)
     for cell, colour in zip(cells, cell_colours(len(cells)), strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _SAMPLES)
         ax.plot(np.degrees(theta), curve(cell, theta), color=colour)
-        if ends:
-            for end, mark in ((theta[:1], _END_0), (theta[-1:], _END_1)):
-                _mark(ax, end, curve(cell, end), mark, colour, f"end {mark}")
+        shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
         if abs(cell.peak_angle) < cell.limit:
-            peak = np.array([cell.peak_angle])
-            _mark(ax, peak, curve(cell, peak), _PEAK, colour, "peak")
-    ax.set_xlabel("Lever angle $\\theta$ [°]")
+            shown.append((cell.peak_angle, _PEAK))
+        for angle, mark in shown:
+            at = np.array([angle])
+            look = _look(mark, colour) | {"clip_on": False, "gid": _GIDS[mark]}
+            ax.plot(np.degrees(at), curve(cell, at), mark, zorder=4, **look)
+    if ends:
+        marks.zero_line(ax)
+    ax.set(xlabel="Lever angle $\\theta$ [°]", ylabel=label)
     widest = math.degrees(max(cell.limit for cell in cells))
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
-    marks = [_key(_END_0, "$F_0$"), _key(_END_1, "$F_1$")] if ends else []
-    marks.append(_key(_PEAK, "$\\theta_\\mathrm{max}$"))
-    lower = ax.legend(handles=marks, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+    words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
+    legends.above(
+        ax,
+        [
+            legends.mark(word, mark, **_look(mark, INK))
+            for mark, word in words.items()
+            if ends or mark == _PEAK
+        ],
+    )
+    lower = ax.get_legend()
+    assert lower is not None
     ax.add_artist(lower)
     above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
-    handles = [
-        Line2D([], [], color=colour, label=name)
-        for colour, name in zip(cell_colours(len(cells)), named, strict=True)
-    ]
-    ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, above), ncols=2)
-    return figure, ax
+    colours = cell_colours(len(cells))
+    handles = [legends.line(*pair) for pair in zip(_names(cells), colours, strict=True)]
+    legends.above(ax, handles, 2, bbox_to_anchor=(0.0, above))
+    if own:
+        keep_inside(ax)
+    return figure
 
 
-def _mark(ax: Axes, theta: Array, value: Array, mark: str, colour: str, gid: str) -> None:
-    ax.plot(
-        np.degrees(theta),
-        value,
-        mark,
-        markersize=4.0,
-        markerfacecolor="white" if mark == _PEAK else colour,
-        markeredgecolor=colour,
-        zorder=4,
-        clip_on=False,
-        gid=gid,
-    )
-
-
-def _key(mark: str, label: str) -> Line2D:
-    return Line2D(
-        [],
-        [],
-        linestyle="none",
-        marker=mark,
-        markersize=4.0,
-        color=INK,
-        markerfacecolor="white" if mark == _PEAK else INK,
-        label=label,
-    )
+def _look(mark: str, colour: str) -> dict[str, Any]:
+    if mark == _PEAK:
+        return hollow(4.0, colour, color=colour)
+    return {"markersize": 4.0, "color": colour}
 
 
 def _stiffness(cell: Cell) -> float:
@@ -153,12 +135,7 @@ def _names(cells: Sequence[Cell]) -> list[str]:
     found: list[str] = []
     for i, cell in enumerate(cells):
         band = cell.bands[0]
-        x, y = band.q if same_p else band.d
-        anchor = f"${'q' if same_p else 'd'}$ = ({_mm(x)}, {_mm(y)}) mm"
-        told = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
-        found.append(literal(cell.name) if cell.name else told)
+        anchor = f"${'q' if same_p else 'd'}$ = {mm_pair(band.q if same_p else band.d)} mm"
+        unnamed = anchor if len(cell.bands) == 1 else f"cell {i + 1}"
+        found.append(literal(cell.name) if cell.name else unnamed)
     return found
-
-
-def _mm(metres: float) -> str:
-    return f"{round(metres * MM, 3) + 0.0:g}".replace("-", "\N{MINUS SIGN}")

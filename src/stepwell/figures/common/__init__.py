@@ -1,17 +1,18 @@
 """What figures share: style, names, labels, marks."""
 
-from stepwell.figures.common import marks
+from stepwell.figures.common import legends, marks
 from stepwell.figures.common.dimension import (
     along_x,
     along_y,
     arrow,
     limits,
     mm,
+    mm_pair,
     plain,
     round_length,
     scale_bar,
 )
-from stepwell.figures.common.labels import Label, beside
+from stepwell.figures.common.labels import Label, beside, inside
 from stepwell.figures.common.names import literal
 from stepwell.figures.common.reading import (
     curve,
@@ -45,12 +46,18 @@ from stepwell.figures.common.style import (
     canvas,
     cell_colours,
     direction_colour,
+    hollow,
     keep_inside,
     name_panel,
+    name_rows,
+    on_black,
+    on_white,
     pale,
     place,
     root,
+    size_of,
     styled,
+    text_at,
 )
-from stepwell.figures.common.words import sequence_words, shortened, wrapped
+from stepwell.figures.common.words import minus, sequence_words, shortened, wrapped
 from stepwell.figures.common.write import save, svg

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stepwell.figures.common.style import INK, MM
+from stepwell.figures.common.style import INK, MM, on_white
+from stepwell.figures.common.words import minus
 
 _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA": 0, "shrinkB": 0}
-_ON_WHITE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0}
 
 
 def along_x(
@@ -20,7 +23,7 @@ def along_x(
         ax.plot([x, x], [feet, y + np.sign(y - feet)], color=colour, linewidth=0.4, zorder=2.5)
     ax.annotate("", (right, y), (left, y), arrowprops=_BOTH | {"color": colour}, zorder=8)
     middle = (left + right) / 2
-    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=_ON_WHITE)
+    ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=on_white())
 
 
 def along_y(
@@ -41,43 +44,18 @@ def arrow(
     width: float = 0.6,
 ) -> None:
     """An arrow from tail to tip [mm]; one of no width is a head alone."""
-    ax.annotate(
-        "",
-        tip,
-        tail,
-        zorder=8,
-        arrowprops={
-            "arrowstyle": "-|>",
-            "color": colour,
-            "linewidth": width,
-            "mutation_scale": 5.0 + 2.0 * (width == 0 or width >= 1),
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-    )
+    size = 5.0 + 2.0 * (width == 0 or width >= 1)
+    props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "mutation_scale": size}
+    ax.annotate("", tip, tail, arrowprops=_BOTH | props, zorder=8)
 
 
 def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
     """A bar of this length [mm] that ends at `right`, with its length above it."""
-    ax.plot(
-        [right - length, right],
-        [y, y],
-        color=INK,
-        linewidth=1.6,
-        solid_capstyle="butt",
-        gid="scale bar",
-        zorder=9,
-    )
+    look = {"color": INK, "linewidth": 1.6, "solid_capstyle": "butt", "gid": "scale bar"}
+    ax.plot([right - length, right], [y, y], **look, zorder=9)
     label = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
-    ax.annotate(
-        label,
-        (right - length / 2, y),
-        (0.0, 2.5),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
-        zorder=9,
-    )
+    place: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "bottom"}
+    ax.annotate(label, (right - length / 2, y), (0.0, 2.5), **place, zorder=9)
 
 
 def round_length(longest: float) -> float:
@@ -91,22 +69,23 @@ def limits(
 ) -> tuple[float, float, float, float]:
     """left, right, bottom, top round (n, 2) points, with this room at each side."""
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
-    return (
-        float(left) - room[0],
-        float(right) + room[1],
-        float(bottom) - room[2],
-        float(top) + room[3],
-    )
+    ends = left - room[0], right + room[1], bottom - room[2], top + room[3]
+    return tuple(map(float, ends))  # pyright: ignore[reportReturnType]
 
 
 def plain(ax: Axes, box: tuple[float, float, float, float]) -> None:
     """Axes without a frame, true to scale, for left, right, bottom, top [mm]."""
-    ax.set_xlim(box[0], box[1])
-    ax.set_ylim(box[2], box[3])
-    ax.set_aspect("equal")
+    ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
     ax.set_axis_off()
 
 
-def mm(metres: float) -> str:
+def mm(metres: float, digits: int = 4) -> str:
     """A length [m] as a number of millimetres."""
-    return f"{round(metres * MM, 3) + 0.0:.4g}"
+    # Nothing is ever minus zero.
+    return minus(f"{round(metres * MM, 3) + 0.0:.{digits}g}")
+
+
+def mm_pair(vector: Sequence[float]) -> str:
+    """The two components [m] of a vector as "(x, y)" in millimetres."""
+    x, y = vector
+    return f"({mm(x, 6)}, {mm(y, 6)})"

@@ -29,7 +29,7 @@ class Label(NamedTuple):
 
 
 def beside(
-    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), size: float = 7.0
+    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = ()
 ) -> list[Annotation]:
     """Write each label near its point, away from the lines of `ax`, other labels and its edges.
 
@@ -37,7 +37,6 @@ def beside(
         ax: axes with their final limits.
         labels: in falling order of importance.
         keep_clear: further boxes to stay out of [display units].
-        size: font size [pt].
     """
     point = root(ax).dpi / 72.0
     curves = _curves(ax, 2.0 * point)
@@ -51,17 +50,9 @@ def beside(
         if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
             continue
         done.append((label.text, *here))
-        text = ax.annotate(
-            label.text,
-            (label.x, label.y),
-            (0, 0),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            color=label.colour,
-            fontsize=size,
-            zorder=9,
-        )
+        look = {"ha": "center", "va": "center", "fontsize": 7.0, "color": label.colour}
+        at = (label.x, label.y)
+        text = ax.annotate(label.text, at, (0, 0), textcoords="offset points", zorder=9, **look)
         text.set_in_layout(False)
         box = text.get_window_extent().padded(0.8 * point)
         best, best_cost = (0.0, 0.0), np.inf
@@ -82,15 +73,20 @@ def beside(
     return written
 
 
+def inside(frame: Bbox, box: Bbox) -> bool:
+    """Whether a box lies within a frame."""
+    wide = frame.x0 <= box.x0 and box.x1 <= frame.x1
+    return wide and frame.y0 <= box.y0 and box.y1 <= frame.y1
+
+
 def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Array) -> float:
-    inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
     covered = np.count_nonzero(
         (curves[:, 0] > box.x0)
         & (curves[:, 0] < box.x1)
         & (curves[:, 1] > box.y0)
         & (curves[:, 1] < box.y1)
     )
-    return 1000.0 * (not inside) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
+    return 1000.0 * (not inside(frame, box)) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
 
 
 def _curves(ax: Axes, step: float) -> Array:

@@ -10,8 +10,15 @@ from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from stepwell.figures.common.reading import Snap
-from stepwell.figures.common.style import FAINT, INK, LOADING, UNLOADING, direction_colour
+from stepwell.figures.common import legends
+from stepwell.figures.common.reading import SnapSamples, curve, legs
+from stepwell.figures.common.style import (
+    FAINT,
+    LOADING,
+    UNLOADING,
+    direction_colour,
+    hollow,
+)
 from stepwell.statics import Path
 
 # Past this many, arrow heads cover what they point at.
@@ -21,7 +28,7 @@ SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
 
 def snaps(
     ax: Axes,
-    found: Sequence[Snap],
+    found: Sequence[SnapSamples],
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     size: float = 4.2,
@@ -41,50 +48,70 @@ def snaps(
         colour = direction_colour(direction)
         ends = np.array([(snap.before, snap.after) for snap in some])
         gap = np.full(len(some), np.nan)
-        ax.plot(
-            np.column_stack([x[ends], gap]).ravel(),
-            np.column_stack([y[ends], gap]).ravel(),
-            color=colour,
-            linestyle=SNAP_DASHES,
-            linewidth=1.1,
-            zorder=5,
-            gid="snaps",
-        )
-        ax.plot(
-            x[ends[:, 0]],
-            y[ends[:, 0]],
-            "o",
-            markersize=size,
-            markerfacecolor="white",
-            markeredgecolor=colour,
-            markeredgewidth=1.1,
-            zorder=6,
-            gid="snap starts",
-        )
+        jumps = [np.column_stack([column[ends], gap]).ravel() for column in (x, y)]
+        look = {"color": colour, "linestyle": SNAP_DASHES, "linewidth": 1.1}
+        ax.plot(*jumps, **look, zorder=5, gid="snaps")
+        circles = hollow(size, colour, markeredgewidth=1.1, zorder=6)
+        ax.plot(x[ends[:, 0]], y[ends[:, 0]], "o", **circles, gid="snap starts")
         if len(some) <= MOST_HEADS:
             for snap in some:
                 i, j = snap.before, snap.after
                 head(ax, (float(x[i]), float(y[i])), (float(x[j]), float(y[j])), colour)
 
 
+def trace(
+    ax: Axes,
+    path: Path,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    widths: tuple[float, float],
+    unloading_style: LineStyleType = "-",
+) -> None:
+    """The smooth stretches of a path, unloading over loading.
+
+    Args:
+        ax: axes to draw into.
+        path: whose samples these are.
+        x, y: (n,) the samples in data units.
+        widths: of the lines of loading and of unloading [pt].
+        unloading_style: of the line of unloading.
+    """
+    looks = ((1, widths[0], "-", 3), (-1, widths[1], unloading_style, 4))
+    for direction, width, style, zorder in looks:
+        at = curve(path, direction, x, y)
+        colour = direction_colour(direction)
+        ax.plot(*at, color=colour, linewidth=width, linestyle=style, zorder=zorder)
+
+
+def headings(
+    ax: Axes,
+    path: Path,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    sizes: tuple[float, float] = (10.0, 10.0),
+) -> None:
+    """An arrow head on every leg of the path, unless there are too many.
+
+    Args:
+        ax: axes with their final limits.
+        path: whose samples these are.
+        x, y: (n,) the samples in data units.
+        sizes: of the heads of loading and of unloading [pt].
+    """
+    found = legs(path)
+    for direction, at in found if len(found) <= MOST_HEADS else ():
+        # Not in the middle: where both directions take the same way, one would hide the other.
+        size = sizes[0 if direction > 0 else 1]
+        heading(ax, x[at], y[at], direction_colour(direction), at=0.4, size=size)
+
+
 def head(
     ax: Axes, start: Sequence[float], end: Sequence[float], colour: str, size: float = 7.0
 ) -> None:
     """An arrow head at `end`, seen from `start`."""
-    ax.annotate(
-        "",
-        (end[0], end[1]),
-        (start[0], start[1]),
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.45,head_width=0.2",
-            "mutation_scale": size,
-            "linewidth": 0,
-            "color": colour,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-        zorder=6,
-    )
+    props = {"arrowstyle": "-|>,head_length=0.45,head_width=0.2", "mutation_scale": size}
+    props |= {"linewidth": 0, "color": colour, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops=props, zorder=6)
 
 
 def heading(
@@ -125,34 +152,13 @@ def legend(
     """Above the axes, what the lines of a path mean."""
     found: list[Line2D] = []
     if np.any(path.direction > 0):
-        found.append(Line2D([], [], color=LOADING, linewidth=widths[0], label="loading"))
+        found.append(legends.line("loading", LOADING, widths[0]))
     if np.any(path.direction < 0):
-        found.append(
-            Line2D(
-                [],
-                [],
-                color=UNLOADING,
-                linewidth=widths[1],
-                linestyle=unloading_style,
-                label="unloading",
-            )
-        )
+        found.append(legends.line("unloading", UNLOADING, widths[1], linestyle=unloading_style))
     if np.any(path.snap_after):
-        found.append(
-            Line2D(
-                [],
-                [],
-                color=INK,
-                linestyle=SNAP_DASHES,
-                linewidth=1.1,
-                marker="o",
-                markersize=4.2,
-                markerfacecolor="white",
-                markeredgecolor=INK,
-                label="snap",
-            )
-        )
-    ax.legend(handles=found, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+        look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
+        found.append(legends.line("snap", width=1.1, **look))
+    legends.above(ax, found)
 
 
 def zero_line(ax: Axes) -> None:

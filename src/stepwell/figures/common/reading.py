@@ -24,7 +24,7 @@ class Vertex(NamedTuple):
     direction: int
 
 
-class Snap(NamedTuple):
+class SnapSamples(NamedTuple):
     """The samples before and after a snap, and the cells that moved in it."""
 
     before: int
@@ -38,14 +38,14 @@ def path_of(result: Cycle | Path | Program) -> Path:
     return result if isinstance(result, Path) else result.path
 
 
-def snaps_of(path: Path) -> list[Snap]:
+def snaps_of(path: Path) -> list[SnapSamples]:
     """Every snap of the path as the samples on either side of it."""
     full = np.array([cell.full_travel for cell in path.chain.cells])
-    found: list[Snap] = []
+    found: list[SnapSamples] = []
     for i in np.flatnonzero(path.snap_after[:-1]):
         moved = np.abs(path.travel[i + 1] - path.travel[i]) > 1e-9 * full
         cells = tuple(int(c) for c in np.flatnonzero(moved))
-        found.append(Snap(int(i), int(i) + 1, int(path.direction[i]), cells))
+        found.append(SnapSamples(int(i), int(i) + 1, int(path.direction[i]), cells))
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -12,13 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.text import Text
+from matplotlib.typing import ColorType
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
+from stepwell.sequences import Pathway
 
-# Widths of one and of two columns of a journal page [mm].
 # Millimetres in a metre, millijoules in a joule.
 MM = MJ = 1e3
+# Widths of one and of two columns of a journal page [mm].
 COLUMN = 85.0
 PAGE = 180.0
 
@@ -43,13 +46,12 @@ FIXED_BLOCK = "#A8A8A8"
 _INNER, _OUTER = GREEN, PURPLE
 _BETWEEN = (ORANGE, SKY, "#7A6A00", BLACK)
 
-# By the name of the pathway in the data, so that a map read back from a file looks the same.
+# By the sequence of a pathway, which a map read back from a file has too.
 PATHWAY = {
-    "CLOCKWISE": ORANGE,
-    "COUNTERCLOCKWISE": SKY,
-    "VIA_01": YELLOW,
-    "VIA_10": "#8F8F8F",
-    "OTHER": PURPLE,
+    Pathway.CLOCKWISE.value: ORANGE,
+    Pathway.COUNTERCLOCKWISE.value: SKY,
+    Pathway.VIA_01.value: YELLOW,
+    Pathway.VIA_10.value: "#8F8F8F",
 }
 
 STYLE: dict[Any, Any] = {
@@ -110,11 +112,24 @@ def blank(width: float, height: float) -> Figure:
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Axes at a place given in mm: nothing has to be laid out again when text is added."""
-    w, h = (25.4 * inches for inches in figure.get_size_inches())
+    w, h = size_of(figure)
     ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
     # Said aloud, because how many ticks fit is decided later, outside this style.
     ax.tick_params(labelsize=STYLE["xtick.labelsize"])
     return ax
+
+
+def size_of(figure: Figure) -> tuple[float, float]:
+    """Width and height of a figure [mm]."""
+    wide, high = (25.4 * inches for inches in figure.get_size_inches())
+    return float(wide), float(high)
+
+
+def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
+    """Text at a place of the figure given in mm, its foot there by default."""
+    width, height = size_of(figure)
+    look.setdefault("va", "bottom")
+    return figure.text(x / width, y / height, text, **look)
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
@@ -159,9 +174,16 @@ def root(ax: Axes) -> Figure:
 
 def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
     """Write a panel's name `gap` mm above its axes."""
-    height = 25.4 * root(ax).get_size_inches()[1]
+    height = size_of(root(ax))[1]
     box = ax.get_position()
     root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
+
+
+def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:
+    """Rows 0, 1, ... from the top, each with its name; `edge` rows beyond the first and last."""
+    ax.set_yticks(range(len(names)), names)
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(len(names) - 1 + edge, -edge)
 
 
 def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
@@ -176,6 +198,24 @@ def cell_colours(count: int) -> list[str]:
         return [_INNER]
     between = [_BETWEEN[i % len(_BETWEEN)] for i in range(count - 2)]
     return [_INNER, *between, _OUTER]
+
+
+def hollow(size: float, colour: ColorType = INK, **look: Any) -> dict[str, Any]:
+    """The look of a mark with a white face."""
+    return {"markersize": size, "markerfacecolor": "white", "markeredgecolor": colour} | look
+
+
+def on_white(pad: float = 0.1, alpha: float | None = None) -> dict[str, Any]:
+    """The ground of a text that lies on lines."""
+    box = {"boxstyle": f"square,pad={pad}", "facecolor": "white", "linewidth": 0}
+    return box if alpha is None else box | {"alpha": alpha}
+
+
+def on_black(*, wide: bool = False) -> dict[str, Any]:
+    """The look of a number in a black disc, or of several in a black box."""
+    shape = "round,pad=0.2" if wide else "circle,pad=0.15"
+    box = {"boxstyle": shape, "facecolor": BLACK, "linewidth": 0}
+    return {"color": "white", "fontweight": "bold", "bbox": box}
 
 
 def direction_colour(direction: float) -> str:

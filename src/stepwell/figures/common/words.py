@@ -42,3 +42,8 @@ def sequence_words(text: str, most: int) -> str:
     for (before, _), (way, cells) in pairwise([("", ""), *moves]):
         words += f" {cells}" if way == before else f", {way} {cells}"
     return words.removeprefix(", ")
+
+
+def minus(text: str) -> str:
+    """Numbers with a minus sign in place of every hyphen."""
+    return text.replace("-", "\N{MINUS SIGN}")

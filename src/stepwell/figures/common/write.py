@@ -38,18 +38,18 @@ def save(figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0) ->
     kinds = figure.canvas.get_supported_filetypes()
     if suffix.removeprefix(".") not in kinds:
         raise InputError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
-    buffer = io.BytesIO()
-    with mpl.rc_context(_VECTOR):
-        figure.savefig(
-            buffer, format=suffix.removeprefix("."), dpi=dpi, metadata=_UNDATED.get(suffix)
-        )
-    write_atomic(Path(file), buffer.getvalue())
+    write_atomic(Path(file), _drawn(figure, suffix, dpi))
 
 
 def svg(figure: Figure) -> str:
     """The figure as SVG text, without an XML declaration."""
-    buffer = io.StringIO()
-    with mpl.rc_context(_VECTOR):
-        figure.savefig(buffer, format="svg", dpi=200, metadata={"Date": None})
-    text = buffer.getvalue()
+    text = _drawn(figure, ".svg", 200.0).decode()
     return text[text.index("<svg") :]
+
+
+def _drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
+    buffer = io.BytesIO()
+    kind = suffix.removeprefix(".")
+    with mpl.rc_context(_VECTOR):
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata=_UNDATED.get(suffix))
+    return buffer.getvalue()

@@ -30,7 +30,7 @@ def heights(
     order: dict[float, list[str]] = {}
     for name in fixed:
         order.setdefault(columns[name], []).append(name)
-    sheet = _Sheet(columns, fixed, lines)
+    sheet = _Crossings(columns, fixed, lines)
     best, cost = _slots(order), np.inf
     for sweep in range(_SWEEPS):
         now = sheet.cost(_slots(order))
@@ -51,7 +51,7 @@ def _slots(order: Mapping[float, Sequence[str]]) -> dict[str, float]:
     }
 
 
-def _swap(sheet: _Sheet, order: dict[float, list[str]], cost: float) -> None:
+def _swap(sheet: _Crossings, order: dict[float, list[str]], cost: float) -> None:
     """Exchange two nodes of a column as long as that helps."""
     better = True
     while better:
@@ -67,7 +67,7 @@ def _swap(sheet: _Sheet, order: dict[float, list[str]], cost: float) -> None:
                         names[i], names[j] = names[j], names[i]
 
 
-class _Sheet:
+class _Crossings:
     """Nodes by number, so that a trial costs little."""
 
     def __init__(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stepwell.figures.common import COLUMN, PAGE
 from stepwell.figures.graphs.columns import heights
-from stepwell.figures.graphs.graph_reading import Folded, Way
+from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class Layout:
         at: (x, y) of the middle of every shown node.
     """
 
-    def __init__(self, reduced: Folded, cells: int):
+    def __init__(self, reduced: FoldedGraph, cells: int):
         self.width = COLUMN if cells <= NAMED else PAGE
         self._cells = cells
         self._lines = self._count_lines()
@@ -86,7 +86,7 @@ class Layout:
             return wide + 0.9, high + 0.7
         return (wide + 0.7, high + 0.2) if self._cells <= NAMED else (DOT, DOT)
 
-    def curve(self, way: Way) -> Array:
+    def curve(self, way: FoldedTransition) -> Array:
         """(n, 2) from the side of one node to the side of the next [mm]."""
         (x0, y0), (x1, y1) = self.at[way.source], self.at[way.target]
         shift = way.direction * _APART / 2

@@ -20,7 +20,7 @@ _SLIP = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class FoldedTransition:
     """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next.
 
     Attributes:
@@ -36,14 +36,14 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Folded:
+class FoldedGraph:
     """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
 
     shown: tuple[str, ...]
-    ways: tuple[Way, ...]
+    ways: tuple[FoldedTransition, ...]
 
 
-def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> Folded:
+def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
     """Fold every half-way node into the way that leads over it, if it offers no other.
 
     A snap that lands half-way between two vertices offers one: turning back there leads to a
@@ -62,18 +62,18 @@ def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> Folded:
     shown = [label for label in graph if "-" not in label or label in landings | keep]
     ways = _ways(graph, shown)
     shown = [v for v in shown if "-" not in v or v in keep or _offers_a_choice(v, ways)]
-    return Folded(tuple(shown), tuple(_ways(graph, shown)))
+    return FoldedGraph(tuple(shown), tuple(_ways(graph, shown)))
 
 
-def _offers_a_choice(label: str, ways: Sequence[Way]) -> bool:
+def _offers_a_choice(label: str, ways: Sequence[FoldedTransition]) -> bool:
     """Whether turning back there leads elsewhere than to where the chain came from."""
     out = {way.direction: way.target for way in ways if way.source == label}
     return any(out.get(-way.direction) != way.source for way in ways if way.target == label)
 
 
-def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[Way]:
+def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition]:
     known = set(shown)
-    found: list[Way] = []
+    found: list[FoldedTransition] = []
     for source in shown:
         for direction in (1, -1):
             label, snaps = source, False
@@ -81,7 +81,7 @@ def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[Way]:
                 label, transition = step
                 snaps = snaps or transition.kind is TransitionKind.SNAP
                 if label in known:
-                    found.append(Way(source, label, direction, snaps))
+                    found.append(FoldedTransition(source, label, direction, snaps))
                     break
     return found
 

@@ -6,14 +6,13 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import FancyBboxPatch, Patch, Polygon
+from matplotlib.patches import FancyBboxPatch, Polygon
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
-    BLACK,
     COLUMN,
     FAINT,
     INK,
@@ -23,12 +22,17 @@ from stepwell.figures.common import (
     YELLOW,
     blank,
     direction_colour,
+    hollow,
+    legends,
+    on_black,
+    on_white,
     pale,
     place,
+    plain,
     styled,
 )
 from stepwell.figures.graphs.graph_layout import DOT, NAMED, Layout, head
-from stepwell.figures.graphs.graph_reading import Folded, Way, folded, followed
+from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition, folded, followed
 
 if TYPE_CHECKING:
     from stepwell.sequences.graphs import TransitionGraph
@@ -70,16 +74,16 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
         )
     strokes = [] if program is None else followed(graph, program)
     reduced = folded(graph, [stroke[-1] for stroke in strokes])
-    return _Sheet(graph, reduced, strokes, program).figure
+    return _GraphFigure(graph, reduced, strokes, program).figure
 
 
-class _Sheet:
+class _GraphFigure:
     """One figure, laid out in mm."""
 
     def __init__(
         self,
         graph: TransitionGraph,
-        reduced: Folded,
+        reduced: FoldedGraph,
         strokes: Sequence[Sequence[str]],
         program: Program | None,
     ):
@@ -98,15 +102,13 @@ class _Sheet:
         columns = 2 if wide == COLUMN else 4
         self.figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
         ax = place(self.figure, 0.0, 0.0, wide, high)
-        ax.set_axis_off()
-        ax.set_xlim(0.0, wide)
-        ax.set_ylim(0.0, high)
+        plain(ax, (0.0, wide, 0.0, high))
         for way in reduced.ways:
             self._draw_way(ax, way)
         for label in reduced.shown:
             self._draw_node(ax, label)
         self._draw_turns(ax)
-        ax.legend(handles=key, loc="lower left", bbox_to_anchor=(0.015, 1.0), ncols=columns)
+        legends.above(ax, key, columns, bbox_to_anchor=(0.015, 1.0))
 
     def _between(self, strokes: Iterable[Sequence[str]]) -> set[tuple[str, str]]:
         """Pairs of shown labels that follow each other on these strokes."""
@@ -117,44 +119,24 @@ class _Sheet:
             for pair in pairwise(label for label in stroke if label in shown)
         }
 
-    def _draw_way(self, ax: Axes, way: Way) -> None:
+    def _draw_way(self, ax: Axes, way: FoldedTransition) -> None:
         curve = self.layout.curve(way)
-        colour = direction_colour(way.direction)
         known = way.source in self.reachable
+        colour = direction_colour(way.direction)
+        colour = colour if known else pale(colour)
         bold = (way.source, way.target) in self.loop_ways
-        width = _BOLD if bold else _THIN
         level = 2.0 + 2.0 * bold + known
         if (way.source, way.target) in self.program_ways:
             ax.plot(*curve.T, color=YELLOW, linewidth=_HALO, zorder=1, gid="program")
-        ax.plot(
-            *curve.T,
-            color=colour if known else pale(colour),
-            linewidth=width,
-            linestyle="-" if way.direction > 0 else (0, _DASHES),
-            solid_capstyle="butt",
-            dash_capstyle="butt",
-            zorder=level,
-            gid="loading" if way.direction > 0 else "unloading",
-        )
-        ax.add_patch(
-            Polygon(
-                head(curve, 1.5 + 0.5 * bold),
-                facecolor=colour if known else pale(colour),
-                linewidth=0,
-                zorder=level + 0.5,
-            )
-        )
+        dash, gid = ("-", "loading") if way.direction > 0 else ((0, _DASHES), "unloading")
+        look = {"color": colour, "linewidth": _BOLD if bold else _THIN, "linestyle": dash}
+        look |= {"solid_capstyle": "butt", "dash_capstyle": "butt"}
+        ax.plot(*curve.T, **look, zorder=level, gid=gid)
+        tip = head(curve, 1.5 + 0.5 * bold)
+        ax.add_patch(Polygon(tip, facecolor=colour, linewidth=0, zorder=level + 0.5))
         if way.snaps:
-            ax.plot(
-                *curve[len(curve) // 4],
-                "o",
-                markersize=3.2 if bold else 2.6,
-                markerfacecolor="white",
-                markeredgecolor=colour if known else pale(colour),
-                markeredgewidth=0.9,
-                zorder=level + 0.6,
-                gid="snaps",
-            )
+            look = hollow(3.2 if bold else 2.6, colour, markeredgewidth=0.9, gid="snaps")
+            ax.plot(*curve[len(curve) // 4], "o", **look, zorder=level + 0.6)
 
     def _draw_node(self, ax: Axes, label: str) -> None:
         (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
@@ -166,12 +148,13 @@ class _Sheet:
         ends = (self.strokes[0][0], self.strokes[-1][-1]) if self.strokes else ()
         garden, bold = label in self.gardens, label in self.in_loop
         if "-" not in label:
+            shape = "square,pad=0" if garden else "round,pad=0,rounding_size=1.2"
             ax.add_patch(
                 FancyBboxPatch(
                     (x - half, y - high),
                     2 * half,
                     2 * high,
-                    boxstyle="square,pad=0" if garden else "round,pad=0,rounding_size=1.2",
+                    boxstyle=shape,
                     facecolor=YELLOW if label in ends else _FILL if known else "white",
                     edgecolor=ORANGE if garden else INK if known else FAINT,
                     linewidth=1.3 if bold or garden else 0.7,
@@ -192,7 +175,7 @@ class _Sheet:
             zorder=9,
         )
         if "-" in label:
-            text.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0})
+            text.set_bbox(on_white())
 
     def _draw_turns(self, ax: Axes) -> None:
         """Numbers at the turning points of the program."""
@@ -201,54 +184,36 @@ class _Sheet:
             numbers.setdefault(stroke[-1], []).append(str(k))
         for label, turns in numbers.items():
             (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
+            # At the corner of a box, above a dot.
+            boxed = "-" not in label
+            many = len(turns) > 1
             ax.text(
-                # At the corner of a box, above a dot.
-                x + (half + 0.6 if "-" not in label else 0.0),
-                y + high + (1.2 if "-" not in label else 1.9),
+                x + (half + 0.6 if boxed else 0.0),
+                y + high + (1.2 if boxed else 1.9),
                 ",".join(turns),
-                ha="left" if len(turns) > 1 and "-" not in label else "center",
+                ha="left" if many and boxed else "center",
                 va="center_baseline",
-                color="white",
-                fontweight="bold",
-                bbox={
-                    "boxstyle": "circle,pad=0.15" if len(turns) == 1 else "round,pad=0.2",
-                    "facecolor": BLACK,
-                    "linewidth": 0,
-                },
                 zorder=10,
                 gid="turn",
+                **on_black(wide=many),
             )
 
-    def _key(self, program: Program | None) -> list[Line2D | Patch]:
+    def _key(self, program: Program | None) -> list[Artist]:
         """What the marks mean, as far as they occur."""
         ways = self.reduced.ways
-        key: list[Line2D | Patch] = [
-            Line2D([], [], color=LOADING, linewidth=1.2, label="loading"),
-            Line2D(
-                [], [], color=UNLOADING, linewidth=1.2, linestyle=(0, _DASHES), label="unloading"
-            ),
-            Line2D([], [], color=INK, linewidth=_BOLD, label="main loop"),
+        key: list[Artist] = [
+            legends.line("loading", LOADING, 1.2),
+            legends.line("unloading", UNLOADING, 1.2, linestyle=(0, _DASHES)),
+            legends.line("main loop", width=_BOLD),
         ]
         if any(way.snaps for way in ways):
-            key.append(
-                Line2D(
-                    [],
-                    [],
-                    color=INK,
-                    linewidth=_THIN,
-                    marker="o",
-                    markersize=3.2,
-                    markerfacecolor="white",
-                    markeredgewidth=0.9,
-                    label="snap",
-                )
-            )
+            look = hollow(3.2, marker="o", markeredgewidth=0.9)
+            key.append(legends.line("snap", width=_THIN, **look))
         if any("-" in label for label in self.reduced.shown):
-            dot = Line2D([], [], linestyle="none", marker="o", markersize=4.2, color=INK)
-            dash = Line2D([], [], linestyle="none", marker="_", markersize=4.2, color=_GREY)
-            handle = dash if self.cells <= NAMED else dot
-            handle.set_label("cell half-way" if self.cells <= NAMED else "half-way state")
-            key.append(handle)
+            if self.cells <= NAMED:
+                key.append(legends.mark("cell half-way", "_", 4.2, color=_GREY))
+            else:
+                key.append(legends.mark("half-way state", size=4.2))
         aside = set(self.reduced.shown) - self.reachable
         zero = "0" * self.cells
         if {label for label in aside if "-" not in label} - self.gardens:
@@ -257,9 +222,9 @@ class _Sheet:
             key.append(_box(ORANGE, 1.3, "Garden of Eden"))
         if program is not None:
             label = f"program, {program.start} to {program.to}"
-            key.append(Line2D([], [], color=YELLOW, linewidth=_HALO, label=label))
+            key.append(legends.line(label, YELLOW, _HALO))
         return key
 
 
-def _box(edge: str, width: float, label: str) -> Patch:
-    return Patch(facecolor="white", edgecolor=edge, linewidth=width, linestyle=_ASIDE, label=label)
+def _box(edge: str, width: float, label: str) -> Artist:
+    return legends.shade(label, "white", edgecolor=edge, linewidth=width, linestyle=_ASIDE)

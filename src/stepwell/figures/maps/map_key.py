@@ -9,7 +9,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.figures.common import FAINT, INK, literal, root, wrapped
+from stepwell.figures.common import FAINT, INK, literal, plain, root, size_of, wrapped
 
 # Distance of two lines of text, and what a row has in addition [mm].
 _LINE, _GAP = 3.1, 1.5
@@ -43,11 +43,9 @@ class Key:
 
     def draw(self, ax: Axes) -> None:
         """Write the rows into axes, from the top."""
-        box = ax.get_position()
-        wide, high = 25.4 * root(ax).get_size_inches() * (box.width, box.height)
-        ax.set_axis_off()
-        ax.set_xlim(0.0, wide)
-        ax.set_ylim(0.0, high)
+        box, (wide, high) = ax.get_position(), size_of(root(ax))
+        wide, high = wide * box.width, high * box.height
+        plain(ax, (0.0, wide, 0.0, high))
         y = high - _EDGE
         for row, lines in self._rows:
             middle = y - _LINE / 2
@@ -59,12 +57,9 @@ class Key:
                 if row.mark:
                     badge(ax, sum(ends) / 2, middle, row.mark, colour)
             else:
-                ax.add_patch(
-                    Rectangle(
-                        (1.5, middle - 1.7), 4.4, 3.4, facecolor=row.shade or "white",
-                        edgecolor=FAINT, linewidth=0.5, hatch="/////" if row.hatched else None,
-                    )
-                )  # fmt: skip
+                look = {"facecolor": row.shade or "white", "edgecolor": FAINT, "linewidth": 0.5}
+                hatch = "/////" if row.hatched else None
+                ax.add_patch(Rectangle((1.5, middle - 1.7), 4.4, 3.4, **look, hatch=hatch))
                 ax.text(3.7, middle, row.mark, ha="center", va="center_baseline", weight="bold")
             for line in lines:
                 ax.text(_SAMPLE, y - _LINE / 2, literal(line), va="center_baseline", color=INK)
@@ -74,6 +69,7 @@ class Key:
 
 def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
     """A number on a curve."""
+    box = {"boxstyle": "circle,pad=0.12", "facecolor": "white", "edgecolor": colour}
     return ax.text(
         x,
         y,
@@ -82,12 +78,7 @@ def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
         va="center_baseline",
         color=colour,
         fontweight="bold",
-        bbox={
-            "boxstyle": "circle,pad=0.12",
-            "facecolor": "white",
-            "edgecolor": colour,
-            "linewidth": 0.8,
-        },
+        bbox=box | {"linewidth": 0.8},
         zorder=8,
         gid="number",
     )

@@ -11,6 +11,8 @@ from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType
 from numpy.typing import NDArray
 
+from stepwell.figures.common import on_white
+
 
 def name_regions(
     ax: Axes,
@@ -41,27 +43,16 @@ def name_regions(
     for region in range(1, count + 1):
         part = np.pad(number == region, 1)
         for form in forms:
-            text = ax.text(
-                0,
-                0,
-                form,
-                ha="center",
-                va="center",
-                fontweight="bold",
-                fontsize=7,
-                linespacing=0.95,
-            )
+            look = {"fontweight": "bold", "fontsize": 7, "linespacing": 0.95}
+            text = ax.text(0, 0, form, ha="center", va="center", **look)
             box = text.get_window_extent()
             # Text is wider than high: a region's best place is where that shape fits best.
-            depth = np.asarray(
-                ndimage.distance_transform_edt(
-                    part, sampling=(per_y / box.height, per_x / box.width)
-                )
-            )
+            shape = (per_y / box.height, per_x / box.width)
+            depth = np.asarray(ndimage.distance_transform_edt(part, sampling=shape))
             row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
             if float(depth[row, column]) >= 0.55:
                 text.set_position((float(x[column - 1]), float(y[row - 1])))
-                text.set_bbox({"boxstyle": "square,pad=0.15", "facecolor": shade, "linewidth": 0})
+                text.set_bbox(on_white(0.15) | {"facecolor": shade})
                 written.append(text.get_window_extent())
                 break
             text.remove()

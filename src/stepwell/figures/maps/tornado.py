@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from stepwell.base import ByValue, InputError
 from stepwell.figures.common import (
@@ -20,7 +20,10 @@ from stepwell.figures.common import (
     PAGE,
     SKY,
     blank,
+    legends,
     literal,
+    minus,
+    name_rows,
     pale,
     place,
     root,
@@ -28,6 +31,7 @@ from stepwell.figures.common import (
 )
 
 LOW, HIGH = SKY, ORANGE
+_MISSING: dict[str, Any] = {"markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.5}
 _ROW, _HEAD, _FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
 
 
@@ -98,66 +102,39 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
         bottom -= _HEAD + high
         for k, one in enumerate(row):
             own = _ROW * len(one.effects)
-            ax = place(
-                figure, k * PAGE / columns + 2.0, bottom + high - own, PAGE / columns - 7.0, own
-            )
-            _bars(ax, one, k * PAGE / columns)
+            left = k * PAGE / columns
+            ax = place(figure, left + 2.0, bottom + high - own, PAGE / columns - 7.0, own)
+            _bars(ax, one, left)
         bottom -= _FOOT
-    handles: list[Patch | Line2D] = [
-        Patch(facecolor=LOW, label="at the low value"),
-        Patch(facecolor=HIGH, label="at the high value"),
+    handles: list[Artist] = [
+        legends.shade("at the low value", LOW),
+        legends.shade("at the high value", HIGH),
     ]
     if any(one.target for one in shown):
-        handles.append(Patch(facecolor=pale(GREEN, 0.7), label="target"))
+        handles.append(legends.shade("target", pale(GREEN, 0.7)))
     if any(math.isinf(effect.span) for one in shown for effect in one.effects):
-        handles.append(
-            Line2D(
-                [],
-                [],
-                linestyle="none",
-                marker="X",
-                markersize=5.5,
-                color="white",
-                markeredgecolor=INK,
-                markeredgewidth=0.5,
-                label="no result",
-            )
-        )
-    figure.legend(
-        handles=handles, loc="upper left", ncols=4, bbox_to_anchor=(2.0 / PAGE, 1 - 1.5 / height)
-    )
+        handles.append(legends.mark("no result", "X", **_MISSING, color="white"))
+    legends.on_top(figure, handles, 2.0, columns=4)
     return figure
 
 
 def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     effects = sorted(one.effects, key=lambda effect: -effect.span)
     for i, effect in enumerate(effects):
-        for value, colour, name in ((effect.at_low, LOW, "low"), (effect.at_high, HIGH, "high")):
+        # Two bars to one side of the nominal value lie on halves of the lane.
+        same_side = (effect.at_low - one.nominal) * (effect.at_high - one.nominal) > 0
+        tall = 0.38 if same_side else 0.76
+        for value, colour, name, off in (
+            (effect.at_low, LOW, "low", -0.2),
+            (effect.at_high, HIGH, "high", 0.2),
+        ):
             if math.isfinite(value):
-                # Two bars to one side of the nominal value lie on halves of the lane.
-                same_side = (effect.at_low - one.nominal) * (effect.at_high - one.nominal) > 0
-                offset = (-0.2 if name == "low" else 0.2) if same_side else 0.0
-                ax.barh(
-                    i + offset,
-                    value - one.nominal,
-                    left=one.nominal,
-                    height=0.38 if same_side else 0.76,
-                    color=colour,
-                    zorder=2,
-                    gid=f"{name} {effect.parameter}",
-                )
+                look = {"color": colour, "zorder": 2, "gid": f"{name} {effect.parameter}"}
+                row, wide = i + off * same_side, value - one.nominal
+                ax.barh(row, wide, left=one.nominal, height=tall, **look)
             else:
-                ax.plot(
-                    [one.nominal],
-                    [i + (-0.2 if name == "low" else 0.2)],
-                    "X",
-                    color=colour,
-                    markersize=5.5,
-                    markeredgecolor=INK,
-                    markeredgewidth=0.5,
-                    zorder=4,
-                    gid="missing",
-                )
+                look = _MISSING | {"color": colour, "zorder": 4, "gid": "missing"}
+                ax.plot(one.nominal, i + off, "X", **look)
     ax.axvline(one.nominal, color=INK, linewidth=0.8, zorder=3, gid="nominal")
     results = [v for e in effects for v in (e.at_low, e.at_high, one.nominal) if math.isfinite(v)]
     results += one.target or ()
@@ -166,10 +143,9 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     ax.set_xlim(low - room, high + room)
     if one.target:
         ax.axvspan(*one.target, color=pale(GREEN, 0.7), linewidth=0, zorder=0, gid="target")
-    ax.set_ylim(len(effects) - 0.5, -0.5)
-    names = [f"{literal(e.parameter)}  {_number(e.low)} to {_number(e.high)}" for e in effects]
-    ax.set_yticks(range(len(effects)), names)
-    ax.tick_params(axis="y", length=0)
+    ends = [minus(f"{effect.low:.4g} to {effect.high:.4g}") for effect in effects]
+    names = [f"{literal(e.parameter)}  {each}" for e, each in zip(effects, ends, strict=True)]
+    name_rows(ax, names)
     ax.locator_params(axis="x", nbins=4)
     ax.set_xlabel(one.result, loc="right")
     ax.spines[["top", "right", "left"]].set_visible(False)
@@ -184,7 +160,3 @@ def _make_room(ax: Axes, left: float) -> None:
     if box is not None:
         missing = (left + 1.0) / PAGE - box.x0 / root(ax).bbox.width
         ax.set_position((place.x0 + missing, place.y0, place.width - missing, place.height))
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")

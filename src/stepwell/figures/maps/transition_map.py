@@ -33,6 +33,7 @@ from stepwell.figures.common import (
     blank,
     keep_inside,
     literal,
+    on_white,
     pale,
     place,
     root,
@@ -81,14 +82,8 @@ _EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no an
 
 
 _PATHWAYS = {pathway.value: pathway for pathway in Pathway}
-_DESIGN: dict[str, Any] = {
-    "markersize": 4.6,
-    "markerfacecolor": BLACK,
-    "markeredgecolor": "white",
-    "markeredgewidth": 0.7,
-    "zorder": 8,
-    "clip_on": False,
-}
+_DESIGN: dict[str, Any] = {"markersize": 4.6, "color": BLACK, "zorder": 8, "clip_on": False}
+_DESIGN |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
 
 
 class _Axis(NamedTuple):
@@ -142,15 +137,13 @@ def transition_map(
     ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
     _draw_shades(ax, x, y, regions)
     _draw_hatches(ax, x, y, dataset["monostable"].to_numpy())
-    ax.set_xlabel(x.name)
-    ax.set_ylabel(y.name)
+    ax.set(xlabel=x.name, ylabel=y.name)
     keep_inside(ax)
 
     taken = _draw_curves(ax, curves, (x.scale, y.scale))
-    marks = [
-        Label(a * x.scale, b * y.scale, literal(name)) for name, (a, b) in (designs or {}).items()
-    ]
-    for mark in marks:
+    marks: list[Label] = []
+    for name, (a, b) in (designs or {}).items():
+        marks.append(mark := Label(a * x.scale, b * y.scale, literal(name)))
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
         taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
@@ -161,9 +154,7 @@ def transition_map(
             inside = region.inside & free
             taken += name_regions(ax, x.values, y.values, inside, forms, region.shade)
     for text in beside(ax, marks, keep_clear=taken):
-        text.set_bbox(
-            {"boxstyle": "round,pad=0.12", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
-        )
+        text.set_bbox(on_white(0.12, 0.8))
     key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
     return figure
 
@@ -202,20 +193,20 @@ def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
     return float(np.clip(ratio, 0.6, 1.5))
 
 
+def _nodes(dataset: Dataset) -> list[tuple[str, NDArray[np.bool_]]]:
+    """Every sequence, or lack of one, that occurs, and (ny, nx) at which nodes."""
+    codes, notes = dataset["sequence"].to_numpy(), dataset["sequence"].attrs
+    names = str(notes["flag_meanings"]).split()
+    pairs = zip(names, np.atleast_1d(notes["flag_values"]).tolist(), strict=True)
+    return [(name, inside) for name, value in pairs if np.any(inside := codes == value)]
+
+
 def _regions(dataset: Dataset) -> list[_Region]:
     """Every sequence that occurs, by its pathway or a letter; the smallest ones without a name.
 
     Letters run out after Z.
     """
-    codes = dataset["sequence"].to_numpy()
-    notes = dataset["sequence"].attrs
-    values = np.atleast_1d(notes["flag_values"]).tolist()
-    names = str(notes["flag_meanings"]).split()
-    present = [
-        (name, codes == value)
-        for name, value in zip(names, values, strict=True)
-        if name not in _EMPTY and np.any(codes == value)
-    ]
+    present = [pair for pair in _nodes(dataset) if pair[0] not in _EMPTY]
     present.sort(key=lambda item: -int(np.sum(item[1])))
     shades = _shades([name for name, _ in present], [inside for _, inside in present])
     letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
@@ -229,19 +220,14 @@ def _regions(dataset: Dataset) -> list[_Region]:
 
 def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[ColorType]:
     """A pale colour for each region, no two neighbours with the same one if that can be."""
-    if all(name in _PATHWAYS for name in names):
-        return [pale(PATHWAY[_PATHWAYS[name].name]) for name in names]
-    touching = np.zeros((len(parts),) * 2, bool)
-    for i, a in enumerate(parts):
-        wide = a.copy()
-        wide[1:] |= a[:-1]
-        wide[:-1] |= a[1:]
-        wide[:, 1:] |= a[:, :-1]
-        wide[:, :-1] |= a[:, 1:]
-        touching[i] = [bool(np.any(wide & b)) for b in parts]
+    from scipy import ndimage
+
+    if all(name in PATHWAY for name in names):
+        return [pale(PATHWAY[name]) for name in names]
     chosen: list[int] = []
-    for i in range(len(parts)):
-        near = [chosen[j] for j in range(i) if touching[i, j]]
+    for i, part in enumerate(parts):
+        wide = np.asarray(ndimage.binary_dilation(part), bool)
+        near = [chosen[j] for j in range(i) if np.any(wide & parts[j])]
         counts = [(k in near, chosen.count(k), k) for k in range(len(_SHADES))]
         chosen.append(min(counts)[2])
     return [pale(_SHADES[k]) for k in chosen]
@@ -275,11 +261,7 @@ def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> li
     rows += [Row(curve.number, curve.words, line=curve.line) for curve in curves]
     if np.any(dataset["monostable"]):
         rows.append(Row("", f"{dataset.attrs['moved_cell']} monostable", hatched=True))
-    codes = dataset["sequence"]
-    names = str(codes.attrs["flag_meanings"]).split()
-    for name, value in zip(names, np.atleast_1d(codes.attrs["flag_values"]), strict=True):
-        if name in _EMPTY and np.any(codes.to_numpy() == value):
-            rows.append(Row("", _EMPTY[name]))
+    rows += [Row("", _EMPTY[name]) for name, _ in _nodes(dataset) if name in _EMPTY]
     return rows
 
 
@@ -296,33 +278,20 @@ def _draw_shades(ax: Axes, x: _Axis, y: _Axis, regions: Sequence[_Region]) -> No
     for k, region in enumerate(regions):
         number[region.inside] = k
     ax.set_facecolor("white")
-    ax.pcolormesh(
-        x.values,
-        y.values,
-        np.ma.masked_invalid(number),
-        cmap=ListedColormap([region.shade for region in regions] or ["white"]),
-        vmin=-0.5,
-        vmax=max(len(regions), 1) - 0.5,
-        shading="nearest",
-        rasterized=True,
-    )
-    for axis, set_scale, set_limits in (
-        (x, ax.set_xscale, ax.set_xlim),
-        (y, ax.set_yscale, ax.set_ylim),
-    ):
-        if axis.is_log:
-            set_scale("log")
-        set_limits(axis.values[0], axis.values[-1])
+    shades = ListedColormap([region.shade for region in regions] or ["white"])
+    look = {"vmin": -0.5, "vmax": max(len(regions), 1) - 0.5, "shading": "nearest"}
+    shown = np.ma.masked_invalid(number)
+    ax.pcolormesh(x.values, y.values, shown, cmap=shades, rasterized=True, **look)
+    for name, axis in (("x", x), ("y", y)):
+        scale = "log" if axis.is_log else "linear"
+        ax.set(**{f"{name}scale": scale, f"{name}lim": axis.values[[0, -1]]})
 
 
 def _draw_hatches(ax: Axes, x: _Axis, y: _Axis, monostable: NDArray[np.bool_]) -> None:
     if np.any(monostable) and min(monostable.shape) > 1:
-        shown = monostable.astype(float)
-        hatches = ax.contourf(
-            x.values, y.values, shown, [0.5, 1.5], colors="none", hatches=["////"]
-        )
-        hatches.set_edgecolor(FAINT)
-        hatches.set_linewidth(0.0)
+        look = {"colors": "none", "hatches": ["////"]}
+        hatches = ax.contourf(x.values, y.values, monostable.astype(float), [0.5, 1.5], **look)
+        hatches.set(edgecolor=FAINT, linewidth=0.0)
 
 
 def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]) -> list[Bbox]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from stepwell.figures.common import (
     COLUMN,
@@ -19,6 +18,7 @@ from stepwell.figures.common import (
     VERMILLION,
     blank,
     cell_colours,
+    legends,
     literal,
     name_panel,
     pale,
@@ -26,7 +26,9 @@ from stepwell.figures.common import (
     root,
     sequence_words,
     shortened,
+    size_of,
     styled,
+    text_at,
 )
 
 if TYPE_CHECKING:
@@ -74,8 +76,8 @@ def yield_bars(result: Yield) -> Figure:
         left = COLUMN + 8.0 + 1.6 * max(len(name) for name in names)
         ax = place(figure, left, height - _HEAD - rows, PAGE - left - 5.0, rows)
         _draw_parts(ax, result, parts)
-        x, y = (COLUMN + 6.0) / PAGE, 1.0 - (_HEAD - 1.5) / height
-        figure.text(x, y, "Whose tolerance counts", fontweight="bold", va="bottom")
+        look = {"fontweight": "bold"}
+        text_at(figure, COLUMN + 6.0, height - _HEAD + 1.5, "Whose tolerance counts", **look)
     return figure
 
 
@@ -98,9 +100,8 @@ def _lines(text: str) -> list[str]:
 
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
     """A bar under the name of each outcome; the interval of the wanted one."""
-    figure = root(ax)
     ax.set_xlim(0.0, 100.0)
-    ax.set_ylim(25.4 * figure.get_size_inches()[1] * ax.get_position().height, 0.0)
+    ax.set_ylim(size_of(root(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:
@@ -108,18 +109,14 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
             y += _LINE
         middle = y + _BAR / 2
         ax.barh(middle, 100.0 * share, _BAR, color=pale(colour, 0.3), linewidth=0, gid="outcomes")
-        words = percent(share)
+        words = _percent(share)
         if k == 0:
             low, high = (100.0 * bound for bound in result.interval)
             ax.plot([low, high], [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
-            words += f" ({percent(low / 100)} to {percent(high / 100)}) as wanted"
-        ax.text(
-            2.0 if k == 0 or share > 0.5 else 100.0 * share + 2.0,
-            middle,
-            words,
-            va="center_baseline",
-            fontweight="bold" if k == 0 else "normal",
-        )
+            words += f" ({_percent(low / 100)} to {_percent(high / 100)}) as wanted"
+        x = 2.0 if k == 0 or share > 0.5 else 100.0 * share + 2.0
+        weight = "bold" if k == 0 else "normal"
+        ax.text(x, middle, words, va="center_baseline", fontweight=weight)
         y += _BAR + _GAP
     ax.set_yticks([])
     _bare(ax)
@@ -140,28 +137,21 @@ def _draw_parts(ax: Axes, result: Yield, parts: Sequence[int]) -> None:
     names = result.chain.names
     tall = len(parts) * (_BAR + _GAP)
     colours = dict(zip(names, cell_colours(len(names)), strict=True))
-    for k, i in enumerate(parts):
-        name = table.parameters[i]
-        colour = colours.get(name.rpartition(".")[0], INK)
-        middle = k * (_BAR + _GAP) + _BAR / 2 + _GAP / 2
+    middles = [k * (_BAR + _GAP) + (_BAR + _GAP) / 2 for k in range(len(parts))]
+    for middle, i in zip(middles, parts, strict=True):
+        colour = colours.get(table.parameters[i].rpartition(".")[0], INK)
         for share, shade, gid in (
             (table.total[i], pale(colour), "total"),
             (table.first_order[i], colour, "first order"),
         ):
             # An index near zero may come out below it.
             ax.barh(middle, max(0.0, float(share)), _BAR, color=shade, linewidth=0, gid=gid)
-    ax.set_yticks(
-        [k * (_BAR + _GAP) + _BAR / 2 + _GAP / 2 for k in range(len(parts))],
-        [literal(table.parameters[i]) for i in parts],
-    )
+    ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
     ax.set_ylim(tall, 0.0)
     ax.set_xlim(0.0, 1.05 * max(0.05, float(np.max(table.total))))
     _bare(ax)
     ax.set_xlabel("Share of the variance of the smallest gap")
-    handles = [
-        Patch(facecolor=INK, label="by itself"),
-        Patch(facecolor=pale(INK), label="with others"),
-    ]
+    handles = [legends.shade("by itself", INK), legends.shade("with others", pale(INK))]
     ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
 
 
@@ -171,7 +161,7 @@ def _bare(ax: Axes) -> None:
     ax.tick_params(axis="y", length=0.0)
 
 
-def percent(share: float) -> str:
+def _percent(share: float) -> str:
     """With enough digits that 99.99 % does not look certain."""
     decimals = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
     return f"{100.0 * share:.{decimals}f} %".replace(".0000 %", " %")

@@ -2,5 +2,4 @@
 
 from stepwell.figures.measured.band_test import band_laws
 from stepwell.figures.measured.calibration import calibration
-from stepwell.figures.measured.measured_cells import measured_energies, measured_forces
-from stepwell.figures.measured.measured_pairs import measured_pairs
+from stepwell.figures.measured.measured import measured_energies, measured_forces, measured_pairs

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from stepwell.figures.common import (
     BLACK,
     BLUE,
     FAINT,
     GREEN,
+    MM,
     ORANGE,
     PAGE,
     PURPLE,
     VERMILLION,
     blank,
+    legends,
     marks,
     pale,
     place,
@@ -30,6 +35,8 @@ _LOOKS = {
     "Ogden": (VERMILLION, (0, (1, 1))),
     "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
 }
+
+_WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
 
 @styled
@@ -52,15 +59,12 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         for u, force in ((loop.stroke, loop.force), (loop.back_stroke, loop.back_force)):
             colour = GREEN if mine else pale(FAINT, 0.4)
             step = max(1, len(u) // 400)
-            left.plot(u[::step] * 1e3, force[::step], color=colour, linewidth=0.7)
+            left.plot(u[::step] * MM, force[::step], color=colour, linewidth=0.7)
     for edge in test.window:
-        left.axvline(edge * 1e3, color=FAINT, linewidth=0.7, linestyle=(0, (2, 2)))
-    left.set_xlabel("Stroke of the grips [mm]")
-    left.set_ylabel("Tension [N]")
-    left.plot([], [], color=GREEN, label="used")
-    left.plot([], [], color=pale(FAINT, 0.4), label="not used")
-    left.plot([], [], color=FAINT, linestyle=(0, (2, 2)), linewidth=0.7, label="window")
-    left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3)
+        left.axvline(edge * MM, **_WINDOW)
+    left.set(xlabel="Stroke of the grips [mm]", ylabel="Tension [N]")
+    handles = [legends.line("used", GREEN), legends.line("not used", pale(FAINT, 0.4))]
+    legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
 
     right = place(figure, 98.0, 11.0, 78.0, 55.0)
     marks.zero_line(right)
@@ -69,18 +73,11 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     force = np.mean([np.interp(stroke, u, f) for u, f in curves], axis=0)
     for candidate in choice.candidates:
         colour, dash = _LOOKS[candidate.law.name]
-        right.plot(
-            stroke * 1e3,
-            (force - candidate.fitted.tension(stroke)) * 1e3,
-            color=colour,
-            linestyle=dash,
-            linewidth=2.0 if candidate is choice.chosen else 1.0,
-            label=candidate.law.name + (" (chosen)" if candidate is choice.chosen else ""),
-        )
-    right.set_xlabel("Stroke of the grips [mm]")
-    right.set_ylabel("Measured less law [mN]")
+        residual = (force - candidate.fitted.tension(stroke)) * MM
+        name, wide = (" (chosen)", 2.0) if candidate is choice.chosen else ("", 1.0)
+        look = {"color": colour, "linestyle": dash, "linewidth": wide}
+        right.plot(stroke * MM, residual, **look, label=candidate.law.name + name)
+    right.set(xlabel="Stroke of the grips [mm]", ylabel="Measured less law [mN]")
     right.margins(y=0.1)
-    right.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=3, columnspacing=1.0, handlelength=2.4
-    )
+    legends.above(right, columnspacing=1.0, handlelength=2.4)
     return figure

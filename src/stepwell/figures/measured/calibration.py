@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from stepwell.figures.common import BLUE, FAINT, INK, PAGE, VERMILLION, blank, place, styled
+from stepwell.figures.common import (
+    BLUE,
+    FAINT,
+    INK,
+    PAGE,
+    VERMILLION,
+    blank,
+    legends,
+    mm_pair,
+    place,
+    styled,
+)
+from stepwell.figures.measured.measured import bands_words
 from stepwell.lab import Calibration
 
 _SYMBOLS = {
@@ -37,27 +49,20 @@ def calibration(result: Calibration) -> Figure:
     left = place(figure, 24.0, 11.0, 64.0, tall - 20.0)
     for n, bands in enumerate(result.counts):
         colour, mark = (BLUE, VERMILLION)[n % 2], _MARKS[n % len(_MARKS)]
-        rows = [
-            (geometries.index(s.geometry), fit, out)
-            for s, fit, out in zip(
-                result.samples, result.fit_error, result.left_out_error, strict=True
-            )
-            if s.bands == bands
-        ]
-        place_of = np.array([row[0] for row in rows]) + 0.12 * (n - (len(result.counts) - 1) / 2)
-        name = "1 band" if bands == 1 else f"{bands} bands"
+        at = [k for k, sample in enumerate(result.samples) if sample.bands == bands]
+        off = 0.12 * (n - (len(result.counts) - 1) / 2)
+        rows = [geometries.index(result.samples[k].geometry) + off for k in at]
+        name = bands_words(bands)
         style = {"linestyle": "none", "marker": mark, "markersize": 4.0, "color": colour}
-        left.plot(
-            [r[1] for r in rows], place_of, markerfacecolor="white", label=f"{name}, fit", **style
-        )
-        left.plot([r[2] for r in rows], place_of, label=f"{name}, left out", **style)
-    left.set_yticks(range(len(geometries)), [_mm(geometry) for geometry in geometries])
-    left.set_ylabel("$d = q - p$ [mm]")
-    left.set_xlabel("RMSE [$kr$]")
+        fit, left_out = np.array(result.fit_error)[at], np.array(result.left_out_error)[at]
+        left.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)
+        left.plot(left_out, rows, label=f"{name}, left out", **style)
+    left.set_yticks(range(len(geometries)), [*map(mm_pair, geometries)])
+    left.set(xlabel="RMSE [$kr$]", ylabel="$d = q - p$ [mm]")
     left.set_xlim(left=0.0)
     left.grid(axis="y", color=FAINT, linewidth=0.3)
     left.invert_yaxis()
-    left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2, columnspacing=1.0)
+    legends.above(left, columns=2, columnspacing=1.0)
 
     names = [_symbol(p.name) for p in result.parameters]
     side = min(60.0, tall - 24.0)
@@ -81,8 +86,3 @@ def calibration(result: Calibration) -> Figure:
 def _symbol(name: str) -> str:
     stem, _, count = name.rpartition("_")
     return f"$k_{{{count}}}$" if stem == "stiffness" else _SYMBOLS[name]
-
-
-def _mm(geometry: tuple[float, float]) -> str:
-    x, y = (f"{1e3 * v:g}".replace("-", "\N{MINUS SIGN}") for v in geometry)
-    return f"({x}, {y})"

@@ -6,17 +6,18 @@ import io
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from stepwell.base import InputError, require, write_atomic
-from stepwell.figures.cells import MOST_CELLS, Drawing, Linkage, ground
+from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
     INK,
@@ -25,10 +26,13 @@ from stepwell.figures.common import (
     blank,
     cell_colours,
     literal,
+    minus,
     path_of,
     place,
+    plain,
     snaps_of,
     styled,
+    text_at,
 )
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
@@ -139,9 +143,8 @@ class _Frame(NamedTuple):
 def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
     """What to show in each of `count` frames."""
     snaps = snaps_of(path)
-    drive = np.asarray(path.drive, float)
-    moving = np.abs(np.diff(drive))
-    way = np.concatenate([[0.0], np.cumsum(moving)])
+    plan = plan_of(path)
+    moving = np.diff(plan.way)
     turns = np.flatnonzero(np.diff(np.sign(path.direction)))
     # Snaps and rests never take more than half of the time.
     pauses = _SNAP_SECONDS * len(snaps) + _REST_SECONDS * (len(turns) + 1)
@@ -163,7 +166,7 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
             part = part * part * (3.0 - 2.0 * part)
         travels, force, u, w = (
             column[i] + part * (column[j] - column[i])
-            for column in (path.travel, path.force, drive, way)
+            for column in (path.travel, path.force, plan.drive, plan.way)
         )
         frames.append(_Frame(travels, float(force), snap, float(u), float(w)))
     return frames
@@ -179,11 +182,9 @@ class _Scene:
         # A cycle goes up and down once; all else has a plan worth showing.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
         windows = windows_of(result) if isinstance(result, Program) else []
-        self.linkage = Linkage(self.chain)
+        self.linkage = LinkageDrawing(self.chain)
         samples = path.travel[:: max(1, len(path.travel) // 120)]
-        edges = np.array([self.linkage.pose(t).bounds for t in samples])
-        left, bottom = edges[:, :2].min(axis=0) - 0.002
-        right, top = edges[:, 2:].max(axis=0) + 0.002
+        left, bottom, right, top = self.linkage.bounds(samples, 0.002)
         left = min(left, -2.2 * self.linkage.reach)
         wide, high = (right - left) * MM, (top - bottom) * MM
 
@@ -195,19 +196,15 @@ class _Scene:
             size, stage = (160.0, 88.0 + drawn), (2.0, 71.0, 156.0, drawn)
             plot = (16.0, 12.0, 140.0, 48.0)
         size = (size[0], size[1] + below)
-        stage = (stage[0], stage[1] + below, *stage[2:])
-        plot = (plot[0], plot[1] + below, *plot[2:])
+        stage, plot = ((left, at + below, *rest) for left, at, *rest in (stage, plot))
         self.figure: Figure = blank(*size)
         self.figure.set_dpi(_DPI)
         self.two = len(self.chain) == 2
         self.plot = place(self.figure, *plot)
         (landscape if self.two else force_stroke)(path, ax=self.plot)
-        self.plan = self._draw_plan(path, windows, plot[0] + plot[2]) if below else None
 
-        ax: Axes = place(self.figure, *stage)
-        ax.set_axis_off()
-        ax.set_xlim(0, stage[2])
-        ax.set_ylim(0, stage[3])
+        ax = place(self.figure, *stage)
+        plain(ax, (0.0, stage[2], 0.0, stage[3]))
         scale = min(stage[2] / wide, stage[3] / high)
         origin = (
             (stage[2] - wide * scale) / 2 - left * MM * scale,
@@ -217,40 +214,32 @@ class _Scene:
         self.drawing = Drawing(ax, self.linkage, origin, scale * MM, weight)
         ground(ax, self.linkage, origin, scale * MM)
 
-        w, h = size
-        line = (h - 7.0) / h
-        self.stroke = self.figure.text(6.0 / w, line, "", fontsize=9)
-        self.force = self.figure.text(36.0 / w, line, "", fontsize=9)
-        self.word = self.figure.text(
-            72.0 / w,
-            line,
-            "snap",
-            fontsize=11,
-            fontweight="bold",
-            color=BLACK,
-            bbox={"boxstyle": "round,pad=0.2", "facecolor": YELLOW, "linewidth": 0},
-        )
-        self.state = self.figure.text(
-            (6.0 if beside else 98.0) / w, line - 7.0 * beside / h, "", fontsize=9
-        )
-        x = 6.0
+        def words(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
+            return text_at(self.figure, x, y, text, fontsize=size, va="baseline", **look)
+
+        def dot(ax: Axes, size: float, **look: Any) -> Line2D:
+            return ax.plot([], [], "o", markersize=size, **look)[0]
+
+        top = size[1] - 7.0
+        self.stroke, self.force = words(6.0, top), words(36.0, top)
+        box = {"boxstyle": "round,pad=0.2", "facecolor": YELLOW, "linewidth": 0}
+        self.word = words(72.0, top, "snap", 11.0, fontweight="bold", color=BLACK, bbox=box)
+        self.state = words(6.0, top - 7.0) if beside else words(98.0, top)
+        x, y = 6.0, 5.0 + below if beside else top - 6.0
         for name, colour in zip(self.chain.names, cell_colours(len(self.chain)), strict=True):
-            text = self.figure.text(
-                x / w,
-                (5.0 + below if beside else h - 13.0) / h,
-                literal(name),
-                color=colour,
-                fontweight="bold",
-            )
+            text = words(x, y, literal(name), 7.0, color=colour, fontweight="bold")
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0
-        (self.halo,) = self.plot.plot([], [], "o", markersize=15, color=YELLOW, zorder=10)
-        (self.dot,) = self.plot.plot(
-            [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11
-        )
-        dots = (self.halo, self.dot) if self.plan is None else (self.halo, self.dot, self.plan)
-        self.moving = (
-            *self.drawing.artists, self.stroke, self.force, self.state, self.word, *dots,
-        )  # fmt: skip
+        now = {"color": INK, "markeredgecolor": "white", "zorder": 11}
+        self.halo = dot(self.plot, 15.0, color=YELLOW, zorder=10)
+        self.dot = dot(self.plot, 7.0, **now)
+        dots = [self.halo, self.dot]
+        self.plan = None
+        if below:
+            ax = self._draw_plan(path, windows, plot[0] + plot[2])
+            dots.append(plan := dot(ax, 7.0, gid="now", **now))
+            self.plan = plan
+        texts = (self.stroke, self.force, self.state, self.word)
+        self.moving = (*self.drawing.artists, *texts, *dots)
         for artist in self.moving:
             artist.set_animated(True)
         canvas = self.figure.canvas
@@ -260,22 +249,17 @@ class _Scene:
         # Everything that stands still, drawn once.
         self.still = canvas.copy_from_bbox(self.figure.bbox)
 
-    def _draw_plan(self, path: Path, windows: list[Window], right: float) -> Line2D:
-        """The strokes ahead and behind, and a dot for the present."""
+    def _draw_plan(self, path: Path, windows: list[Window], right: float) -> Axes:
+        """The strokes ahead and behind."""
         ax = place(self.figure, 16.0, 10.0, right - 16.0, _PLAN - 12.0)
         plan = plan_of(path)
         ax.set_xlim(limits(plan.way, 0.03))
         draw_plan(ax, plan, windows, 0.1)
-        ax.set_ylabel(plan.name)
-        ax.set_xlabel(f"Way covered by the actuator [{plan.unit}]")
-        (dot,) = ax.plot(
-            [], [], "o", markersize=7, color=INK, markeredgecolor="white", zorder=11, gid="now"
-        )
-        return dot
+        ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
+        return ax
 
     def _state(self, travels: Array) -> str:
-        full = np.array([cell.full_travel for cell in self.chain.cells])
-        share = travels / full
+        share = travels / [cell.full_travel for cell in self.chain.cells]
         return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
 
     def shoot(self, frame: _Frame) -> Picture:
@@ -285,17 +269,12 @@ class _Scene:
         self.drawing.move(frame.travels)
         stroke = float(np.sum(frame.travels))
         self.stroke.set_text(f"$u$ = {stroke * MM:.1f} mm")
-        self.force.set_text(f"$F$ = {frame.force:+.2f} N".replace("-", "\N{MINUS SIGN}"))
-        x, y = (
-            (frame.travels[0] * MM, frame.travels[1] * MM)
-            if self.two
-            else (stroke * MM, frame.force)
-        )
-        self.dot.set_data([x], [y])
-        self.halo.set_data([x], [y])
+        self.force.set_text(minus(f"$F$ = {frame.force:+.2f} N"))
+        x, y = frame.travels * MM if self.two else (stroke * MM, frame.force)
+        for dot in (self.dot, self.halo):
+            dot.set_data([x], [y])
         if self.plan is not None:
-            scale = 1.0 if self.chain.actuator_stiffness == 0 else MM
-            self.plan.set_data([frame.way * scale], [frame.drive * scale])
+            self.plan.set_data([frame.way], [frame.drive])
             self.state.set_text(f"state {self._state(frame.travels)}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)

@@ -15,8 +15,6 @@ from stepwell.figures.common import (
     Label,
     beside,
     canvas,
-    curve,
-    direction_colour,
     keep_inside,
     legs,
     marks,
@@ -52,29 +50,24 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     width = COLUMN if len(path.chain) <= 4 else PAGE
     figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0))
     stroke, force = path.stroke * MM, path.force
-    ax.set_xlabel("Stroke $u$ [mm]")
-    ax.set_ylabel("Actuator force [N]")
+    ax.set(xlabel="Stroke $u$ [mm]", ylabel="Actuator force [N]")
     marks.zero_line(ax)
-    ways = legs(path)
-    crowded = len(ways) > marks.MOST_HEADS
-    for direction, width in zip((1, -1), _WIDTHS, strict=True):
-        x, y = curve(path, direction, stroke, force)
-        ax.plot(x, y, color=direction_colour(direction), linewidth=width / (1 + crowded))
+    crowded = len(legs(path)) > marks.MOST_HEADS
+    loading, unloading = _WIDTHS
+    marks.trace(ax, path, stroke, force, (loading / (1 + crowded), unloading / (1 + crowded)))
     marks.snaps(ax, snaps_of(path), stroke, force)
     ax.margins(x=0.08, y=0.12)
     ax.autoscale_view()
     if own:
         keep_inside(ax)
 
-    for direction, at in () if crowded else ways:
-        # Not in the middle: where both directions take the same way, one would hide the other.
-        marks.heading(ax, stroke[at], force[at], direction_colour(direction), at=0.4)
+    marks.headings(ax, path, stroke, force)
     rests = vertices(path)
     at = [vertex.sample for vertex in rests]
     # Names in two rows, one above and one below the curves, a character being 0.6 of 7 pt wide.
     needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
     roomy = needed < 1.2 * ax.get_window_extent().width
-    size = 3.4 if len(ways) <= marks.MOST_HEADS else 1.5
+    size = 1.5 if crowded else 3.4
     ax.plot(stroke[at], force[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
     if roomy:
         named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]

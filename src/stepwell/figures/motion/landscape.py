@@ -18,9 +18,6 @@ from stepwell.figures.common import (
     MJ,
     MM,
     canvas,
-    curve,
-    direction_colour,
-    legs,
     literal,
     marks,
     path_of,
@@ -83,39 +80,27 @@ def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
     ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
 
     width, height = x[-1], y[-1]
+    dots = {"color": FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
     for u in np.linspace(0.0, width + height, 9)[1:-1]:
         ends = np.array([max(0.0, u - height), min(width, u)])
-        ax.plot(
-            ends, u - ends, color=FAINT, linewidth=0.4, linestyle=(0, (1, 2)), gid="equal stroke"
-        )
+        ax.plot(ends, u - ends, **dots)
     ax.plot([0, width, width, 0, 0], [0, 0, height, height, 0], color=FAINT, linewidth=0.6)
 
     pad = 0.085 * max(width, height)
-    ax.set_xlim(-pad, width + pad)
-    ax.set_ylim(-pad, height + pad)
-    ax.set_aspect("equal")
+    ax.set(xlim=(-pad, width + pad), ylim=(-pad, height + pad), aspect="equal")
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines.bottom.set_bounds(0, width)
     ax.spines.left.set_bounds(0, height)
     ax.tick_params(length=2.0)
-    ax.set_xlabel(f"Travel of {literal(chain.names[0])} [mm]")
-    ax.set_ylabel(f"Travel of {literal(chain.names[1])} [mm]")
-    for name, at, offset in (
-        ("00", (0, 0), (-1, -1)),
-        ("10", (width, 0), (1, -1)),
-        ("11", (width, height), (1, 1)),
-        ("01", (0, height), (-1, 1)),
-    ):
+    xlabel, ylabel = (f"Travel of {literal(name)} [mm]" for name in chain.names)
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+    for name in ("00", "10", "11", "01"):
+        one, other = int(name[0]), int(name[1])
+        at = (one * width, other * height)
         ax.plot(*at, "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
-        ax.annotate(
-            name,
-            at,
-            (6.5 * offset[0], 6.5 * offset[1]),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontweight="bold",
-        )
+        off = (13.0 * one - 6.5, 13.0 * other - 6.5)
+        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
+        text.set_fontweight("bold")
     return filled
 
 
@@ -128,19 +113,8 @@ def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
 
 def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
-    x, y = path.travel[:, 0] * MM, path.travel[:, 1] * MM
-    for direction, width in zip((1, -1), _WIDTHS, strict=True):
-        ax.plot(
-            *curve(path, direction, x, y),
-            color=direction_colour(direction),
-            linewidth=width,
-            zorder=3 if direction > 0 else 4,
-            solid_joinstyle="round",
-        )
+    x, y = path.travel.T * MM
+    marks.trace(ax, path, x, y, _WIDTHS)
     marks.snaps(ax, snaps_of(path), x, y)
-    ways = legs(path)
-    for direction, at in ways if len(ways) <= marks.MOST_HEADS else ():
-        # Not in the middle: where both directions take the same way, one would hide the other.
-        size = 13.0 if direction > 0 else 10.0
-        marks.heading(ax, x[at], y[at], direction_colour(direction), at=0.4, size=size)
+    marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
     marks.legend(ax, path, _WIDTHS)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from stepwell.figures.cells import MOST_CELLS, arrange, draw
-from stepwell.figures.common import PAGE, blank, keep_inside, place, styled
+from stepwell.figures.common import PAGE, blank, keep_inside, place, styled, text_at
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import colour_bar, draw_energy, draw_path
 from stepwell.figures.motion.travel_stroke import travel_stroke
@@ -54,5 +54,5 @@ def overview(cycle: Cycle) -> Figure:
     force_stroke(cycle, ax=place(figure, 105.0, 11.0, 72.0, body))
     letters += [("BC"[k] if drawable else "AB"[k], (2.0, 92.0)[k], below) for k in (0, 1)]
     for letter, x, y in letters:
-        figure.text(x / PAGE, y / height, letter, fontsize=10, fontweight="bold", va="bottom")
+        text_at(figure, x, y, letter, fontsize=10, fontweight="bold")
     return figure

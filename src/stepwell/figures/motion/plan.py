@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from stepwell.figures.common import INK, MM, curve, direction_colour, marks, snaps_of
+from stepwell.figures.common import (
+    INK,
+    MM,
+    curve,
+    direction_colour,
+    hollow,
+    marks,
+    snaps_of,
+)
 
 if TYPE_CHECKING:
     from stepwell.sequences import Program
@@ -18,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_WINDOW = "#BDBDBD"
+_BAR: dict[str, Any] = {"color": "#BDBDBD", "linewidth": 5.0}
 
 
 class Window(NamedTuple):
@@ -30,7 +38,7 @@ class Window(NamedTuple):
     rises: bool
 
 
-class Plan(NamedTuple):
+class StrokePlan(NamedTuple):
     """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
 
     path: Path
@@ -46,12 +54,12 @@ class Plan(NamedTuple):
         return f"{'Stroke $u$' if math.isinf(stiffness) else what} [{self.unit}]"
 
 
-def plan_of(path: Path) -> Plan:
+def plan_of(path: Path) -> StrokePlan:
     """The plan of a path: mm, or N under force control."""
     by_force = path.chain.actuator_stiffness == 0
     drive = path.drive * (1.0 if by_force else MM)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
-    return Plan(path, way, drive, "N" if by_force else "mm")
+    return StrokePlan(path, way, drive, "N" if by_force else "mm")
 
 
 def windows_of(program: Program) -> list[Window]:
@@ -75,7 +83,7 @@ def limits(values: Array, margin: float) -> tuple[float, float]:
     return low - more, high + more
 
 
-def draw_plan(ax: Axes, plan: Plan, windows: list[Window], margin: float) -> list[Line2D]:
+def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) -> list[Line2D]:
     """Strokes, windows and snaps; returns what a legend should list.
 
     Args:
@@ -90,42 +98,17 @@ def draw_plan(ax: Axes, plan: Plan, windows: list[Window], margin: float) -> lis
     handles: list[Line2D] = []
     for direction, name in ((1, "rising"), (-1, "falling")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
-            handles += ax.plot(
-                *curve(path, direction, way, drive),
-                color=direction_colour(direction),
-                zorder=4,
-                label=name,
-                gid="drive",
-            )
-    at = [snap.before for snap in snaps_of(path)]
-    if at:
+            at = curve(path, direction, way, drive)
+            colour = direction_colour(direction)
+            handles += ax.plot(*at, color=colour, zorder=4, label=name, gid="drive")
+    if at := [snap.before for snap in snaps_of(path)]:
         few = len(at) <= marks.MOST_HEADS
-        handles += ax.plot(
-            way[at],
-            drive[at],
-            "o",
-            markersize=5.4 if few else 3.0,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            markeredgewidth=1.1 if few else 0.7,
-            zorder=6,
-            label="snap",
-            gid="snaps",
-        )
+        look = hollow(5.4 if few else 3.0, markeredgewidth=1.1 if few else 0.7)
+        handles += ax.plot(way[at], drive[at], "o", **look, zorder=6, label="snap", gid="snaps")
     for window in windows:
-        ends = [window.low, window.high]
-        ax.plot(
-            [window.way] * 2,
-            ends,
-            color=_WINDOW,
-            linewidth=5.0,
-            solid_capstyle="butt",
-            zorder=2,
-            gid="windows",
-        )
-        ax.plot(
-            [window.way] * 2, ends, "_", markersize=7.0, color=INK, markeredgewidth=0.8, zorder=3
-        )
+        x, ends = [window.way] * 2, [window.low, window.high]
+        ax.plot(x, ends, **_BAR, solid_capstyle="butt", zorder=2, gid="windows")
+        ax.plot(x, ends, "_", markersize=7.0, color=INK, markeredgewidth=0.8, zorder=3)
     if windows:
-        handles.append(Line2D([], [], color=_WINDOW, linewidth=5.0, label="window"))
+        handles.append(Line2D([], [], **_BAR, label="window"))
     return handles

@@ -6,10 +6,19 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
-from matplotlib.legend import Legend
 
 from stepwell.base import InputError
-from stepwell.figures.common import PAGE, blank, keep_inside, literal, name_panel, place, styled
+from stepwell.figures.common import (
+    PAGE,
+    blank,
+    keep_inside,
+    legends,
+    literal,
+    name_panel,
+    place,
+    styled,
+    text_at,
+)
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.travel_stroke import travel_stroke
@@ -37,29 +46,23 @@ def landscapes(cycles: Mapping[str, Cycle]) -> Figure:
     rows = -(-len(cycles) // 3)
     height = rows * tall + key
     figure = blank(PAGE, height)
-    legends: list[Legend] = []
     for k, (name, cycle) in enumerate(cycles.items()):
         row, column = divmod(k, 3)
         left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + key
         ax = place(figure, left, bottom, side, side)
         landscape(cycle, ax=ax)
-        name_panel(ax, literal(name), 1.5)
-        legend = ax.get_legend()
-        if legend is not None:
-            legends.append(legend)
-            legend.remove()
+        name_panel(ax, literal(name))
     # One legend for all, below them: the one that explains most.
-    fullest = max(legends, key=lambda legend: len(legend.get_texts()))
-    words = [text.get_text() for text in fullest.get_texts()]
-    shown = figure.legend(
-        [handle for handle in fullest.legend_handles if handle is not None],
-        words,
-        loc="lower left",
-        bbox_to_anchor=(13.0 / PAGE, 2.0 / height),
-        ncols=3,
-    )
-    right = shown.get_window_extent().x1 / figure.bbox.width + 4.0 / PAGE
-    figure.text(right, 2.0 / height, _ENERGY_KEY, va="bottom")
+    keys = [key for ax in figure.axes if (key := ax.get_legend())]
+    for key in keys:
+        key.remove()
+    fullest = max(keys, key=lambda key: len(key.get_texts()))
+    handles = [handle for handle in fullest.legend_handles if handle is not None]
+    for handle, text in zip(handles, fullest.get_texts(), strict=True):
+        handle.set_label(text.get_text())
+    shown = legends.below(figure, handles, 3, 13.0)
+    right = shown.get_window_extent().x1 / figure.bbox.width * PAGE + 4.0
+    text_at(figure, right, 1.5, _ENERGY_KEY)
     return figure
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,17 +16,18 @@ from numpy.typing import NDArray
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
-    FAINT,
     MM,
     PAGE,
     Label,
     beside,
     blank,
-    cell_colours,
     curve,
+    inside,
     keep_inside,
-    literal,
-    marks as _marks,
+    legends,
+    marks,
+    minus,
+    on_black,
     pale,
     place,
     root,
@@ -35,7 +36,8 @@ from stepwell.figures.common import (
     styled,
     vertices,
 )
-from stepwell.figures.motion.plan import Plan, Window, draw_plan, limits, plan_of, windows_of
+from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, plan_of, windows_of
+from stepwell.figures.motion.travel_stroke import lanes, name_lane
 
 if TYPE_CHECKING:
     from stepwell.sequences.programs import Program
@@ -98,38 +100,24 @@ def stroke_program(result: Program) -> Figure:
         other.set_position((box.x0, under.y0, box.width, under.height))
     taken = _number_turns(upper, windows[: len(result.turns)])
     _name_states(upper, result, plan, taken)
-    upper.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=4)
+    legends.above(upper, handles, 4)
     return figure
 
 
 def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
     """The number of every turn beyond its window, with its value where there is room."""
     taken: list[Bbox] = []
+    frame = ax.get_window_extent()
+    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center"}
     for k, (x, low, high, up) in enumerate(windows, 1):
-        text = ax.annotate(
-            str(k),
-            (x, high if up else low),
-            (0.0, 7.0 if up else -7.0),
-            textcoords="offset points",
-            ha="center",
-            va="center_baseline",
-            color="white",
-            fontweight="bold",
-            bbox={"boxstyle": "circle,pad=0.15", "facecolor": BLACK, "linewidth": 0},
-            zorder=9,
-            gid="turns",
-        )
+        end, off = ((x, high), 1.0) if up else ((x, low), -1.0)
+        text = ax.annotate(str(k), end, (0.0, 7.0 * off), zorder=9, gid="turns", **look)
+        text.set(va="center_baseline", **on_black())
         box = text.get_window_extent()
-        value = ax.annotate(
-            _plus_minus((low + high) / 2, (high - low) / 2),
-            (x, high if up else low),
-            (0.0, 17.0 if up else -17.0),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-        )
+        tolerance = _plus_minus((low + high) / 2, (high - low) / 2)
+        value = ax.annotate(tolerance, end, (0.0, 17.0 * off), va="center", **look)
         words = value.get_window_extent()
-        if any(words.overlaps(other) for other in taken) or not _inside(ax, words):
+        if any(words.overlaps(other) for other in taken) or not inside(frame, words):
             value.remove()
             words = box
         taken += [box.padded(3.0), words]
@@ -139,15 +127,10 @@ def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
 def _plus_minus(value: float, off: float) -> str:
     """The value with as many decimals as two digits of `off` have."""
     decimals = max(0, 1 - math.floor(math.log10(off))) if off > 0 else 2
-    return f"{value:.{decimals}f} ± {off:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+    return minus(f"{value:.{decimals}f} ± {off:.{decimals}f}")
 
 
-def _inside(ax: Axes, box: Bbox) -> bool:
-    frame = ax.get_window_extent()
-    return frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1
-
-
-def _name_states(ax: Axes, result: Program, plan: Plan, taken: Sequence[Bbox]) -> None:
+def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bbox]) -> None:
     """A dot for every state, and its name where there is room."""
     way, drive = plan.way, plan.drive
     rests = vertices(result.path)
@@ -159,7 +142,7 @@ def _name_states(ax: Axes, result: Program, plan: Plan, taken: Sequence[Bbox]) -
     turns = np.flatnonzero(np.diff(np.sign([rest.direction for rest in rests]))).tolist()
     first = list(dict.fromkeys([0, len(rests) - 1, *turns])) if rests else []
     others = [] if crowded else [k for k in range(len(rests)) if k not in first]
-    kept = list(taken)
+    kept, frame = list(taken), ax.get_window_extent()
     point = root(ax).dpi / 72.0
     for k in first + others:
         label = Label(float(way[at[k]]), float(drive[at[k]]), rests[k].state)
@@ -167,7 +150,7 @@ def _name_states(ax: Axes, result: Program, plan: Plan, taken: Sequence[Bbox]) -
         for text in beside(ax, [label], keep_clear=kept):
             box = text.get_window_extent()
             near = box.padded(_NEAR * point).contains(*here)
-            if near and _inside(ax, box) and not any(box.overlaps(other) for other in kept):
+            if near and inside(frame, box) and not any(box.overlaps(other) for other in kept):
                 kept.append(box)
             else:
                 text.remove()
@@ -175,64 +158,29 @@ def _name_states(ax: Axes, result: Program, plan: Plan, taken: Sequence[Bbox]) -
 
 def _draw_lanes(ax: Axes, path: Path, way: Array, names: Sequence[str]) -> None:
     """Travel of every cell, innermost on top."""
-    cells = path.chain.cells
-    longest = max(cell.full_travel for cell in cells) * MM
-    jumps = [(snap.before, snap.after, snap.cells) for snap in snaps_of(path)]
-    ticks: list[float] = []
-    marks: list[str] = []
-    for i, (cell, name, colour) in enumerate(
-        zip(cells, names, cell_colours(len(cells)), strict=True)
-    ):
-        base = -i * (1.0 + _GAP) * longest
-        top = base + cell.full_travel * MM
-        travel = base + path.travel[:, i] * MM
-        for stop in (base, top):
-            ax.axhline(stop, color=FAINT, linewidth=0.4, zorder=0)
+    longest = max(cell.full_travel for cell in path.chain.cells) * MM
+    jumps = snaps_of(path)
+    ticks: list[tuple[float, str]] = []
+    look: dict[str, Any] = {"linestyle": marks.SNAP_DASHES, "linewidth": 0.9, "gid": "jumps"}
+    base = 0.0
+    for i, (base, top, travel, colour) in enumerate(lanes(ax, path, _GAP)):
         ax.fill_between(way, base, travel, color=pale(colour), linewidth=0, zorder=1)
         for direction in (1, -1):
             ax.plot(*curve(path, direction, way, travel), color=colour, zorder=3, gid="travel")
-        for before, after, moved in jumps:
-            if i in moved:
-                ax.plot(
-                    way[[before, after]],
-                    travel[[before, after]],
-                    color=colour,
-                    linestyle=_marks.SNAP_DASHES,
-                    linewidth=0.9,
-                    zorder=3,
-                    gid="jumps",
-                )
-        ticks += [base, top]
-        marks += ["0", f"{cell.full_travel * MM:.3g}"]
-        ax.annotate(
-            literal(name),
-            (1.0, (base + top) / 2),
-            (4.0, 0.0),
-            xycoords=("axes fraction", "data"),
-            textcoords="offset points",
-            ha="left",
-            va="center",
-            color=colour,
-            fontweight="bold",
-        )
-    ax.set_yticks(ticks, marks)
-    ax.set_ylabel("Travel $s$ [mm]")
-    ax.set_ylim(-(len(cells) - 1) * (1.0 + _GAP) * longest - 0.15 * longest, 1.15 * longest)
+        for at in (list(snap[:2]) for snap in jumps if i in snap.cells):
+            ax.plot(way[at], travel[at], color=colour, zorder=3, **look)
+        ticks += [(base, "0"), (top, f"{top - base:.3g}")]
+        name_lane(ax, (1.0, (base + top) / 2), names[i], colour, (4.0, 0.0), va="center")
+    ax.set_yticks(*zip(*ticks, strict=True))
+    ax.set(ylabel="Travel $s$ [mm]", ylim=(base - 0.15 * longest, 1.15 * longest))
 
 
 def _draw_shades(ax: Axes, path: Path, way: Array) -> None:
     """Travel of every cell of a long chain as a shade, innermost on top."""
     full = np.array([cell.full_travel for cell in path.chain.cells])
-    edges = np.concatenate([way, way[-1:]])
-    ax.pcolormesh(
-        edges,
-        np.arange(len(full) + 1) + 0.5,
-        (path.travel / full).T,
-        cmap="Greys",
-        vmin=0.0,
-        vmax=1.1,
-        rasterized=True,
-    )
+    look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}
+    x, y = np.concatenate([way, way[-1:]]), np.arange(len(full) + 1) + 0.5
+    ax.pcolormesh(x, y, (path.travel / full).T, **look)
     ax.invert_yaxis()
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_ylabel("Cell (white at 0, black at 1)")

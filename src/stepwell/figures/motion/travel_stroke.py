@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
@@ -15,11 +18,9 @@ from stepwell.figures.common import (
     MM,
     canvas,
     cell_colours,
-    curve,
-    direction_colour,
     keep_inside,
     literal,
-    marks as _marks,
+    marks,
     path_of,
     snaps_of,
     styled,
@@ -28,6 +29,8 @@ from stepwell.figures.common import (
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
     from stepwell.statics import Path
+
+Array = NDArray[np.float64]
 
 MOST_LANES = 60
 _WIDTHS = (2.0, 1.3)
@@ -67,52 +70,66 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     longest = max(cell.full_travel for cell in cells) * MM
     stroke = path.stroke * MM
     snaps = snaps_of(path)
-    ticks: list[float] = []
-    marks: list[str] = []
+    ticks: list[tuple[float, str]] = []
     # Past a dozen lanes their names would run into each other.
     named = len(cells) <= 12
     every = math.ceil(len(cells) / 20)
-    for i, (cell, name, colour) in enumerate(
-        zip(cells, path.chain.names, cell_colours(len(cells)), strict=True)
-    ):
-        base = -i * (1.0 + _GAP) * longest
+    base = 0.0
+    for i, (base, top, travel, colour) in enumerate(lanes(ax, path, _GAP)):
+        name = path.chain.names[i]
+        if named:
+            ticks += [(base, "0"), (top, f"{top - base:.3g}")]
+            name_lane(ax, (0.0, top), name, colour, (3.0, 1.5), va="bottom")
+        elif i % every == 0:
+            ticks.append(((base + top) / 2, literal(name)))
+        marks.trace(ax, path, stroke, travel, _WIDTHS, _UNLOADING_DASHES)
+        marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, travel, size=3.2)
+    ax.set_yticks(*zip(*ticks, strict=True))
+    ax.set(
+        xlabel="Stroke $u$ [mm]",
+        ylabel="Travel $s$ [mm]" if named else "Travel $s$ of each cell, 0 to $S$",
+    )
+    ax.margins(x=0.06)
+    ax.set_ylim(base - 0.12 * longest, (1.0 + _GAP) * longest)
+    if own:
+        keep_inside(ax)
+    marks.legend(ax, path, _WIDTHS, _UNLOADING_DASHES)
+    return figure
+
+
+def lanes(ax: Axes, path: Path, gap: float) -> Iterator[tuple[float, float, Array, str]]:
+    """Lines for both stops of every cell, innermost on top.
+
+    Args:
+        ax: axes to draw into.
+        path: of a chain of any length.
+        gap: between two lanes, as a fraction of the longest travel.
+
+    Returns:
+        Of each cell the height of its stops 0 and 1, its travel (n,) on the first [mm], its colour.
+    """
+    cells = path.chain.cells
+    longest = max(cell.full_travel for cell in cells) * MM
+    for i, (cell, colour) in enumerate(zip(cells, cell_colours(len(cells)), strict=True)):
+        base = -i * (1.0 + gap) * longest
         top = base + cell.full_travel * MM
         for stop in (base, top):
             ax.axhline(stop, color=FAINT, linewidth=0.4, zorder=0)
-        if named:
-            ticks += [base, top]
-            marks += ["0", f"{cell.full_travel * MM:.3g}"]
-            ax.annotate(
-                literal(name),
-                (0.0, top),
-                (3.0, 1.5),
-                xycoords=("axes fraction", "data"),
-                textcoords="offset points",
-                ha="left",
-                va="bottom",
-                color=colour,
-                fontweight="bold",
-            )
-        elif i % every == 0:
-            ticks.append((base + top) / 2)
-            marks.append(name)
-        travel = base + path.travel[:, i] * MM
-        for direction, width in zip((1, -1), _WIDTHS, strict=True):
-            ax.plot(
-                *curve(path, direction, stroke, travel),
-                color=direction_colour(direction),
-                linestyle="-" if direction > 0 else _UNLOADING_DASHES,
-                linewidth=width,
-                zorder=2 if direction > 0 else 3,
-            )
-        _marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, travel, size=3.2)
-    ax.set_yticks(ticks, marks)
-    ax.set_xlabel("Stroke $u$ [mm]")
-    ax.set_ylabel("Travel $s$ [mm]" if named else "Travel $s$ of each cell, 0 to $S$")
-    ax.margins(x=0.06)
-    lowest = -(len(cells) - 1) * (1.0 + _GAP)
-    ax.set_ylim((lowest - 0.12) * longest, (1.0 + _GAP) * longest)
-    if own:
-        keep_inside(ax)
-    _marks.legend(ax, path, _WIDTHS, _UNLOADING_DASHES)
-    return figure
+        yield base, top, base + path.travel[:, i] * MM, colour
+
+
+def name_lane(
+    ax: Axes, at: tuple[float, float], name: str, colour: str, offset: tuple[float, float], va: str
+) -> None:
+    """A cell's name `offset` pt from a share of the width and a height."""
+    ax.annotate(
+        literal(name),
+        at,
+        offset,
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="left",
+        va=va,
+        color=colour,
+        fontweight="bold",
+    )

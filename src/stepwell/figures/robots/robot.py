@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from stepwell.figures.common import (
     INK,
     PAGE,
     blank,
-    cell_colours,
+    hollow,
+    legends,
     literal,
-    pale,
     place,
     root,
     styled,
+    text_at,
 )
-from stepwell.figures.robots.robot_above import ANTENNA, FOOT, SUPPORT, above_limits, draw_above
+from stepwell.figures.robots.robot_above import (
+    ANTENNA,
+    FOOT,
+    SUPPORT,
+    above_limits,
+    draw_above,
+    faded,
+)
 from stepwell.figures.robots.robot_side import draw_side, side_limits
 from stepwell.robot import Robot
 
@@ -53,9 +62,8 @@ def robot_drawing(robot: Robot) -> Figure:
         ax.set_xlim(left, right)
     _key(figure, robot)
     if robot.title:
-        figure.text(
-            0.5, 1 - 1.5 / height, literal(robot.title), ha="center", va="top", weight="bold"
-        )
+        look = {"ha": "center", "va": "top", "weight": "bold"}
+        text_at(figure, PAGE / 2, height - 1.5, literal(robot.title), **look)
     return figure
 
 
@@ -73,13 +81,7 @@ def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
     Returns:
         The figure, x forward and y to the left, dimensions in mm.
     """
-    if ax is not None:
-        draw_above(ax, robot)
-        return root(ax)
-    figure, ax = _sheet(above_limits(robot))
-    draw_above(ax, robot)
-    _key(figure, robot)
-    return figure
+    return _view(robot, ax, above_limits, draw_above)
 
 
 @styled
@@ -95,73 +97,38 @@ def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
     Returns:
         The figure, x forward and z up from the floor, dimensions in mm.
     """
+    return _view(robot, ax, side_limits, draw_side)
+
+
+def _view(
+    robot: Robot,
+    ax: Axes | None,
+    limits_of: Callable[[Robot], tuple[float, float, float, float]],
+    draw: Callable[[Axes, Robot], None],
+) -> Figure:
     if ax is not None:
-        draw_side(ax, robot)
+        draw(ax, robot)
         return root(ax)
-    figure, ax = _sheet(side_limits(robot))
-    draw_side(ax, robot)
+    left, right, bottom, top = limits_of(robot)
+    scale = min(_LARGEST, (PAGE - 4.0) / (right - left))
+    wide, high = (right - left) * scale, (top - bottom) * scale
+    figure = blank(PAGE, high + _KEY + 2.0)
+    draw(place(figure, (PAGE - wide) / 2, _KEY, wide, high), robot)
     _key(figure, robot)
     return figure
 
 
-def _sheet(box: tuple[float, float, float, float]) -> tuple[Figure, Axes]:
-    scale = min(_LARGEST, (PAGE - 4.0) / (box[1] - box[0]))
-    wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
-    figure = blank(PAGE, high + _KEY + 2.0)
-    return figure, place(figure, (PAGE - wide) / 2, _KEY, wide, high)
-
-
 def _key(figure: Figure, robot: Robot) -> None:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
-    handles: list[Line2D | Patch] = [
-        Line2D(
-            [],
-            [],
-            color=colour,
-            linewidth=1.8,
-            marker="o",
-            markersize=2.8,
-            label=f"band of {literal(name)}",
-        )
-        for name, colour in zip(longest.names, cell_colours(len(longest)), strict=True)
-    ]
-    handles += [
-        Line2D(
-            [],
-            [],
-            color=INK,
-            linewidth=1.6,
-            marker="o",
-            markersize=2.6,
-            markerfacecolor="white",
-            label="lever",
-        ),
-        Line2D(
-            [], [], color=FOOT, linewidth=1.2, marker="o", markersize=5.0, label="V links, foot"
-        ),
-        Line2D([], [], color=SUPPORT, linewidth=1.4, marker="s", markersize=4.5, label="T-foot"),
-        Line2D(
-            [],
-            [],
-            color=INK,
-            linestyle="none",
-            marker="o",
-            markersize=6.0,
-            markerfacecolor="white",
-            label="body's centre of mass",
-        ),
+    handles: list[Artist] = [
+        *legends.cells(longest.names, 1.8, "band of {}", marker="o", markersize=2.8),
+        legends.line("lever", width=1.6, marker="o", **hollow(2.6)),
+        legends.line("V links, foot", FOOT, 1.2, marker="o", markersize=5.0),
+        legends.line("T-foot", SUPPORT, marker="s", markersize=4.5),
+        legends.mark("body's centre of mass", **hollow(6.0)),
     ]
     if robot.antennas:
-        handles.append(
-            Line2D([], [], color=ANTENNA, linewidth=1.8, label="antenna, pale at full swing")
-        )
-    handles.append(
-        Patch(
-            facecolor="white",
-            edgecolor=pale(INK, 0.72),
-            linewidth=0.6,
-            label="pale: every cell at 1",
-        )
-    )
-    high = 25.4 * figure.get_size_inches()[1]
-    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.5 / high), ncols=4)
+        handles.append(legends.line("antenna, pale at full swing", ANTENNA, 1.8))
+    look = {"edgecolor": faded(INK, True), "linewidth": 0.6}
+    handles.append(legends.shade("pale: every cell at 1", "white", **look))
+    legends.below(figure, handles, 4)

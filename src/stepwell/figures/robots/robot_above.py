@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +25,7 @@ from stepwell.figures.common import (
     arrow,
     beside,
     cell_colours,
+    hollow,
     limits,
     literal,
     mm,
@@ -45,6 +47,7 @@ from stepwell.robot import Antenna, Leg, Robot
 Array = NDArray[np.float64]
 
 FOOT, SUPPORT, ANTENNA = BLUE, VERMILLION, ORANGE
+_HOLDER: dict[str, Any] = {"color": FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}
 
 
 def above_limits(robot: Robot) -> tuple[float, float, float, float]:
@@ -74,7 +77,7 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     for point in robot.body.supports:
         x, y = np.array(point) * MM
         ax.plot([0.4 * x, x], [0.4 * y, y], color=SUPPORT, linewidth=1.4, zorder=1.5)
-        ax.plot([x], [y], "s", color=SUPPORT, markersize=4.5, zorder=7, gid="support")
+        ax.plot(x, y, "s", color=SUPPORT, markersize=4.5, zorder=7, gid="support")
     for leg in robot.legs:
         at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
         _chain_above(ax, robot, leg, at_1, faint=True)
@@ -111,107 +114,52 @@ def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: LegParts, *, faint: bo
 
     z = 2.0 if faint else 3.0
     ink = shade(INK)
+    frame = {"facecolor": "none" if faint else BLOCK, "edgecolor": ink, "linewidth": 0.6}
     for middle in parts.blocks:
         outline = rectangle(middle, robot.blocks.length, robot.blocks.width) * MM
-        ax.add_patch(
-            Polygon(
-                outline,
-                facecolor="none" if faint else BLOCK,
-                edgecolor=ink,
-                linewidth=0.6,
-                zorder=z,
-            )
-        )
+        ax.add_patch(Polygon(outline, **frame, zorder=z))
     # What slides sideways on a block reaches from beside it to the lever's outer joint.
     for middle, lever in zip(parts.blocks, parts.levers, strict=True):
         joint = lever[1]
-        ax.plot(
-            np.array([middle[0], middle[0], joint[0]]) * MM,
-            np.array([middle[1], joint[1], joint[1]]) * MM,
-            color=shade(FAINT),
-            linewidth=2.0,
-            zorder=z + 0.1,
-            solid_joinstyle="round",
-        )
+        x = np.array([middle[0], middle[0], joint[0]]) * MM
+        y = np.array([middle[1], joint[1], joint[1]]) * MM
+        ax.plot(x, y, color=shade(FAINT), linewidth=2.0, zorder=z + 0.1)
+    joints = hollow(2.6, ink, marker="o", markeredgewidth=0.6, gid=None if faint else "lever")
     for lever in parts.levers:
-        ax.plot(
-            *(lever * MM).T,
-            color=ink,
-            linewidth=1.6,
-            zorder=z + 0.3,
-            marker="o",
-            markersize=2.6,
-            markerfacecolor="white",
-            markeredgecolor=ink,
-            markeredgewidth=0.6,
-            gid=None if faint else "lever",
-        )
+        ax.plot(*(lever * MM).T, color=ink, linewidth=1.6, zorder=z + 0.3, **joints)
     if not faint:
         # The innermost block belongs to the body, which holds the first lever and band.
         inside = min(abs(leg.at[1]), robot.body.width / 2) * leg.side
         x, y = parts.levers[0, 0]
-        ax.plot(
-            [x * MM, x * MM],
-            [inside * MM, y * MM],
-            color=FIXED_BLOCK,
-            linewidth=3.0,
-            zorder=z + 0.05,
-            solid_capstyle="butt",
-        )
+        ends = [inside * MM, y * MM]
+        ax.plot([x * MM] * 2, ends, **_HOLDER, zorder=z + 0.05)
     colours = cell_colours(len(leg.chain))
+    anchors = {"marker": "o", "markersize": 2.8, "gid": "band at 1" if faint else "band"}
     for cell, band in zip(parts.owner, parts.bands, strict=True):
-        ax.plot(
-            *(band * MM).T,
-            color=shade(colours[cell]),
-            linewidth=1.8,
-            zorder=z + 0.5,
-            marker="o",
-            markersize=2.8,
-            gid="band at 1" if faint else "band",
-        )
-    ax.plot(
-        parts.pivots * MM, [leg.at[1] * MM] * 2, color=shade(FOOT), linewidth=1.0, zorder=z + 0.2
-    )
-    ax.plot(
-        [parts.tip[0] * MM],
-        [leg.at[1] * MM],
-        "o",
-        color=shade(FOOT),
-        markersize=5.0,
-        zorder=4.2 if faint else 4.4,
-        gid="foot at 1" if faint else "foot",
-    )
+        colour = shade(colours[cell])
+        ax.plot(*(band * MM).T, color=colour, linewidth=1.8, zorder=z + 0.5, **anchors)
+    y, foot = leg.at[1] * MM, shade(FOOT)
+    ax.plot(parts.pivots * MM, [y] * 2, color=foot, linewidth=1.0, zorder=z + 0.2)
+    tip = {"zorder": 4.2, "gid": "foot at 1"} if faint else {"zorder": 4.4, "gid": "foot"}
+    ax.plot(parts.tip[0] * MM, y, "o", color=foot, markersize=5.0, **tip)
 
 
 def _carriage(ax: Axes, robot: Robot) -> None:
     """The bar that joins the outermost blocks."""
     ends = [leg_parts(robot, leg, rest_states(leg)[0]).blocks[-1] for leg in robot.legs]
-    ax.plot(
-        *(np.array(sorted(ends, key=lambda end: end[1])) * MM).T,
-        color=FIXED_BLOCK,
-        linewidth=3.0,
-        zorder=1.2,
-        solid_capstyle="butt",
-    )
+    line = np.array(sorted(ends, key=lambda end: end[1])) * MM
+    ax.plot(*line.T, **_HOLDER, zorder=1.2)
 
 
 def _antenna_above(ax: Axes, robot: Robot, antenna: Antenna) -> None:
     back = antenna_line(antenna, antenna.swing) * MM
     ax.plot(*back.T, color=pale(ANTENNA, 0.6), linewidth=1.3, zorder=4)
-    sweep = (
-        np.array([antenna_line(antenna, w)[1] for w in np.linspace(0.0, antenna.swing, 41)]) * MM
-    )
+    swings = np.linspace(0.0, antenna.swing, 41)
+    sweep = np.array([antenna_line(antenna, swing)[1] for swing in swings]) * MM
     ax.plot(*sweep.T, color=ANTENNA, linewidth=0.7, linestyle=(0, (2, 2)), zorder=4, gid="swing")
     arrow(ax, tuple(sweep[-4]), tuple(sweep[-1]), ANTENNA, 0.0)
     ax.plot(*(antenna_line(antenna) * MM).T, color=ANTENNA, linewidth=1.8, zorder=5, gid="antenna")
-    ax.plot(
-        *(np.array(antenna.pivot) * MM),
-        "o",
-        markersize=3.6,
-        markerfacecolor="white",
-        markeredgecolor=ANTENNA,
-        zorder=6,
-    )
+    ax.plot(*(np.array(antenna.pivot) * MM), "o", **hollow(3.6, ANTENNA), zorder=6)
     ax.plot(*(bracket(robot, antenna) * MM).T, color=FAINT, linewidth=0.6, zorder=1)
     if antenna.connected:
         start, end = anchor_moves(robot, antenna) * MM
@@ -236,14 +184,5 @@ def faded(colour: str, faint: bool) -> tuple[float, float, float]:
 
 def centre_of_mass(ax: Axes, x: float, y: float) -> None:
     """The mark of the body's centre of mass [mm]."""
-    ax.plot(
-        [x],
-        [y],
-        "o",
-        markersize=6.0,
-        markerfacecolor="white",
-        markeredgecolor=INK,
-        zorder=7,
-        gid="centre of mass",
-    )
-    ax.plot([x], [y], "+", markersize=6.0, color=INK, markeredgewidth=0.8, zorder=7.1)
+    ax.plot(x, y, "o", **hollow(6.0), zorder=7, gid="centre of mass")
+    ax.plot(x, y, "+", markersize=6.0, color=INK, markeredgewidth=0.8, zorder=7.1)

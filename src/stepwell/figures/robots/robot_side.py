@@ -6,7 +6,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from stepwell.figures.common import BLOCK, FAINT, INK, MM, along_x, along_y, arrow, mm, pale, plain
+from stepwell.figures.common import (
+    BLOCK,
+    FAINT,
+    INK,
+    MM,
+    along_x,
+    along_y,
+    arrow,
+    hollow,
+    mm,
+    pale,
+    plain,
+)
 from stepwell.figures.robots.robot_above import (
     ANTENNA,
     FOOT,
@@ -99,42 +111,18 @@ def _leg(ax: Axes, robot: Robot, parts: LegParts, pivot: float, *, faint: bool) 
         return faded(colour, faint)
 
     z = 3.0 if faint else 4.0
+    frame = {"facecolor": "white" if faint else BLOCK, "edgecolor": shade(INK), "linewidth": 0.6}
     for x, _ in parts.blocks:
         outline = rectangle((x * MM, pivot), robot.blocks.length * MM, 8.0)
-        ax.add_patch(
-            Polygon(
-                outline,
-                facecolor="white" if faint else BLOCK,
-                edgecolor=shade(INK),
-                linewidth=0.6,
-                zorder=z,
-            )
-        )
+        ax.add_patch(Polygon(outline, **frame, zorder=z))
     tip = (parts.tip[0] * MM, pivot + parts.tip[1] * MM)
+    link = {"color": shade(FOOT), "linewidth": 1.6, "gid": "link at 1" if faint else "link"}
     for x in parts.pivots * MM:
-        ax.plot(
-            [x, tip[0]],
-            [pivot, tip[1]],
-            color=shade(FOOT),
-            linewidth=1.6,
-            zorder=z + 0.3,
-            gid="link at 1" if faint else "link",
-        )
-    ax.plot(
-        parts.pivots * MM,
-        [pivot] * 2,
-        "o",
-        markersize=2.8,
-        markerfacecolor="white",
-        markeredgecolor=shade(INK),
-        markeredgewidth=0.6,
-        zorder=z + 0.5,
-        linestyle="none",
-    )
+        ax.plot([x, tip[0]], [pivot, tip[1]], **link, zorder=z + 0.3)
+    pins = hollow(2.8, shade(INK), markeredgewidth=0.6)
+    ax.plot(parts.pivots * MM, [pivot] * 2, "o", **pins, zorder=z + 0.5)
     radius = robot.foot.radius * MM
     turn = np.linspace(0.0, 2 * np.pi, 33)
-    ball = np.column_stack(
-        [tip[0] + radius * np.cos(turn), tip[1] + radius + radius * np.sin(turn)]
-    )
+    ball = tip + radius * np.column_stack([np.cos(turn), 1.0 + np.sin(turn)])
     ax.add_patch(Polygon(ball, facecolor=shade(FOOT), zorder=z + 0.4))
     ax.plot([tip[0]], [tip[1]], linestyle="none", gid="foot at 1" if faint else "foot")

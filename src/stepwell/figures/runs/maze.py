@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from stepwell.figures.common import (
@@ -22,14 +22,19 @@ from stepwell.figures.common import (
     Label,
     beside,
     blank,
+    hollow,
+    legends,
     limits,
     literal,
     marks,
+    on_white,
     pale,
     place,
+    plain,
     round_length,
     scale_bar,
     styled,
+    text_at,
 )
 from stepwell.figures.robots import (
     OBSTACLE,
@@ -40,8 +45,8 @@ from stepwell.figures.robots import (
     in_world,
     outlines,
 )
-from stepwell.figures.runs.gait import refuse_empty
-from stepwell.figures.runs.walk_reading import MOTION, PRESSED, motions
+from stepwell.figures.runs.walk_axes import refuse_empty
+from stepwell.figures.runs.walk_reading import MOTION, PRESSED, cycle_samples, motions
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
@@ -50,6 +55,7 @@ Array = NDArray[np.float64]
 
 _TALLEST, _WIDEST, _TITLE, _KEY = 170.0, PAGE - 4.0, 7.0, 13.0
 _HALO = pale(PRESSED, 0.25)
+_START = hollow(5.0)
 _LARGEST = 0.25  # mm of the page per mm of the arena
 # A robot is drawn again where it has gone this share of its length, or nothing could be seen.
 _APART = 0.4
@@ -81,10 +87,7 @@ def maze(maze: Maze) -> Figure:
     height = high + _TITLE + _KEY
     figure = blank(PAGE, height)
     ax = place(figure, (PAGE - wide) / 2, _KEY, wide, high)
-    ax.set_xlim(box[0], box[1])
-    ax.set_ylim(box[2], box[3])
-    ax.set_aspect("equal")
-    ax.set_axis_off()
+    plain(ax, box)
 
     draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
     used = _path(ax, walk)
@@ -92,40 +95,21 @@ def maze(maze: Maze) -> Figure:
     for sample in moments:
         _robot(ax, maze, sample)
     start, end = (np.array([walk.x[k], walk.y[k]]) * MM for k in (0, -1))
-    ax.plot(
-        *start,
-        "o",
-        markersize=5.0,
-        markerfacecolor="white",
-        markeredgecolor=INK,
-        zorder=8,
-        gid="start",
-    )
+    ax.plot(*start, "o", **_START, zorder=8, gid="start")
     ax.plot(*end, "o", markersize=5.0, color=INK, zorder=8, gid="end")
     bar = round_length((box[1] - box[0]) / 4)
     scale_bar(ax, box[1] - 2.0 / scale, box[2] + 1.5 / scale, bar)
-    labels = [
-        Label(float(start[0]), float(start[1]), "start"),
-        Label(float(end[0]), float(end[1]), "end"),
-    ]
+    labels = [Label(start[0], start[1], "start"), Label(end[0], end[1], "end")]
     if arena.goal is not None:
         x, y = (value * MM for value in arena.goal.at)
         labels.append(Label(x, y, "goal", GREEN))
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
     for text in beside(ax, labels, keep_clear=bars):
-        text.set_bbox(
-            {"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.75, "linewidth": 0}
-        )
+        text.set_bbox(on_white(alpha=0.75))
     title = f"{literal(arena.title)}: " if arena.title else ""
-    figure.text(
-        0.5,
-        1 - 1.5 / height,
-        f"{title}{maze.outcome} after {maze.duration:.0f} s",
-        ha="center",
-        va="top",
-        fontsize=8,
-        weight="bold",
-    )
+    says = f"{title}{maze.outcome} after {maze.duration:.0f} s"
+    look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
+    text_at(figure, PAGE / 2, height - 1.5, says, **look)
     _key(figure, maze, used, pressed)
     return figure
 
@@ -147,8 +131,7 @@ def _path(ax: Axes, walk: Walk) -> list[str]:
     kinds = motions(walk)
     last = len(walk.time) - 1
     # What was no whole cycle has no gait.
-    at = np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), last)
-    cuts = [0, *at.tolist(), last]
+    cuts = [0, *cycle_samples(walk).tolist(), last]
     named = ["", *kinds, ""] if kinds else [""]
     spans: dict[str, list[tuple[int, int]]] = {kind: [] for kind in named}
     for kind, begin, end in zip(named, cuts[:-1], cuts[1:], strict=True):
@@ -206,29 +189,16 @@ def _robot(ax: Axes, maze: Maze, sample: int) -> None:
     bodies = len(lines) - len(walk.robot.antennas)
     for line in lines[:bodies]:
         shape = _placed(line, walk, sample) * MM
-        ax.add_patch(
-            Polygon(
-                shape,
-                facecolor=pale(BLOCK, 0.3),
-                edgecolor=INK,
-                linewidth=0.6,
-                alpha=0.8,
-                zorder=4,
-                gid="robot",
-            )
-        )
+        grey = {"facecolor": pale(BLOCK, 0.3), "edgecolor": INK, "linewidth": 0.6, "alpha": 0.8}
+        ax.add_patch(Polygon(shape, **grey, zorder=4, gid="robot"))
     time = walk.time[sample]
     held = {one.antenna for one in maze.contacts if one.begin <= time <= one.end}
     for antenna, line in zip(walk.robot.antennas, lines[bodies:], strict=True):
         held_by = _placed(bracket(walk.robot, antenna), walk, sample) * MM
         ax.plot(*held_by.T, color=FAINT, linewidth=0.5, zorder=3.9)
-        ax.plot(
-            *(_placed(line, walk, sample) * MM).T,
-            zorder=5.5,
-            gid=f"antenna {antenna.name}",
-            color=PRESSED if antenna.name in held else INK,
-            linewidth=2.0 if antenna.name in held else 0.8,
-        )
+        colour, width = (PRESSED, 2.0) if antenna.name in held else (INK, 0.8)
+        look = {"color": colour, "linewidth": width, "gid": f"antenna {antenna.name}"}
+        ax.plot(*(_placed(line, walk, sample) * MM).T, **look, zorder=5.5)
 
 
 def _placed(line: Array, walk: Walk, sample: int) -> Array:
@@ -236,30 +206,14 @@ def _placed(line: Array, walk: Walk, sample: int) -> Array:
 
 
 def _key(figure: Figure, maze: Maze, used: list[str], pressed: bool) -> None:
-    handles: list[Line2D | Patch] = [
-        Line2D([], [], color=MOTION[kind], linewidth=1.7, label=kind) for kind in used
-    ]
+    handles: list[Artist] = [legends.line(kind, MOTION[kind], 1.7) for kind in used]
     if pressed:
-        handles.append(Line2D([], [], color=_HALO, linewidth=5.5, label="antenna pressed"))
+        handles.append(legends.line("antenna pressed", _HALO, 5.5))
     touched = maze.touched.values()
     if any(time is not None for time in touched):
-        handles.append(Patch(facecolor=TOUCHED, label="touched obstacle"))
+        handles.append(legends.shade("touched obstacle", TOUCHED))
     if any(time is None for time in touched):
-        handles.append(
-            Patch(facecolor=OBSTACLE, edgecolor=INK, linewidth=0.5, label="obstacle not touched")
-        )
-    handles += [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="o",
-            markersize=5.0,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            label="start",
-        ),
-        Line2D([], [], linestyle="none", marker="o", markersize=5.0, color=INK, label="end"),
-    ]
-    high = 25.4 * figure.get_size_inches()[1]
-    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.5 / high), ncols=5)
+        look = {"edgecolor": INK, "linewidth": 0.5}
+        handles.append(legends.shade("obstacle not touched", OBSTACLE, **look))
+    handles += [legends.mark("start", **_START), legends.mark("end", size=5.0)]
+    legends.below(figure, handles, 5)

@@ -5,14 +5,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
-from stepwell.figures.common import FAINT, INK, PAGE, blank, literal, pale, place, styled
-from stepwell.figures.runs.gait import refuse_empty
-from stepwell.figures.runs.walk_reading import PRESSED, direction, gait_colours, intervals
+from stepwell.figures.common import (
+    INK,
+    PAGE,
+    blank,
+    legends,
+    literal,
+    name_rows,
+    pale,
+    place,
+    styled,
+)
+from stepwell.figures.runs.walk_axes import DASHED, refuse_empty
+from stepwell.figures.runs.walk_reading import PRESSED, gait_colours, gait_words, intervals
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze
@@ -20,7 +30,6 @@ if TYPE_CHECKING:
 _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
 _ANTENNA, _LANE, _GAP = 18.0, 4.6, 3.5
 _PRESSED = pale(PRESSED, 0.55)
-_WAY = {1: ", forward", -1: ", backward", 0: ""}
 MOST_OBSTACLES = 24
 
 
@@ -71,19 +80,15 @@ def maze_timeline(maze: Maze) -> Figure:
         ax.tick_params(labelbottom=False)
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel("Time [s]")
-    handles: list[Patch | Line2D] = [
-        Patch(facecolor=colour, label=(gait or "no state reached") + _WAY[direction(gait)])
+    handles: list[Artist] = [
+        legends.shade(gait_words(gait) if gait else "no state reached", colour)
         for gait, colour in colours.items()
     ]
     if antennas:
-        handles.append(Patch(facecolor=_PRESSED, label="antenna pressed"))
-        handles.append(
-            Line2D([], [], color=FAINT, linewidth=0.5, linestyle=(0, (4, 3)), label="full swing")
-        )
+        handles.append(legends.shade("antenna pressed", _PRESSED))
+        handles.append(Line2D([], [], **DASHED, label="full swing"))
     if handles:
-        figure.legend(
-            handles=handles, loc="lower left", ncols=3, bbox_to_anchor=(_LEFT / PAGE, 1.5 / height)
-        )
+        legends.below(figure, handles, 3, _LEFT)
     return figure
 
 
@@ -95,7 +100,7 @@ def _swing(ax: Axes, maze: Maze, antenna: int) -> None:
             ax.axvspan(contact.begin, contact.end, color=_PRESSED, linewidth=0, gid="contact")
     most = np.degrees(one.swing)
     ax.plot(walk.time, np.degrees(walk.antenna[:, antenna]), color=INK, linewidth=1.0, gid="swing")
-    ax.axhline(most, color=FAINT, linewidth=0.5, linestyle=(0, (4, 3)), zorder=1)
+    ax.axhline(most, **DASHED, zorder=1)
     ax.set_ylim(-0.05 * most, 1.12 * most)
     ax.set_yticks([0.0, 30.0, 60.0, 90.0, 120.0][: 1 + max(1, int(most // 30))])
 
@@ -109,15 +114,12 @@ def _gaits(ax: Axes, maze: Maze, colours: dict[str, str]) -> None:
         for gait, colour in colours.items():
             spans = [(starts[k], starts[k + 1] - starts[k]) for k in np.flatnonzero(gaits == gait)]
             if spans:
-                ax.broken_barh(
-                    spans, (i - 0.4, 0.8), facecolors=colour, linewidth=0, gid=f"{leg.name} {gait}"
-                )
+                look = {"facecolors": colour, "linewidth": 0, "gid": f"{leg.name} {gait}"}
+                ax.broken_barh(spans, (i - 0.4, 0.8), **look)
     for change in maze.changes:
         at = [leg.name for leg in legs].index(change.leg)
         ax.plot([change.time] * 2, [at - 0.4, at + 0.4], color=INK, linewidth=0.8, gid="change")
-    ax.set_yticks(range(len(legs)), [f"{literal(leg.name)} leg" for leg in legs])
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(len(legs) - 0.5, -0.5)
+    name_rows(ax, [f"{literal(leg.name)} leg" for leg in legs])
 
 
 def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
@@ -127,8 +129,6 @@ def _touches(ax: Axes, maze: Maze, order: list[str]) -> None:
     step = walk.settings.sample
     for i, name in enumerate(order):
         felt = walk.obstacle_force[:, names.index(name)] > TOUCHED
-        spans = [(one.begin, one.end - one.begin + step) for one in intervals(walk.time, felt)]
+        spans = [(begin, end - begin + step) for begin, end in intervals(walk.time, felt)]
         ax.broken_barh(spans, (i - 0.3, 0.6), facecolors=INK, linewidth=0, gid=name)
-    ax.set_yticks(range(len(order)), order)
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(len(order) - 0.5, -0.5)
+    name_rows(ax, order)

@@ -18,12 +18,14 @@ from stepwell.figures.common import (
     VERMILLION,
     blank,
     literal,
+    minus,
+    name_rows,
     pale,
     place,
-    root,
     styled,
+    text_at,
 )
-from stepwell.figures.runs.walk_reading import direction, leg_colours
+from stepwell.figures.runs.walk_reading import gait_words, leg_colours
 
 if TYPE_CHECKING:
     from stepwell.robot.gait import Prediction
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
 _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
-_WAY = {1: ", forward", -1: ", backward", 0: ""}
 
 
 @styled
@@ -60,14 +61,8 @@ def prediction(prediction: Prediction) -> Figure:
         f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
         f"turn {turn:.1f}° per cycle"
     )
-    figure.text(
-        2.0 / PAGE,
-        1 - 1.5 / height,
-        "\n".join([*title, says.replace("-", "\N{MINUS SIGN}")]),
-        va="top",
-        fontsize=8,
-        weight="bold",
-    )
+    words = "\n".join([*title, minus(says)])
+    text_at(figure, 2.0, height - 1.5, words, va="top", fontsize=8, weight="bold")
     bottom = height - _TOP - 4.0 * len(title)
     for draw, rows in panels:
         bottom -= _HEAD + _ROW * rows
@@ -89,58 +84,43 @@ def _margins(ax: Axes, found: Prediction) -> None:
     legs = found.legs
     ends = [value * _MN for leg in legs for value in (leg.margin, leg.uncertainty)]
     most = _limit(ends)
-    for i, (leg, colour) in enumerate(zip(legs, leg_colours(found.robot), strict=True)):
-        ax.barh(
-            i,
-            leg.uncertainty * _MN,
-            height=0.8,
-            color=pale(FAINT, 0.6),
-            zorder=1,
-            gid=f"uncertainty {leg.name}",
-        )
-        reach = leg.margin * _MN
-        if math.isfinite(reach):
-            ax.plot(
-                [reach], [i], "o", color=colour, markersize=5.0, zorder=3, gid=f"margin {leg.name}"
-            )
-            ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
-        else:
-            ax.plot([0.0, most], [i, i], color=colour, linewidth=1.6, zorder=2)
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(legs):
+        colour = colours[leg.name]
+        look = {"color": pale(FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
+        ax.barh(i, leg.uncertainty * _MN, height=0.8, zorder=1, **look)
+        reach = leg.margin * _MN if math.isfinite(leg.margin) else most
+        ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
+        if math.isfinite(leg.margin):
+            (dot,) = ax.plot(reach, i, "o", color=colour, markersize=5.0, zorder=3)
+            dot.set_gid(f"margin {leg.name}")
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
-    _rows(ax, [f"{leg.name}: {leg.gait}{_WAY[direction(leg.gait)]}" for leg in legs], most)
-    ax.set_title("Margin to another gait; shaded: what the prediction does not know", loc="left")
-    ax.set_xlabel("Force on one cell [mN]")
+    title = "Margin to another gait; shaded: what the prediction does not know"
+    names = [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs]
+    _rows(ax, names, most, title, "Force on one cell [mN]")
 
 
 def _depths(ax: Axes, found: Prediction) -> None:
     below, ends = found.robot.foot.below * MM, np.array(found.depths) * MM
     # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
     most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
-    for i, (leg, colour) in enumerate(zip(found.legs, leg_colours(found.robot), strict=True)):
+    colours = leg_colours(found.robot)
+    for i, leg in enumerate(found.legs):
         low, high = ends[i]
-        ax.barh(
-            i,
-            min(high, most) - low,
-            left=low,
-            height=0.5,
-            color=colour,
-            zorder=2,
-            gid=f"depths {leg.name}",
-        )
+        look = {"color": colours[leg.name], "zorder": 2, "gid": f"depths {leg.name}"}
+        ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
         _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
     ax.axvline(below, color=INK, linewidth=1.0, zorder=3, gid="below")
-    _rows(ax, [f"{leg.name}: {leg.gait}" for leg in found.legs], most)
-    ax.set_title(
-        "Depths of the feet at which the gait surely stays; line: this robot's", loc="left"
-    )
-    ax.set_xlabel("Feet below the supports [mm]")
+    title = "Depths of the feet at which the gait surely stays; line: this robot's"
+    names = [f"{leg.name}: {leg.gait}" for leg in found.legs]
+    _rows(ax, names, most, title, "Feet below the supports [mm]")
 
 
 def _drags(ax: Axes, found: Prediction) -> None:
     drag = found.robot.floor.drag
-    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
+    colours = leg_colours(found.robot)
     pushes = [(leg.name, push) for leg in found.legs for push in leg.pushes]
     most = _limit([drag, *(push.largest_drag for _, push in pushes)])
     for i, (name, push) in enumerate(pushes):
@@ -152,45 +132,27 @@ def _drags(ax: Axes, found: Prediction) -> None:
         f"{name}, {'out' if push.loading else 'back'}: {push.step * MM:.1f} mm step"
         for name, push in pushes
     ]
-    _rows(ax, [name.replace("-", "\N{MINUS SIGN}") for name in names], most)
-    ax.set_title("Largest drag that each push overcomes; line: the floor's drag", loc="left")
-    ax.set_xlabel("Drag of the floor [N]")
+    title = "Largest drag that each push overcomes; line: the floor's drag"
+    _rows(ax, [*map(minus, names)], most, title, "Drag of the floor [N]")
 
 
 def _flips(ax: Axes, found: Prediction) -> None:
-    colours = dict(zip((leg.name for leg in found.legs), leg_colours(found.robot), strict=True))
-    full = [
-        math.hypot(*antenna.moves) * MM
-        for flip in found.flips
-        for antenna in found.robot.antennas
-        if antenna.name == flip.antenna
-    ]
+    colours = leg_colours(found.robot)
+    swings = {one.name: math.hypot(*one.moves) * MM for one in found.robot.antennas}
+    full = [swings[flip.antenna] for flip in found.flips]
     most = _limit(full)
     for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
         late = min(flip.latest * MM, most)
-        ax.plot(
-            [flip.earliest * MM, late],
-            [i, i],
-            color=pale(colours[flip.leg], 0.4),
-            linewidth=4.0,
-            solid_capstyle="butt",
-            zorder=2,
-            gid=f"range {flip.antenna}",
-        )
-        ax.plot(
-            [flip.displacement * MM],
-            [i],
-            "o",
-            color=colours[flip.leg],
-            markersize=5.0,
-            zorder=3,
-            gid=f"flip {flip.antenna}",
-        )
+        ends, colour = [flip.earliest * MM, late], colours[flip.leg]
+        look = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2}
+        ax.plot(ends, [i, i], color=pale(colour, 0.4), **look, gid=f"range {flip.antenna}")
+        look = {"color": colour, "markersize": 5.0, "zorder": 3}
+        ax.plot(flip.displacement * MM, i, "o", **look, gid=f"flip {flip.antenna}")
         ax.plot([end, end], [i - 0.4, i + 0.4], color=INK, linewidth=1.0, zorder=3)
         _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
-    _rows(ax, [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips], most)
-    ax.set_title("Displacement that flips a leg, with its range; bar: full swing", loc="left")
-    ax.set_xlabel("Displacement of the anchor $p$ [mm]")
+    title = "Displacement that flips a leg, with its range; bar: full swing"
+    names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips]
+    _rows(ax, names, most, title, "Displacement of the anchor $p$ [mm]")
 
 
 def _limit(values: Sequence[float]) -> float:
@@ -200,12 +162,10 @@ def _limit(values: Sequence[float]) -> float:
 
 
 def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
-    width = root(ax).bbox.width
-    gap = 2.0 / PAGE * width
     ax.annotate(
         text,
         (1.0, row),
-        (gap / root(ax).dpi * 72.0, 0.0),
+        (2.0 / 25.4 * 72.0, 0.0),
         xycoords=("axes fraction", "data"),
         textcoords="offset points",
         va="center",
@@ -215,9 +175,8 @@ def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
     )
 
 
-def _rows(ax: Axes, names: Sequence[str], most: float) -> None:
-    ax.set_yticks(range(len(names)), [*map(literal, names)])
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(len(names) - 0.5, -0.5)
-    ax.set_xlim(0.0, most)
+def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
+    name_rows(ax, [*map(literal, names)])
+    ax.set(xlim=(0.0, most), xlabel=xlabel)
+    ax.set_title(title, loc="left")
     ax.spines[["top", "right"]].set_visible(False)

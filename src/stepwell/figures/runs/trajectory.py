@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -23,14 +21,18 @@ from stepwell.figures.common import (
     ORANGE,
     PAGE,
     blank,
+    hollow,
+    legends,
+    limits,
     literal,
-    marks,
     place,
     round_length,
     styled,
+    text_at,
 )
 from stepwell.figures.robots import frame, in_world
-from stepwell.figures.runs.gait import refuse_empty
+from stepwell.figures.runs.walk_axes import number_cycles, refuse_empty
+from stepwell.figures.runs.walk_reading import cycle_samples
 
 if TYPE_CHECKING:
     from stepwell.simulation import Walk
@@ -40,6 +42,13 @@ Array = NDArray[np.float64]
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
+_START = hollow(4.5)
+_SIDEWAYS: dict[str, Any] = {
+    "markersize": 3.0,
+    "color": ORANGE,
+    "markeredgecolor": INK,
+    "markeredgewidth": 0.4,
+}
 
 
 def trajectory(walk: Walk) -> Figure:
@@ -98,31 +107,25 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         _bars(moved, turned, walk)
         rows.append((path, moved, turned))
         if name:
-            figure.text(
-                _LEFT / PAGE,
-                (bottom + high + 1.8) / height,
-                literal(name),
-                weight="bold",
-                va="bottom",
-            )
+            text_at(figure, _LEFT, bottom + high + 1.8, literal(name), weight="bold")
         if walk.stopped:
-            moved.text(
-                0.0, 1.03, "stopped early", transform=moved.transAxes, va="bottom", gid="stopped"
-            )
+            look = {"transform": moved.transAxes, "va": "bottom", "gid": "stopped"}
+            moved.text(0.0, 1.03, "stopped early", **look)
         bottom -= _BELOW
     for column in (1, 2):
         most = max(row[column].get_ylim()[1] for row in rows)
         for row in rows:
             row[column].set_ylim(-most, most)
-    _key(figure, height)
+    handles = [
+        legends.line("path of the body", BLUE),
+        legends.mark("start", **_START),
+        legends.mark("end"),
+        legends.mark("heading at each cycle", "|", 6.0, markeredgewidth=0.8),
+        legends.shade("along the heading", BLUE),
+        legends.mark("to its left", "D", **_SIDEWAYS),
+    ]
+    legends.on_top(figure, handles, _LEFT)
     return figure
-
-
-def _places(walk: Walk) -> Array:
-    """Samples at the start of every cycle and the end of the last; both ends without one."""
-    last = len(walk.time) - 1
-    at = np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), last)
-    return at if len(at) else np.unique([0, last])
 
 
 def _outline(walk: Walk, sample: int) -> list[Array]:
@@ -133,8 +136,7 @@ def _outline(walk: Walk, sample: int) -> list[Array]:
 def _extent(walk: Walk) -> tuple[float, float, float, float]:
     ends = [line for sample in (0, -1) for line in _outline(walk, sample)]
     points = np.concatenate([*ends, np.column_stack([walk.x, walk.y]) * MM])
-    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
-    return float(left), float(right), float(bottom), float(top)
+    return limits(points, (0.0, 0.0, 0.0, 0.0))
 
 
 def _path(
@@ -146,26 +148,16 @@ def _path(
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
     ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
     length = max(0.35 * walk.robot.body.length * MM, 2.0 / scale)
-    for sample in _places(walk):
+    for sample in cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1]):
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
         # Across the path for who walks straight on, along it would not be seen.
         side = 0.15 * np.array([-tip[1], tip[0]])
         start = np.array([x[sample], y[sample]])
-        ax.plot(*np.array([start - side, start + side]).T, color=INK, linewidth=0.6, zorder=4)
-        ax.plot(
-            *np.array([start, start + tip]).T, color=INK, linewidth=0.6, zorder=4, gid="heading"
-        )
-    ax.plot(
-        x[:1],
-        y[:1],
-        "o",
-        markersize=4.5,
-        markerfacecolor="white",
-        markeredgecolor=INK,
-        zorder=5,
-        gid="start",
-    )
-    ax.plot(x[-1:], y[-1:], "o", markersize=4.5, color=INK, zorder=5, gid="end")
+        look = {"color": INK, "linewidth": 0.6, "zorder": 4}
+        ax.plot(*np.array([start - side, start + side]).T, **look)
+        ax.plot(*np.array([start, start + tip]).T, **look, gid="heading")
+    ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
+    ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
     ax.set_xlim(middle[0] - _WIDE / scale / 2, middle[0] + _WIDE / scale / 2)
     ax.set_ylim(middle[1] - high / scale / 2, middle[1] + high / scale / 2)
@@ -173,94 +165,21 @@ def _path(
     for axis in (ax.xaxis, ax.yaxis):
         low, top = axis.get_view_interval()
         axis.set_ticks(np.arange(math.ceil(low / step), math.floor(top / step) + 1) * step)
-    ax.set_aspect("equal", adjustable="box")
-    ax.set_xlabel("$x$ [mm]")
-    ax.set_ylabel("$y$ [mm]")
+    ax.set(aspect="equal", xlabel="$x$ [mm]", ylabel="$y$ [mm]")
     ax.yaxis.set_label_coords(-9.8 / _WIDE, 0.5)
 
 
 def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
-    starts = walk.starts
-    first = round(starts[0] / walk.robot.drive.period) if len(starts) else 0
-    number = first + 1 + np.arange(walk.cycles)
+    number = number_cycles(moved, walk)
+    number_cycles(turned, walk)
     moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
-    moved.plot(
-        number,
-        walk.sideways,
-        "D",
-        markersize=3.0,
-        color=ORANGE,
-        zorder=3,
-        markeredgecolor=INK,
-        markeredgewidth=0.4,
-        gid="sideways",
-    )
+    moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
     turned.bar(number, np.degrees(walk.turn), width=0.7, color=BLUE, zorder=2, gid="turn")
     moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
     turned.set_ylabel("Turn to the left [°]")
     # Both ways alike, so that left and right, forward and backward are seen at a glance.
     for ax, least in ((moved, 1.1), (turned, _LEAST_TURN)):
-        marks.zero_line(ax)
         most = max(least, *(abs(limit) for limit in ax.get_ylim()))
         ax.set_ylim(-most, most)
-        ax.set_xlim(first + 0.4, first + max(walk.cycles, 1) + 0.6)
-        ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, nbins=8))
         ax.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_label_coords(-9.5 / _BAR, 0.5)
-        ax.set_xlabel("Cycle")
-        if not walk.cycles:
-            ax.set_xticks([])
-            ax.text(
-                0.5,
-                0.5,
-                "no whole cycle",
-                transform=ax.transAxes,
-                ha="center",
-                va="center",
-                bbox={"boxstyle": "square,pad=0.2", "facecolor": "white", "linewidth": 0},
-            )
-
-
-def _key(figure: Figure, height: float) -> None:
-    handles = [
-        Line2D([], [], color=BLUE, label="path of the body"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="o",
-            markersize=4.5,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            label="start",
-        ),
-        Line2D([], [], linestyle="none", marker="o", markersize=4.5, color=INK, label="end"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="|",
-            markersize=6.0,
-            color=INK,
-            markeredgewidth=0.8,
-            label="heading at each cycle",
-        ),
-        Patch(facecolor=BLUE, label="along the heading"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="D",
-            markersize=3.0,
-            color=ORANGE,
-            markeredgecolor=INK,
-            markeredgewidth=0.4,
-            label="to its left",
-        ),
-    ]
-    figure.legend(
-        handles=handles,
-        loc="upper left",
-        bbox_to_anchor=(_LEFT / PAGE, 1 - 1.5 / height),
-        ncols=len(handles),
-    )

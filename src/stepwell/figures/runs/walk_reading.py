@@ -19,7 +19,6 @@ from stepwell.figures.common import (
     VERMILLION,
     YELLOW,
 )
-from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
     from stepwell.robot import Robot
@@ -28,13 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # How the whole robot moves in a cycle, in the order of legends.
-FORWARD, LEFT, RIGHT, BACKWARD, IDLE = (
-    "forward",
-    "turning left",
-    "turning right",
-    "backward",
-    "in place",
-)
+FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
+LEFT, RIGHT = "turning left", "turning right"
 MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
 PRESSED = PURPLE
 
@@ -42,40 +36,33 @@ _LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _MORE = (GREEN, BLUE, VERMILLION, INK)
 
 
-class Interval(NamedTuple):
-    """From when to when [s], and what."""
+class Rest(NamedTuple):
+    """From when to when [s] a leg rests in a state."""
 
     begin: float
     end: float
-    what: str = ""
+    state: str
 
 
-def leg_colours(robot: Robot) -> list[str]:
-    """One colour a leg; past six they repeat."""
-    return [_LEGS[i % len(_LEGS)] for i in range(len(robot.legs))]
+def leg_colours(robot: Robot) -> dict[str, str]:
+    """One colour a leg, by its name; past six they repeat."""
+    return {leg.name: _LEGS[i % len(_LEGS)] for i, leg in enumerate(robot.legs)}
 
 
-def window(walk: Walk, cycles: float) -> slice:
-    """The samples of the last so many cycles."""
-    if len(walk.time) == 0:
-        return slice(0, 0)
-    begin = walk.time[-1] - cycles * walk.robot.drive.period
-    return slice(int(np.searchsorted(walk.time, begin - 1e-9)), len(walk.time))
+def first_cycle(walk: Walk) -> int:
+    """How many cycles the actuator had gone through before the first whole one of the walk."""
+    return round(walk.starts[0] / walk.robot.drive.period) if len(walk.starts) else 0
 
 
-def span(walk: Walk, some: slice) -> tuple[float, float]:
-    """From when to when these samples are [s]; a tenth of a period at least."""
-    time = walk.time[some]
-    return float(time[0]), float(max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
+def cycle_samples(walk: Walk) -> NDArray[np.intp]:
+    """The sample at the start of every cycle and at the end of the last; none without a cycle."""
+    return np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), len(walk.time) - 1)
 
 
-def intervals(time: Array, held: NDArray[np.bool_], what: str = "") -> list[Interval]:
-    """Every stretch of samples in which `held` is true."""
+def intervals(time: Array, held: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """The first and the last time of every stretch of samples in which `held` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]])))
-    return [
-        Interval(float(time[first]), float(time[end - 1]), what)
-        for first, end in edges.reshape(-1, 2)
-    ]
+    return [(float(time[first]), float(time[end - 1])) for first, end in edges.reshape(-1, 2)]
 
 
 def standing(force: Array) -> NDArray[np.bool_]:
@@ -85,17 +72,17 @@ def standing(force: Array) -> NDArray[np.bool_]:
     return force > LOADED
 
 
-def resting(walk: Walk, leg: str, some: slice) -> list[Interval]:
+def resting(walk: Walk, leg: str, some: slice) -> list[Rest]:
     """The states that a leg rests in, one after another, as `Walk.gait` counts them."""
-    found: list[Interval] = []
+    found: list[Rest] = []
     for time in walk.time[some].tolist():
         state = walk.state(leg, time)
         if state is None:
             continue
-        if found and found[-1].what == state:
+        if found and found[-1].state == state:
             found[-1] = found[-1]._replace(end=time)
         else:
-            found.append(Interval(time, time, state))
+            found.append(Rest(time, time, state))
     return found
 
 
@@ -113,6 +100,11 @@ def direction(gait: str) -> int:
     if out not in states or back not in states or ones + "1" not in states:
         return 0
     return 1 if states.index(out) < states.index(back) else -1
+
+
+def gait_words(gait: str) -> str:
+    """A gait with the direction of its step."""
+    return gait + {1: ", forward", -1: ", backward", 0: ""}[direction(gait)]
 
 
 def motions(walk: Walk) -> list[str]:
@@ -134,14 +126,12 @@ def motions(walk: Walk) -> list[str]:
 def gait_colours(walk: Walk) -> dict[str, str]:
     """A colour for every gait string that occurs, directed ones first."""
     occur = {gait for gaits in walk.gaits.values() for gait in gaits}
-    known = {p.value: PATHWAY[p.name] for p in Pathway if p is not Pathway.OTHER}
-    found = {gait: colour for gait, colour in known.items() if gait in occur}
+    found = {gait: colour for gait, colour in PATHWAY.items() if gait in occur}
     longer = {1: ORANGE, -1: SKY, 0: YELLOW}
-    rest = sorted(
-        occur - set(found), key=lambda gait: (-abs(direction(gait)), -direction(gait), gait)
-    )
+    step = {gait: direction(gait) for gait in occur}
+    rest = sorted(occur - set(found), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
     spare = iter(_MORE * (len(rest) // len(_MORE) + 1))
     for gait in rest:
-        colour = longer[direction(gait)] if len(gait.split(">")[0]) > 2 else ""
+        colour = longer[step[gait]] if len(gait.split(">")[0]) > 2 else ""
         found[gait] = colour if colour and colour not in found.values() else next(spare)
     return found

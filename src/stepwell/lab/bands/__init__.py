@@ -2,7 +2,7 @@
 
 from stepwell.lab.bands.band import (
     BandTest,
-    Loop,
+    Hysteresis,
     band_test,
     hysteresis,
     stiffness,
@@ -12,4 +12,4 @@ from stepwell.lab.bands.choice import Candidate, Choice, choose_law
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.record import band_record
 from stepwell.lab.bands.spread import Estimate, student
-from stepwell.lab.bands.table import band_table
+from stepwell.lab.bands.table import band_line, band_table

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -26,7 +26,6 @@ from stepwell.lab.recordings import (
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 # What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
 WINDOW = (0.005, 0.035)
@@ -34,7 +33,7 @@ CYCLES = (5, 9)
 
 
 @dataclass(frozen=True, eq=False)
-class Loop(ByValue):
+class Hysteresis(ByValue):
     """One cycle of one sample.
 
     Attributes:
@@ -47,10 +46,10 @@ class Loop(ByValue):
     sample: int
     cycle: int
     source: str
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
-    back_stroke: Array = field(repr=False)
-    back_force: Array = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    back_stroke: Floats = field(repr=False)
+    back_force: Floats = field(repr=False)
 
     @property
     def work(self) -> float:
@@ -76,7 +75,7 @@ class BandTest(ByValue):
         told: which files were used, which dropped and why, and what is odd.
     """
 
-    loops: tuple[Loop, ...] = field(repr=False)
+    loops: tuple[Hysteresis, ...] = field(repr=False)
     window: tuple[float, float]
     cycles: tuple[int, int]
     told: tuple[str, ...] = field(repr=False)
@@ -87,12 +86,12 @@ class BandTest(ByValue):
         return tuple(sorted({loop.sample for loop in self.used}))
 
     @property
-    def used(self) -> tuple[Loop, ...]:
+    def used(self) -> tuple[Hysteresis, ...]:
         """The cycles that are fitted."""
         first, last = self.cycles
         return tuple(loop for loop in self.loops if first <= loop.cycle <= last)
 
-    def curve(self, sample: int, points: int = 61) -> tuple[Array, Array]:
+    def curve(self, sample: int, points: int = 61) -> tuple[Floats, Floats]:
         """Mean loading curve of a sample inside the window.
 
         Args:
@@ -111,7 +110,7 @@ class BandTest(ByValue):
         u = np.bincount(strip, stroke, points)[full] / count[full]
         return u, np.bincount(strip, force, points)[full] / count[full]
 
-    def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Array, Array]:
+    def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Floats, Floats]:
         """Stroke [m] and force [N] of every loading sample of a band inside a window [m]."""
         loops = [loop for loop in self.used if loop.sample == sample]
         stroke = np.concatenate([loop.stroke for loop in loops])
@@ -159,7 +158,7 @@ def band_test(
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
     left_out = set(drop)
     told: list[str] = []
-    loops: list[Loop] = []
+    loops: list[Hysteresis] = []
     stems: dict[str, int] = {}
     cycle_of: dict[int, int] = {}
     odd = batch_oddities(recordings)
@@ -167,7 +166,7 @@ def band_test(
         if is_baseline(recording.name):
             told.append(f"{recording.source}: left out, its name says that no band was on")
             continue
-        sample, first = _place(recording, stems, cycles_per_sample)
+        sample, first = _sample_and_cycle(recording, stems, cycles_per_sample)
         if sample in left_out:
             told.append(f"{recording.source}: left out, sample {sample} as asked")
             continue
@@ -178,8 +177,8 @@ def band_test(
         cycle_of[sample] = found[-1].cycle
         loops += found
         told += [f"{recording.source}: {line}" for line in odd.get(recording.source, ())]
-    test = BandTest(tuple(loops), window, cycles, ())
-    return BandTest(test.loops, window, cycles, (*_used(test, loops), *told))
+    test = BandTest(tuple(loops), window, cycles, tuple(told))
+    return replace(test, told=(*_used_lines(test), *told))
 
 
 def stiffness(test: BandTest) -> Estimate:
@@ -217,10 +216,8 @@ def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArr
     for i, low in enumerate(edges):
         for j, high in enumerate(edges):
             if j >= i + 2:
-                slopes = [
-                    _slope(*test.samples_of(s, (float(low), float(high)))) for s in test.samples
-                ]
-                grid[i, j] = float(np.mean(slopes))
+                inside = (test.samples_of(s, (low, high)) for s in test.samples)
+                grid[i, j] = np.mean([_slope(*samples) for samples in inside])
     return xr.DataArray(
         grid,
         {"start": edges, "end": edges},
@@ -255,7 +252,7 @@ def hysteresis(test: BandTest) -> xr.DataArray:
     )
 
 
-def _place(
+def _sample_and_cycle(
     recording: Recording, stems: dict[str, int], per_sample: int | None
 ) -> tuple[int, int | None]:
     """Sample and first cycle of a recording; the cycle None where it follows from the order."""
@@ -269,30 +266,23 @@ def _place(
     return stems.setdefault(stem, len(stems) + 1), run
 
 
-def _loops(recording: Recording, sample: int, first: int) -> list[Loop]:
-    halves = list(recording.halves)
-    found: list[Loop] = []
-    for k, half in enumerate(halves):
-        if recording.direction_of(half) != "loading":
-            continue
-        back = halves[k + 1] if k + 1 < len(halves) else slice(0, 0)
-        u, force = recording.stroke, recording.force
-        found.append(
-            Loop(
-                sample,
-                first + len(found),
-                recording.source,
-                u[half],
-                force[half],
-                u[back],
-                force[back],
-            )
-        )
+def _loops(recording: Recording, sample: int, first: int) -> list[Hysteresis]:
+    u, force = recording.stroke, recording.force
+    found: list[Hysteresis] = []
+    for half, back in pairwise([*recording.halves, slice(0, 0)]):
+        if recording.direction_of(half) == "loading":
+            parts = u[half], force[half], u[back], force[back]
+            found.append(Hysteresis(sample, first + len(found), recording.source, *parts))
     return found
 
 
-def _used(test: BandTest, loops: list[Loop]) -> list[str]:
-    used = test.used
+def _used_lines(test: BandTest) -> list[str]:
+    """Which cycles of each sample are used, a line for each.
+
+    Raises:
+        LabError: none is, or one does not reach over the window.
+    """
+    loops, used = test.loops, test.used
     if not used:
         have = sorted({loop.cycle for loop in loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
@@ -310,25 +300,23 @@ def _used(test: BandTest, loops: list[Loop]) -> list[str]:
                 f"{_mm(test.window)} mm: pass another window, or drop sample {loop.sample}.",
             )
     lines: list[str] = []
-    every = sorted({loop.sample for loop in loops})
-    for sample in every:
+    for sample in sorted({loop.sample for loop in loops}):
         mine = [loop.cycle for loop in used if loop.sample == sample]
         rest = [loop.cycle for loop in loops if loop.sample == sample and loop.cycle not in mine]
-        if mine:
-            lines.append(f"sample {sample}: cycles {_list(mine)} used, {_list(rest)} not")
-        else:
-            lines.append(f"sample {sample}: not used, it has cycles {_list(rest)} only")
+        told = f"cycles {_listed(mine)} used, {_listed(rest)} not"
+        only = f"not used, it has cycles {_listed(rest)} only"
+        lines.append(f"sample {sample}: {told if mine else only}")
     return lines
 
 
-def _slope(stroke: Array, force: Array) -> float:
+def _slope(stroke: Floats, force: Floats) -> float:
     if len(stroke) < 2:
         return math.nan
     off = stroke - np.mean(stroke)
     return float(off @ force / (off @ off))
 
 
-def _list(numbers: list[int]) -> str:
+def _listed(numbers: list[int]) -> str:
     return ", ".join(map(str, sorted(numbers))) or "none"
 
 

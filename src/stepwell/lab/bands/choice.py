@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Floats, InputError
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
-
-Array = NDArray[np.float64]
-
+from stepwell.lab.recordings import rms
 
 NOTHING = "nothing"
 
@@ -81,7 +78,7 @@ class Choice(ByValue):
         return None if self.gauge is None else self.gauge + self.chosen.fitted.onset
 
     def rest_length_told(self, candidate: Candidate | None = None) -> str:
-        """What may be said of the rest length, in a sentence."""
+        """What may be said of the rest length by a law, the chosen one by default."""
         onset = (candidate or self.chosen).fitted.onset
         if self.gauge is not None:
             return (
@@ -152,7 +149,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
             guess = fit(law, stroke, np.mean(others, axis=0), gauge)
             shape = guess.tension(stroke)
             factor = float(shape @ force / (shape @ shape))
-            predicted.append(float(np.sqrt(np.mean((factor * shape - force) ** 2))))
+            predicted.append(rms(factor * shape - force))
         whole = fit(law, stroke, np.mean(forces, axis=0), gauge)
         candidates.append(
             Candidate(whole, law.count(gauge), tuple(predicted), _estimates(test, law, gauge))
@@ -165,13 +162,12 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     return Choice(tuple(candidates), best, chosen, folds, gauge)
 
 
-def _curves(test: BandTest) -> tuple[str, list[tuple[Array, Array]]]:
-    if len(test.samples) > 1:
-        return "sample", [test.curve(sample) for sample in test.samples]
-    if len(test.used) == 1:
-        return NOTHING, [test.curve(sample) for sample in test.samples]
+def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
+    if len(test.samples) > 1 or len(test.used) == 1:
+        folds = "sample" if len(test.samples) > 1 else NOTHING
+        return folds, [test.curve(sample) for sample in test.samples]
     cycles = sorted({loop.cycle for loop in test.used})
-    single = [BandTest(test.loops, test.window, (c, c), ()) for c in cycles]
+    single = [replace(test, cycles=(cycle, cycle)) for cycle in cycles]
     return "cycle", [one.curve(sample) for one in single for sample in one.samples]
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
-
-Array = NDArray[np.float64]
+from stepwell.base import ByValue, Floats, InputError
+from stepwell.lab.recordings import rms
 
 # Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
 # so long at rest [m].
@@ -35,7 +34,7 @@ class ForceLaw(ByValue):
 
     name: str
     coefficients: tuple[tuple[str, str], ...]
-    basis: Callable[[Array, float, float], Array]
+    basis: Callable[[Floats, float, float], Floats]
     needs_length: bool = False
     exponents: tuple[float, float] | None = None
     source: str = ""
@@ -65,11 +64,11 @@ class Fitted(ByValue):
     onset: float
     length: float
     exponent: float
-    coefficients: Array
+    coefficients: Floats
     rmse: float
     at_bound: tuple[str, ...] = ()
 
-    def tension(self, stroke: Array) -> Array:
+    def tension(self, stroke: Floats) -> Floats:
         """Tension [N] at strokes [m]; zero before the onset."""
         e = np.maximum(np.asarray(stroke, float) - self.onset, 0.0)
         return self.law.basis(e, self.length, self.exponent) @ self.coefficients
@@ -90,7 +89,7 @@ class Fitted(ByValue):
         return f"Fitted({self.law.name}: {numbers}; leaves {self.rmse * 1e3:.3g} mN)"
 
 
-def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) -> Fitted:
+def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None) -> Fitted:
     """The law that comes nearest to a tension curve, by least squares.
 
     The coefficients follow from a linear problem for every onset, length and exponent, which
@@ -119,64 +118,54 @@ def fit(law: ForceLaw, stroke: Array, force: Array, gauge: float | None = None) 
     # A law is zero up to its onset, so nearly all that is fitted lies beyond it.
     latest = float(np.min(stroke)) + _SLACK * float(np.ptp(stroke))
     earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
-    low, high, starts = [min(earliest, latest - _LENGTH[0])], [latest], [(0.3,), (0.9,)]
+    # Bounds of what is searched for, and the shares of the range at which the search starts.
+    searched = {"onset [m]": (min(earliest, latest - _LENGTH[0]), latest, (0.3, 0.9))}
     if law.needs_length and gauge is None:
-        low, high = [*low, _LENGTH[0]], [*high, _LENGTH[1]]
-        starts = [(a, b) for (a,) in starts for b in (0.05, 0.3)]
+        searched["rest length [m]"] = (*_LENGTH, (0.05, 0.3))
     if law.exponents is not None:
-        low, high = [*low, law.exponents[0]], [*high, law.exponents[1]]
-        starts = [(*a, b) for a in starts for b in (0.2, 0.7)]
+        searched["exponent [1]"] = (*law.exponents, (0.2, 0.7))
+    low, high = (np.array([row[k] for row in searched.values()]) for k in (0, 1))
+    starts = product(*(row[2] for row in searched.values()))
 
-    def made(x: Array) -> Fitted:
+    def made(x: Floats) -> Fitted:
         onset = float(x[0])
-        length, exponent = np.nan, np.nan
+        exponent = np.nan if law.exponents is None else float(x[-1])
+        length = np.nan
         if law.needs_length:
             length = max(gauge + onset, _LENGTH[0]) if gauge is not None else float(x[1])
-        if law.exponents is not None:
-            exponent = float(x[-1])
         basis = law.basis(np.maximum(stroke - onset, 0.0), length, exponent)
         scale = np.linalg.norm(basis, axis=0)
         scale[scale == 0] = 1.0
         coefficients = np.linalg.lstsq(basis / scale, force, rcond=1e-10)[0] / scale
-        rmse = float(np.sqrt(np.mean((basis @ coefficients - force) ** 2)))
+        rmse = rms(basis @ coefficients - force)
         return Fitted(law, onset, length, exponent, coefficients, rmse)
 
-    def left(x: Array) -> Array:
+    def residual(x: Floats) -> Floats:
         return made(x).tension(stroke) - force
 
-    span = np.array(high) - np.array(low)
+    span = high - low
     tries = [
-        least_squares(left, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
+        least_squares(residual, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
         for start in starts
     ]
     x = min(tries, key=lambda found: found.cost).x
-    names = ["onset [m]"]
-    if law.needs_length and gauge is None:
-        names.append("rest length [m]")
-    if law.exponents is not None:
-        names.append("exponent [1]")
     edge = np.minimum(x - low, high - x) < _EDGE * span
-    bound = tuple(name for name, there in zip(names, edge, strict=True) if there)
-    return replace(made(x), at_bound=bound)
+    return replace(made(x), at_bound=tuple(np.array(list(searched))[edge].tolist()))
 
 
-def _stretch(e: Array, length: float) -> Array:
-    return 1.0 + e / length
-
-
-def _neo_hooke(e: Array, length: float, _: float) -> Array:
-    x = _stretch(e, length)
+def _neo_hooke(e: Floats, length: float, _: float) -> Floats:
+    x = 1.0 + e / length
     return (x - x**-2)[:, None]
 
 
-def _yeoh(e: Array, length: float, _: float) -> Array:
-    x = _stretch(e, length)
+def _yeoh(e: Floats, length: float, _: float) -> Floats:
+    x = 1.0 + e / length
     over = x**2 + 2 / x - 3  # I1 - 3 in uniaxial tension
     return np.stack([(x - x**-2) * over**j for j in range(3)], axis=1)
 
 
-def _ogden(e: Array, length: float, exponent: float) -> Array:
-    x = _stretch(e, length)
+def _ogden(e: Floats, length: float, exponent: float) -> Floats:
+    x = 1.0 + e / length
     return (x ** (exponent - 1) - x ** (-exponent / 2 - 1))[:, None]
 
 

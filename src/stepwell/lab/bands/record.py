@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections import defaultdict
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, __version__, plain, record, versions
 from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
 from stepwell.lab.bands.choice import Choice
 from stepwell.lab.bands.spread import Estimate, of_samples
 
-ESTIMATE: Schema = (
-    Quantity("value"),
-    Quantity("low"),
-    Quantity("high"),
-    Quantity("next_low"),
-    Quantity("next_high"),
-    Quantity("spread"),
-    Quantity("each"),
+if TYPE_CHECKING:
+    import xarray as xr
+
+ESTIMATE: Schema = tuple(
+    map(Quantity, ("value", "low", "high", "next_low", "next_high", "spread", "each"))
 )
 LAW: Schema = (
     Quantity("law", read="law.name"),
@@ -40,7 +39,6 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     Returns:
         Names as docs/commands.md describes them.
     """
-    windows, loss = stiffness_by_window(test), hysteresis(test)
     return {
         "schema": "stepwell.lab.band/1",
         "stepwell": __version__,
@@ -51,16 +49,12 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "told": list(test.told),
         "stiffness_N_per_m": _estimate(stiffness(test)),
         "windows": [
-            {"from_mm": 1e3 * float(low), "to_mm": 1e3 * float(high), "k_N_per_m": float(value)}
-            for low, row in zip(windows["start"].values, windows.values, strict=True)
-            for high, value in zip(windows["end"].values, row, strict=True)
-            if not math.isnan(value)
+            {"from_mm": 1e3 * low, "to_mm": 1e3 * high, "k_N_per_m": k}
+            for low, high, k in _known(stiffness_by_window(test))
         ],
         "loss": [
-            {"sample": int(sample), "cycle": int(cycle), "loss": float(value)}
-            for sample, row in zip(loss["sample"].values, loss.values, strict=True)
-            for cycle, value in zip(loss["cycle"].values, row, strict=True)
-            if not math.isnan(value)
+            {"sample": sample, "cycle": cycle, "loss": loss}
+            for sample, cycle, loss in _known(hysteresis(test))
         ],
         "loss_used": _loss_used(test),
         "laws": [record(LAW, candidate) for candidate in choice.candidates],
@@ -74,12 +68,17 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     }
 
 
+def _known(grid: xr.DataArray) -> Iterable[tuple[Any, ...]]:
+    """The places of a grid that hold a number, with the number."""
+    return grid.to_series().dropna().reset_index().itertuples(index=False, name=None)
+
+
 def _loss_used(test: BandTest) -> dict[str, Any] | None:
     """Loss of the cycles that are used, a mean for each sample first."""
-    each: dict[int, list[float]] = {}
+    each: dict[int, list[float]] = defaultdict(list)
     for loop in test.used:
         if not math.isnan(loop.loss):
-            each.setdefault(loop.sample, []).append(loop.loss)
+            each[loop.sample].append(loop.loss)
     return _estimate(of_samples({s: sum(v) / len(v) for s, v in each.items()})) if each else None
 
 

@@ -56,10 +56,7 @@ def of_samples(each: Mapping[int, float]) -> Estimate:
     """
     values = np.array(list(each.values()))
     n, mean = len(values), float(np.mean(values))
-    if n < 2:
-        nan = math.nan
-        return Estimate(mean, nan, nan, nan, nan, nan, dict(each))
-    spread = float(np.std(values, ddof=1))
+    spread = float(np.std(values, ddof=1)) if n > 1 else math.nan
     wide = student(n - 1) * spread
     near, far = wide / math.sqrt(n), wide * math.sqrt(1 + 1 / n)
     return Estimate(mean, mean - near, mean + near, mean - far, mean + far, spread, dict(each))

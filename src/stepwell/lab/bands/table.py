@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from stepwell.base import InputError, __version__
@@ -31,39 +34,46 @@ def band_table(
     Raises:
         ValueError: a law that is not known.
     """
-    known = [candidate.law.name for candidate in choice.candidates]
+    known = {candidate.law.name: candidate for candidate in choice.candidates}
     if law is not None and law not in known:
         raise InputError(f"law = {law!r}: must be one of {', '.join(known)}.")
-    candidate = choice.chosen if law is None else choice.named(law)
+    candidate = choice.chosen if law is None else known[law]
     keys = _keys(candidate, test, estimate)
-    if choice.gauge is not None:
-        rest = choice.gauge + candidate.fitted.onset
-        keys = {"rest_length_mm": _digits(rest * 1e3)} | keys
-    comments = [*_provenance(test, estimate, choice, candidate, source)]
+    comments = _provenance(test, estimate, choice, candidate, source)
     if choice.gauge is None:
         comments += [
             "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
             "10 mm; measure the length at which your band begins to pull, and write it in.",
         ]
-    body = ", ".join(f"{key} = {value}" for key, value in keys.items())
-    return "".join(f"# {line}\n" for line in comments) + f"band = {{ {body} }}\n"
+    else:
+        keys = {"rest_length_mm": (choice.gauge + candidate.fitted.onset) * 1e3} | keys
+    return "".join(f"# {line}\n" for line in comments) + band_line(keys)
 
 
-def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str, str]:
+def band_line(keys: Mapping[str, float | list[list[float]]]) -> str:
+    """The line `band = { … }` of a design file, from numbers and rows of a table by their keys."""
+    return f"band = {{ {', '.join(f'{key} = {_text(value)}' for key, value in keys.items())} }}\n"
+
+
+def _text(value: float | list[Any]) -> str:
+    return f"[{', '.join(map(_text, value))}]" if isinstance(value, list) else f"{value:.5g}"
+
+
+def _keys(candidate: Candidate, test: BandTest, estimate: Estimate) -> dict[str, Any]:
     fitted = candidate.fitted
     if candidate.law.name == "linear":
-        return {"stiffness_N_per_m": _digits(estimate.value)}
+        return {"stiffness_N_per_m": estimate.value}
     if candidate.law.name == "cubic":
-        k, quadratic, cubic = (float(c) for c in fitted.coefficients)
+        k, *over_k = fitted.coefficients
+        quadratic, cubic = (c / k for c in over_k)
         return {
-            "stiffness_N_per_m": _digits(k),
-            "quadratic_per_mm": _digits(quadratic / k * 1e-3),
-            "cubic_per_mm2": _digits(cubic / k * 1e-6),
+            "stiffness_N_per_m": k,
+            "quadratic_per_mm": quadratic * 1e-3,
+            "cubic_per_mm2": cubic * 1e-6,
         }
     e = np.linspace(0.0, test.window[1] - fitted.onset, _ROWS)
-    tension = fitted.tension(fitted.onset + e)
-    rows = ", ".join(f"[{_digits(x * 1e3)}, {_digits(t)}]" for x, t in zip(e, tension, strict=True))
-    return {"table_mm_N": f"[{rows}]"}
+    rows = np.stack([e * 1e3, fitted.tension(fitted.onset + e)], axis=1)
+    return {"table_mm_N": rows.tolist()}
 
 
 def _provenance(
@@ -76,6 +86,7 @@ def _provenance(
         if len(estimate.each) > 1
         else "one sample, so its uncertainty is not known"
     )
+    predicted = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
     ends = f"extensions of {low - candidate.fitted.onset * 1e3:.3g}"
     return [
         *([f"From {source}, by stepwell {__version__}."] if source else []),
@@ -83,16 +94,6 @@ def _provenance(
         f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
         f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
-        f"{_predicted(choice, candidate)}.",
+        f"and {'was tried on no other curve' if choice.folds == NOTHING else predicted}.",
         f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
     ]
-
-
-def _predicted(choice: Choice, candidate: Candidate) -> str:
-    if choice.folds == NOTHING:
-        return "and was tried on no other curve"
-    return f"and predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
-
-
-def _digits(value: float) -> str:
-    return f"{value:.5g}"

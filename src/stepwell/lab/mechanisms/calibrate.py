@@ -2,47 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import ByValue, Floats, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
-from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
-from stepwell.lab.recordings import LabError
+from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
+from stepwell.lab.recordings import LabError, rms
 from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slopes
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
-Geometry = tuple[float, float]
 
 _POINTS = 60
-# What is fitted: start, unit, bounds and typical size. Stiffness has one for each number of bands.
-_START = {
-    "stiffness": (40.0, 0.1, 1e4, 10.0),
-    "rest_length": (0.010, 0.0, 0.1, 0.005),
-    "quadratic": (0.0, -1e3, 1e3, 20.0),
-    "cubic": (0.0, -1e6, 1e6, 500.0),
-    "loss": (0.1, 0.0, 0.95, 0.1),
-    "loss_length": (0.003, 1e-4, 0.1, 0.003),
-    "friction": (0.0, -1.0, 1.0, 0.02),
-}
-UNITS = {
-    "stiffness": "N/m",
-    "rest_length": "m",
-    "quadratic": "1/m",
-    "cubic": "1/m²",
-    "loss": "1",
-    "loss_length": "m",
-    "friction": "N",
+# What is fitted: unit, start, bounds and typical size. Stiffness has one for each number of bands.
+_FITTED = {
+    "stiffness": ("N/m", 40.0, 0.1, 1e4, 10.0),
+    "rest_length": ("m", 0.010, 0.0, 0.1, 0.005),
+    "quadratic": ("1/m", 0.0, -1e3, 1e3, 20.0),
+    "cubic": ("1/m²", 0.0, -1e6, 1e6, 500.0),
+    "loss": ("1", 0.1, 0.0, 0.95, 0.1),
+    "loss_length": ("m", 0.003, 1e-4, 0.1, 0.003),
+    "friction": ("N", 0.0, -1.0, 1.0, 0.02),
 }
 LAWS = {"linear": (), "cubic": ("quadratic", "cubic")}
 TIED = 0.95  # correlation above which two numbers are not told apart
@@ -50,7 +36,7 @@ _FEW = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Parameter(ByValue):
+class FittedParameter(ByValue):
     """A fitted number with its interval.
 
     Attributes:
@@ -67,7 +53,7 @@ class Parameter(ByValue):
 
     def __repr__(self):
         return (
-            f"Parameter({self.name} {self.value:.4g}, 95 % {self.low:.4g} to {self.high:.4g} "
+            f"FittedParameter({self.name} {self.value:.4g}, 95 % {self.low:.4g} to {self.high:.4g} "
             f"{self.unit})"
         )
 
@@ -80,8 +66,8 @@ class Sample(ByValue):
     geometry: Geometry
     bands: int
     cell: Cell = field(repr=False)
-    theta: Array = field(repr=False)
-    force: Array = field(repr=False)
+    theta: Floats = field(repr=False)
+    force: Floats = field(repr=False)
     unloading: bool
 
 
@@ -100,18 +86,23 @@ class Calibration(ByValue):
     """
 
     law: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[FittedParameter, ...]
     samples: tuple[Sample, ...] = field(repr=False)
-    fit_error: Array = field(repr=False)
-    left_out_error: Array = field(repr=False)
-    correlations: Array = field(repr=False)
+    fit_error: Floats = field(repr=False)
+    left_out_error: Floats = field(repr=False)
+    correlations: Floats = field(repr=False)
     reference: float
 
-    def __getitem__(self, name: str) -> Parameter:
+    def __getitem__(self, name: str) -> FittedParameter:
         found = {parameter.name: parameter for parameter in self.parameters}
         if name not in found:
             raise KeyError(f"{name!r}: must be one of {', '.join(found)}.")
         return found[name]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The fit to all geometries: every number by its name."""
+        return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -126,46 +117,45 @@ class Calibration(ByValue):
             left_out: each geometry predicted from the others; False for the fit.
         """
         errors = self.left_out_error if left_out else self.fit_error
-        each: dict[Geometry, list[float]] = {}
-        for sample, error in zip(self.samples, errors, strict=True):
-            if sample.bands == bands:
-                each.setdefault(sample.geometry, []).append(float(error))
-        return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan
+        return over_geometries(
+            (sample.geometry, float(error))
+            for sample, error in zip(self.samples, errors, strict=True)
+            if sample.bands == bands
+        )
 
     @property
     def tied(self) -> tuple[tuple[str, str, float], ...]:
         """Pairs of numbers that the data cannot tell apart, with their correlation."""
-        found: list[tuple[str, str, float]] = []
-        for i, one in enumerate(self.parameters):
-            for j in range(i):
-                c = float(self.correlations[i, j])
-                if abs(c) > TIED:
-                    found.append((self.parameters[j].name, one.name, c))
-        return tuple(found)
+        names = list(self.values)
+        tied = np.argwhere(np.tril(np.abs(self.correlations) > TIED, -1))
+        return tuple((names[j], names[i], float(self.correlations[i, j])) for i, j in tied)
 
     def band(self, bands: int = 1) -> Band:
         """A band of a cell with so many, as it loads; anchors at their defaults.
 
         The loss on the way back is not in it: a band of a mechanism has one law.
         """
-        values = {p.name: p.value for p in self.parameters}
-        return _band(values, self[f"stiffness_{bands}"].value)
+        values = self.values
+        law = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
+        stiffness = self[f"stiffness_{bands}"].value
+        band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
+        return replace(band, law=law) if law.a2 or law.a3 else band
 
-    def force(self, sample: Sample) -> Array:
+    def force(self, sample: Sample) -> Floats:
         """F of the model [N] at the angles of a sample."""
-        return _force({p.name: p.value for p in self.parameters}, sample)
+        return _force(self.values, sample)
 
     def to_xarray(self) -> xr.Dataset:
         """Errors over "series" and correlations over "parameter" and "other"."""
         import xarray as xr
 
-        names = [p.name for p in self.parameters]
+        names = list(self.values)
         return xr.Dataset(
             {
                 "fit_error": ("series", self.fit_error, {"units": "k r"}),
                 "left_out_error": ("series", self.left_out_error, {"units": "k r"}),
                 "bands": ("series", [s.bands for s in self.samples], {"units": "1"}),
-                "value": ("parameter", [p.value for p in self.parameters]),
+                "value": ("parameter", list(self.values.values())),
                 "low": ("parameter", [p.low for p in self.parameters]),
                 "high": ("parameter", [p.high for p in self.parameters]),
                 "correlation": (("parameter", "other"), self.correlations, {"units": "1"}),
@@ -236,31 +226,33 @@ def calibrate(
             f"unit cells of {len(geometries)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    names = _names(samples, law)
+    counts = sorted({sample.bands for sample in samples})
+    stiffness = [f"stiffness_{n}" for n in counts]
+    names = [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
     whole, jacobian = _fit(samples, names, None)
-    left_out = np.full(len(samples), math.nan)
-    folds: list[Array] = []
-    for done, geometry in enumerate(geometries, 1):
+    folds: dict[Geometry, Floats] = {}
+    for geometry in geometries:
         others = [sample for sample in samples if sample.geometry != geometry]
-        values, _ = _fit(others, names, whole)
-        folds.append(values)
-        for k, sample in enumerate(samples):
-            if sample.geometry == geometry:
-                left_out[k] = _error(dict(zip(names, values, strict=True)), sample, reference)
+        folds[geometry], _ = _fit(others, names, whole)
         if progress is not None:
-            progress(done, len(geometries))
-    best = dict(zip(names, whole, strict=True))
-    low, high = _intervals(whole, np.array(folds))
-    parameters = tuple(
-        Parameter(name, UNITS[name.rstrip("_0123456789")], *map(float, row))
-        for name, *row in zip(names, whole, low, high, strict=True)
-    )
+            progress(len(folds), len(geometries))
+    n, each = len(folds), np.array(list(folds.values()))
+    scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
+    wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
+
+    def error(values: Floats, sample: Sample) -> float:
+        gap = _force(dict(zip(names, values, strict=True)), sample) - sample.force
+        return rms(gap / (sample.bands * reference * sample.cell.lever))
+
     return Calibration(
         law,
-        parameters,
+        tuple(
+            FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
+            for name, *row in zip(names, whole, whole - wide, whole + wide, strict=True)
+        ),
         tuple(samples),
-        np.array([_error(best, sample, reference) for sample in samples]),
-        left_out,
+        np.array([error(whole, sample) for sample in samples]),
+        np.array([error(folds[sample.geometry], sample) for sample in samples]),
         _correlations(jacobian),
         reference,
     )
@@ -268,19 +260,15 @@ def calibrate(
 
 def fit_record(calibration: Calibration) -> dict[str, Any]:
     """The calibration as JSON can hold it; docs/commands.md describes the names."""
-    names = [p.name for p in calibration.parameters]
+    names = list(calibration.values)
+    errors = calibration.fit_error, calibration.left_out_error
     return {
         "law": calibration.law,
         "k_N_per_m": calibration.reference,
         "parameters": [record(PARAMETER, p) for p in calibration.parameters],
         "errors": [
             record(ERROR, sample, fit=fit, left_out=out)
-            for sample, fit, out in zip(
-                calibration.samples,
-                calibration.fit_error,
-                calibration.left_out_error,
-                strict=True,
-            )
+            for sample, fit, out in zip(calibration.samples, *errors, strict=True)
         ],
         "mean_errors": [
             {
@@ -291,57 +279,47 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
             for n in calibration.counts
         ],
         "correlations": {
-            a: {b: float(c) for b, c in zip(names, row, strict=True)}
-            for a, row in zip(names, calibration.correlations, strict=True)
+            name: dict(zip(names, row.tolist(), strict=True))
+            for name, row in zip(names, calibration.correlations, strict=True)
         },
         "not_told_apart": [list(pair) for pair in calibration.tied],
     }
 
 
 def _sample(series: Series) -> Sample:
-    cell = series.chain.cells[0]
-    curve, base = series.curve, series.baseline_curve
-    net = curve.force - (0.0 if base is None else base.at(curve.stroke))
-    use = judged(curve.stroke, quiet_zones(cell.full_travel, series.unloading))
-    stroke, net = curve.stroke[use], net[use]
+    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     # Means over strips: what is fitted is the curve, not the noise of single samples.
-    parts = [p for p in np.array_split(np.arange(len(stroke)), _POINTS) if len(p)]
-    travel = np.array([float(np.mean(stroke[p])) for p in parts])
-    force = np.array([float(np.mean(net[p])) for p in parts])
+    travel, force = (
+        np.array([float(np.mean(part)) for part in np.array_split(values, _POINTS) if len(part)])
+        for values in (stroke, net)
+    )
     if series.unloading:
         travel, force = travel[::-1], force[::-1]
-    dx, dy = cell.bands[0].d
-    geometry = round(dx, 9), round(dy, 9)
     return Sample(
-        series.name, geometry, series.bands, cell, cell.angle(travel), force, series.unloading
+        series.name,
+        series.geometry,
+        series.bands,
+        cell,
+        cell.angle(travel),
+        force,
+        series.unloading,
     )
-
-
-def _names(samples: Sequence[Sample], law: str) -> list[str]:
-    counts = sorted({sample.bands for sample in samples})
-    stiffness = [f"stiffness_{n}" for n in counts]
-    return [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
-
-
-def _band(values: dict[str, float], stiffness: float) -> Band:
-    law = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
-    band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
-    return replace(band, law=law) if law.a2 or law.a3 else band
 
 
 class _Rows(NamedTuple):
     """What does not depend on the numbers that are fitted, all samples in a row."""
 
-    length: Array  # of the band [m]
-    slope: Array  # of the length by travel [1]
-    shorter: Array  # than it has been in this run [m]
-    bands: Array
-    way: Array  # +1 loading, -1 unloading
-    force: Array
+    length: Floats  # of the band [m]
+    slope: Floats  # of the length by travel [1]
+    shorter: Floats  # than it has been in this run [m]
+    bands: Floats
+    direction: Floats  # +1 loading, -1 unloading
+    force: Floats
 
 
 def _rows(samples: Sequence[Sample]) -> _Rows:
-    parts: list[tuple[Array, ...]] = []
+    parts: list[tuple[Floats, ...]] = []
     for sample in samples:
         lever, limit, theta = sample.cell.lever, sample.cell.limit, sample.theta
         dx, dy = sample.geometry
@@ -352,12 +330,12 @@ def _rows(samples: Sequence[Sample]) -> _Rows:
         shorter = (np.maximum.accumulate(length) - length)[1:]
         slope, _, _ = length_slopes(np.sin(theta), np.cos(theta), length[1:], dx, dy, lever)
         one = np.ones(len(theta))
-        way = -one if sample.unloading else one
-        parts.append((length[1:], slope, shorter, sample.bands * one, way, sample.force))
+        direction = -one if sample.unloading else one
+        parts.append((length[1:], slope, shorter, sample.bands * one, direction, sample.force))
     return _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _model(values: dict[str, float], rows: _Rows) -> Array:
+def _model(values: dict[str, float], rows: _Rows) -> Floats:
     """F of every row [N]; the tension is `Band.tension` written out, for speed."""
     e = np.maximum(rows.length - values["rest_length"], 0.0)
     shape = cubic(e, 0.0, 1.0, values.get("quadratic", 0.0), values.get("cubic", 0.0))[0]
@@ -367,44 +345,35 @@ def _model(values: dict[str, float], rows: _Rows) -> Array:
             k[rows.bands == float(name.removeprefix("stiffness_"))] = value
     kept = 1.0 - values["loss"] * (1.0 - np.exp(-rows.shorter / values["loss_length"]))
     tension = rows.bands * k * shape * kept
-    return band_force(tension, rows.slope) + rows.way * values["friction"]
+    return band_force(tension, rows.slope) + rows.direction * values["friction"]
 
 
-def _force(values: dict[str, float], sample: Sample) -> Array:
+def _force(values: dict[str, float], sample: Sample) -> Floats:
     return _model(values, _rows([sample]))
 
 
-def _error(values: dict[str, float], sample: Sample, reference: float) -> float:
-    gap = (_force(values, sample) - sample.force) / (sample.bands * reference * sample.cell.lever)
-    return float(np.sqrt(np.mean(gap**2)))
-
-
-def _fit(samples: Sequence[Sample], names: list[str], start: Array | None) -> tuple[Array, Array]:
+def _fit(
+    samples: Sequence[Sample], names: list[str], start: Floats | None
+) -> tuple[Floats, Floats]:
     """Values of the parameters, and the Jacobian by their typical sizes."""
     from scipy.optimize import least_squares
 
-    limits = np.array([_START[name.rstrip("_0123456789")] for name in names])
+    limits = np.array([_FITTED[name.rstrip("_0123456789")][1:] for name in names])
     first, low, high, size = limits.T
-
     data = _rows(samples)
 
-    def left(x: Array) -> Array:
+    def residual(x: Floats) -> Floats:
         # Per band, so that double bands do not count double.
         return (_model(dict(zip(names, x, strict=True)), data) - data.force) / data.bands
 
     inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
-    found = least_squares(left, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10)
+    found = least_squares(
+        residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
+    )
     return found.x, found.jac * size
 
 
-def _correlations(jacobian: Array) -> Array:
+def _correlations(jacobian: Floats) -> Floats:
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return np.clip(covariance / np.outer(size, size), -1.0, 1.0)
-
-
-def _intervals(whole: Array, folds: Array) -> tuple[Array, Array]:
-    n = len(folds)
-    error = np.sqrt((n - 1) / n * np.sum((folds - np.mean(folds, axis=0)) ** 2, axis=0))
-    wide = student(n - 1) * error
-    return whole - wide, whole + wide

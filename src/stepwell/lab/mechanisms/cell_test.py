@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import Bools, ByValue, Floats, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
+from stepwell.lab.recordings import rms
 from stepwell.mechanism import Cell
-
-Array = NDArray[np.float64]
 
 # Agreement as this room uses the word: the class is right and the force within this of the
 # model's, in k r. F0 of the paper's cell of reference is 0.967 k r.
@@ -28,7 +24,7 @@ _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
 @dataclass(frozen=True, eq=False)
-class Reading(ByValue):
+class CellReading(ByValue):
     """A measured force on the block, against the lever angle.
 
     Attributes:
@@ -38,10 +34,10 @@ class Reading(ByValue):
         inside: (n,) where the force was measured.
     """
 
-    theta: Array = field(repr=False)
-    force: Array = field(repr=False)
-    energy: Array = field(repr=False)
-    inside: NDArray[np.bool_] = field(repr=False)
+    theta: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    energy: Floats = field(repr=False)
+    inside: Bools = field(repr=False)
 
     @property
     def force_0(self) -> float:
@@ -78,9 +74,9 @@ class CellTest(ByValue):
     """
 
     series: Series
-    plain: Reading
-    corrected: Reading
-    model: Array = field(repr=False)
+    plain: CellReading
+    corrected: CellReading
+    model: Floats = field(repr=False)
     spread: float
     rises: tuple[tuple[float, float, float], ...]
 
@@ -92,24 +88,24 @@ class CellTest(ByValue):
     @property
     def rmse(self) -> float:
         """Root mean square of measured less model, in k r."""
-        return self._apart(self.plain)[0]
+        return rms(self._gap(self.plain))
 
     @property
     def worst(self) -> float:
         """Largest difference, in k r."""
-        return self._apart(self.plain)[1]
+        return float(np.max(np.abs(self._gap(self.plain))))
 
     @property
     def rmse_corrected(self) -> float:
         """The same as `rmse`, the rig's bar being corrected for."""
-        return self._apart(self.corrected)[0]
+        return rms(self._gap(self.corrected))
 
     @property
     def rmse_energy(self) -> float:
         """Root mean square of measured less model energy from state 0 on, in k r²."""
         model = self.cell.energy(self.plain.theta)
         gap = (self.plain.energy - (model - model[0]))[self.plain.inside]
-        return float(np.sqrt(np.mean(gap**2))) / (self.series.scale * self.cell.lever)
+        return rms(gap) / (self.series.scale * self.cell.lever)
 
     @property
     def right_class(self) -> bool:
@@ -140,12 +136,9 @@ class CellTest(ByValue):
         """The result as JSON can hold it; docs/commands.md describes the names."""
         return record(CELL_TEST, self)
 
-    def _gap(self, reading: Reading) -> Array:
-        return (reading.force - self.cell.force(reading.theta))[reading.inside]
-
-    def _apart(self, reading: Reading) -> tuple[float, float]:
-        gap = self._gap(reading) / self.series.scale
-        return float(np.sqrt(np.mean(gap**2))), float(np.max(np.abs(gap)))
+    def _gap(self, reading: CellReading) -> Floats:
+        gap = (reading.force - self.cell.force(reading.theta))[reading.inside]
+        return gap / self.series.scale
 
     def __repr__(self):
         return f"CellTest({self.series.name}: {self.verdict})"
@@ -165,43 +158,35 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
     Returns:
         The comparison.
     """
-    curve, base = series.curve, series.baseline_curve
-    cell = series.chain.cells[0]
-    net = curve.force - (0.0 if base is None else base.at(curve.stroke))
-    zones = quiet_zones(cell.full_travel, series.unloading)
-    use = judged(curve.stroke, zones)
-    plain = _reading(cell, curve.stroke[use], net[use], Rig())
-    corrected = _reading(cell, curve.stroke[use], net[use], rig)
+    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    stroke, force = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
+    plain = _reading(cell, stroke, force, Rig())
     return CellTest(
         series,
         plain,
-        corrected,
+        _reading(cell, stroke, force, rig),
         cell.force(plain.theta),
         float(np.mean(curve.spread[use])),
-        _rises(curve.stroke[use], net[use], _RISE * series.scale),
+        _rises(stroke, force, _RISE * series.scale),
     )
 
 
-def _reading(cell: Cell, stroke: Array, force: Array, rig: Rig) -> Reading:
+def _reading(cell: Cell, stroke: Floats, force: Floats, rig: Rig) -> CellReading:
     theta = rig.angle(cell, stroke)
     travel, block = cell.travel(theta), force / rig.factor(cell, theta)
     s = np.linspace(0.0, cell.full_travel, _POINTS)
     inside = (s >= travel[0]) & (s <= travel[-1])
     full = np.interp(s, travel, block)
-    full = np.where(s < travel[0], _beyond(travel, block, travel[0], s), full)
-    full = np.where(s > travel[-1], _beyond(travel, block, travel[-1], s), full)
+    for edge, beyond in ((travel[0], s < travel[0]), (travel[-1], s > travel[-1])):
+        near = np.abs(travel - edge) <= _ENDS
+        course = np.polyfit(travel[near] - edge, block[near], 2)
+        full[beyond] = np.polyval(course, s[beyond] - edge)
     steps = 0.5 * (full[1:] + full[:-1]) * np.diff(s)
     energy = np.concatenate([[0.0], np.cumsum(steps)])
-    return Reading(cell.angle(s), full, energy, inside)
+    return CellReading(cell.angle(s), full, energy, inside)
 
 
-def _beyond(travel: Array, force: Array, edge: float, s: Array) -> Array:
-    near = np.abs(travel - edge) <= _ENDS
-    course = np.polyfit(travel[near] - edge, force[near], 2)
-    return np.asarray(np.polyval(course, s - edge), float)
-
-
-def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, float, float], ...]:
+def _rises(stroke: Floats, force: Floats, least: float) -> tuple[tuple[float, float, float], ...]:
     """Where the force climbs by more than `least` above its lowest value so far."""
     edge = _SMOOTH // 2
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
@@ -222,12 +207,3 @@ def _rises(stroke: Array, force: Array, least: float) -> tuple[tuple[float, floa
         found.append((float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
         start = end + 1
     return tuple(found)
-
-
-def mean_rmse(tests: list[CellTest]) -> float:
-    """Mean of the RMSE over different geometries d = q - p, in k r; NaN for none."""
-    each: dict[tuple[float, float], list[float]] = {}
-    for test in tests:
-        dx, dy = test.cell.bands[0].d
-        each.setdefault((round(dx, 9), round(dy, 9)), []).append(test.rmse)
-    return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell.base import ByValue, Quantity, __version__, versions, write_csv
-from stepwell.lab.mechanisms.cell_test import CellTest, cell_test, mean_rmse
+from stepwell.lab.mechanisms.cell_test import CellTest, cell_test
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
-from stepwell.lab.mechanisms.series import sort_series
+from stepwell.lab.mechanisms.series import over_geometries, sort_series
 from stepwell.lab.recordings import LabError, Recording
 from stepwell.mechanism import Chain
 
@@ -44,7 +44,8 @@ class Comparison(ByValue):
 
     def mean_rmse(self, bands: int) -> float:
         """Mean over the geometries of unit cells with so many bands of the RMSE, in k r."""
-        return mean_rmse([test for test in self.cells if test.series.bands == bands])
+        tests = [test for test in self.cells if test.series.bands == bands]
+        return over_geometries((test.series.geometry, test.rmse) for test in tests)
 
     def to_xarray(self) -> xr.Dataset:
         """Measured and model force over "row", a row for every stroke of every series."""

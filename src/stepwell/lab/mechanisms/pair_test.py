@@ -8,20 +8,17 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, record
+from stepwell.base import Bools, ByValue, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series
 from stepwell.lab.mechanisms.snaps import find_snaps
-from stepwell.lab.mechanisms.windows import judged, quiet_zones
-from stepwell.lab.recordings import Curve, from_zero
+from stepwell.lab.recordings import Recording, from_zero, rms
 from stepwell.mechanism import Chain
-from stepwell.statics import EventKind
+from stepwell.statics import EventKind, Path
 
-Array = NDArray[np.float64]
 Order = tuple[int, int]
 
 _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
@@ -54,10 +51,10 @@ class PairTest(ByValue):
     """
 
     series: Series
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
-    model: Array = field(repr=False)
-    inside: NDArray[np.bool_] = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    model: Floats = field(repr=False)
+    inside: Bools = field(repr=False)
     spread: float
     errors: tuple[float, float]
     rmse: float
@@ -151,38 +148,6 @@ class PairTest(ByValue):
         return f"PairTest({self.series.name}: {self.verdict})"
 
 
-@dataclass(frozen=True, eq=False)
-class Baseline:
-    """Friction of each cell against its travel, read off a run of both without bands.
-
-    Attributes:
-        first: the cell that moved first in that run; None where nothing tells.
-        friction: for the cell that moved first and for the other, force [N] at (n,) travels [m].
-    """
-
-    curve: Curve | None
-    first: int
-    unloading: bool
-    travels: tuple[float, float]
-
-    def of(self, cell: int, travel: Array) -> Array:
-        """Baseline force [N] while this cell moves, at its travels [m]."""
-        if self.curve is None:
-            return np.zeros(len(travel))
-        full = sum(self.travels)
-        # While the first cell moves the other one rests at the stop that it has not left.
-        if self.unloading:
-            stroke = travel + (full - self.travels[cell] if cell == self.first else 0.0)
-        else:
-            stroke = travel + (0.0 if cell == self.first else full - self.travels[cell])
-        return self.curve.at(stroke)
-
-    def mean(self, cell: int) -> float:
-        """Mean size of the friction of this cell [N], away from the ends of its travel."""
-        travel = np.linspace(0.1, 0.9, 81) * self.travels[cell]
-        return float(np.mean(np.abs(self.of(cell, travel))))
-
-
 def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]:
     """Compare series of two cells with their models.
 
@@ -197,30 +162,32 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
     Returns:
         A comparison for each.
     """
-    first = _moved_first(series)
-    return [_pair_test(one, first[_key(one)], rig) for one in series]
+    errors = [_errors(one) for one in series]
+    total: dict[tuple[str, ...], Floats] = {}
+    for one, each in zip(series, errors, strict=True):
+        key = _baseline_of(one)
+        total[key] = total.get(key, np.zeros(2)) + np.min(each, axis=1) ** 2
+    moved_first = [int(np.argmin(total[_baseline_of(one)])) for one in series]
+    return [
+        _pair_test(one, first, each[first], rig)
+        for one, first, each in zip(series, moved_first, errors, strict=True)
+    ]
 
 
-def _pair_test(series: Series, first: int, rig: Rig) -> PairTest:
-    chain, unloading = series.chain, series.unloading
-    baseline = _baseline(series, first)
-    curve = series.curve
-    past = _past_snaps(series)
-    fits = {order: _against(series, curve, baseline, order, past) for order in _ORDERS}
-    shown = min(_ORDERS, key=lambda order: fits[order])
-    force = curve.force - _friction(chain, baseline, shown, unloading, curve.stroke)
+def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest:
+    chain, curve = series.chain, series.curve
+    shown = _ORDERS[int(np.argmin(errors))]
+    force = curve.force - _friction(series, first, shown, curve.stroke)
 
-    path = path_of(chain, unloading)
+    path = path_of(chain, series.unloading)
     model = on_path(path, curve.stroke)
-    inside = judged(curve.stroke, _zones(chain, shown, unloading))
+    inside = judged(curve.stroke, _zones(series, shown))
     gap = (force - model)[inside] / series.scale
-    who, travels = mover(path, curve.stroke)
+    moving, travels = mover(path, curve.stroke)
     factor = np.ones(len(curve))
-    for cell in (0, 1):
-        mine = who == cell
-        angle = chain.cells[cell].angle(np.clip(travels[mine, cell], 0, None))
-        factor[mine] = rig.factor(chain.cells[cell], angle)
-    corrected = (force - model * factor)[inside] / series.scale
+    for i, cell in enumerate(chain.cells):
+        mine = moving == i
+        factor[mine] = rig.factor(cell, cell.angle(np.clip(travels[mine, i], 0, None)))
     return PairTest(
         series,
         curve.stroke,
@@ -228,151 +195,134 @@ def _pair_test(series: Series, first: int, rig: Rig) -> PairTest:
         model,
         inside,
         float(np.mean(curve.spread[inside])),
-        (fits[_ORDERS[0]], fits[_ORDERS[1]]),
-        _rms(gap),
+        (float(errors[0]), float(errors[1])),
+        rms(gap),
         float(np.max(np.abs(gap))),
-        _rms(corrected),
-        _predicted(chain, unloading),
+        rms((force - model * factor)[inside] / series.scale),
+        _predicted(series),
         bool(path.degenerate),
-        tuple(_snaps(series, run, shown) for run in range(len(series.recordings))),
-        _theory(chain, unloading),
-        _theory(_with_friction(chain, baseline), unloading),
-        *_pull_and_hold(chain, baseline, shown, unloading, curve.stroke[inside], force[inside]),
+        tuple(_snaps(series, run, shown) for run in series.recordings),
+        _snaps_of(path),
+        _snaps_of(path_of(_with_friction(series, first), series.unloading)),
+        *_pull_and_hold(series, first, shown, curve.stroke[inside], force[inside]),
     )
 
 
-def _key(series: Series) -> tuple[str, ...]:
+def _baseline_of(series: Series) -> tuple[str, ...]:
     return tuple(run.source for run in series.baseline)
 
 
-def _moved_first(series: Sequence[Series]) -> dict[tuple[str, ...], int]:
-    total: dict[tuple[str, ...], list[float]] = {}
-    for one in series:
-        curve, past = one.curve, _past_snaps(one)
-        sums = total.setdefault(_key(one), [0.0, 0.0])
+def _errors(series: Series) -> Floats:
+    """RMSE in k r (2, 2): by the cell that moved first in the baseline, and by the order here."""
+    curve, past = series.curve, _past_snaps(series)
+    errors = np.zeros((2, 2))
+    for j, order in enumerate(_ORDERS):
+        use = judged(curve.stroke, [*_zones(series, order), past])
+        stroke = curve.stroke[use]
+        model = np.zeros(len(stroke))
+        for i, mine, travel in _one_by_one(series, order, stroke):
+            cell = series.chain.cells[i]
+            model[mine] = cell.force(cell.angle(travel))
         for first in (0, 1):
-            baseline = _baseline(one, first)
-            sums[first] += min(_against(one, curve, baseline, o, past) for o in _ORDERS) ** 2
-    return {key: int(np.argmin(sums)) for key, sums in total.items()}
-
-
-def _baseline(series: Series, first: int) -> Baseline:
-    travels = [cell.full_travel for cell in series.chain.cells]
-    return Baseline(series.baseline_curve, first, series.unloading, (travels[0], travels[1]))
-
-
-def _against(
-    series: Series,
-    curve: Curve,
-    baseline: Baseline,
-    order: Order,
-    past_snaps: tuple[float, float],
-) -> float:
-    """RMSE in k r against the cells moving one after the other in this order."""
-    chain, unloading = series.chain, series.unloading
-    use = judged(curve.stroke, [*_zones(chain, order, unloading), past_snaps])
-    stroke = curve.stroke[use]
-    model = np.zeros(len(stroke))
-    for cell, mine, travel in _one_by_one(chain, order, unloading, stroke):
-        moving = chain.cells[cell]
-        model[mine] = moving.force(moving.angle(travel))
-    measured = curve.force[use] - _friction(chain, baseline, order, unloading, stroke)
-    factor = max(float(model @ measured) / max(float(model @ model), 1e-30), 0.0)
-    return _rms((measured - factor * model) / series.scale)
+            measured = curve.force[use] - _friction(series, first, order, stroke)
+            factor = max(float(model @ measured) / max(float(model @ model), 1e-30), 0.0)
+            errors[first, j] = rms((measured - factor * model) / series.scale)
+    return errors
 
 
 def _past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
-    found = [*_theory(series.chain, series.unloading)]
-    for run in range(len(series.recordings)):
+    found = [*_snaps_of(path_of(series.chain, series.unloading))]
+    for run in series.recordings:
         # In neither order may a handover be taken for a snap.
-        seen = [set(_snaps(series, run, order)) for order in _ORDERS]
-        found += sorted(seen[0] & seen[1])
+        one, other = (set(_snaps(series, run, order)) for order in _ORDERS)
+        found += one & other
     if series.unloading:
-        return (-1.0, max(found) + _NEAR) if found else (-1.0, -1.0)
-    return (min(found) - _NEAR, 1.0) if found else (1.0, 1.0)
+        return -math.inf, max(found, default=-math.inf) + _NEAR
+    return min(found, default=math.inf) - _NEAR, math.inf
 
 
-def _one_by_one(
-    chain: Chain, order: Order, unloading: bool, stroke: Array
-) -> list[tuple[int, NDArray[np.bool_], Array]]:
-    """For each cell: which strokes it moves at, and its travels there."""
-    first, second = order
-    way = chain.cells[first].full_travel
-    stroke = np.clip(stroke, 0.0, chain.full_stroke)
-    if unloading:
-        mine = stroke >= chain.full_stroke - way
-        travel = stroke[mine] - (chain.full_stroke - way)
-        return [(first, mine, travel), (second, ~mine, stroke[~mine])]
-    mine = stroke <= way
-    return [(first, mine, stroke[mine]), (second, ~mine, stroke[~mine] - way)]
-
-
-def _friction(
-    chain: Chain, baseline: Baseline, order: Order, unloading: bool, stroke: Array
-) -> Array:
-    """The baseline, each cell's share of it put where that cell moves."""
-    found = np.zeros(len(stroke))
-    for cell, mine, travel in _one_by_one(chain, order, unloading, stroke):
-        found[mine] = baseline.of(cell, travel)
+def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int, Bools, Floats]]:
+    """For each cell in an order: which strokes it moves at, and its travels there."""
+    full, first = series.chain.full_stroke, series.chain.cells[order[0]].full_travel
+    stroke = np.clip(stroke, 0.0, full)
+    edge = full - first if series.unloading else first
+    mine = stroke >= edge if series.unloading else stroke <= edge
+    found = []
+    for cell, moving in zip(order, (mine, ~mine), strict=True):
+        above = (cell == order[0]) == series.unloading
+        found.append((cell, moving, stroke[moving] - edge if above else stroke[moving]))
     return found
 
 
-def _zones(chain: Chain, order: Order, unloading: bool) -> list[tuple[float, float]]:
-    return quiet_zones(chain.full_stroke, unloading, chain.cells[order[0]].full_travel)
+def _baseline_force(series: Series, first: int, cell: int, travel: Floats) -> Floats:
+    """Baseline force [N] while a cell moves, at its travels (n,) [m].
+
+    Args:
+        series: with the baseline.
+        first: the cell that moved first in it; while it did, the other one was at the stop that
+            it has not left yet.
+        cell: which.
+        travel: of that cell.
+    """
+    if series.baseline_curve is None:
+        return np.zeros(len(travel))
+    above = (cell == first) == series.unloading
+    rest = series.chain.full_stroke - series.chain.cells[cell].full_travel
+    return series.baseline_curve.at(travel + rest if above else travel)
 
 
-def _predicted(chain: Chain, unloading: bool) -> Order:
-    cycle = chain.cycle()
-    order = cycle.unloading_order if unloading else cycle.loading_order
+def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
+    """The baseline, each cell's share of it put where that cell moves."""
+    found = np.zeros(len(stroke))
+    for cell, mine, travel in _one_by_one(series, order, stroke):
+        found[mine] = _baseline_force(series, first, cell, travel)
+    return found
+
+
+def _zones(series: Series, order: Order) -> list[tuple[float, float]]:
+    first = series.chain.cells[order[0]].full_travel
+    return quiet_zones(series.chain.full_stroke, series.unloading, first)
+
+
+def _predicted(series: Series) -> Order:
+    cycle = series.chain.cycle()
+    order = cycle.unloading_order if series.unloading else cycle.loading_order
     return (0, 1) if order[:1] == (0,) else (1, 0)
 
 
-def _snaps(series: Series, run: int, order: Order) -> tuple[float, ...]:
-    recording = series.recordings[run]
-    stroke = from_zero(recording, series.chain.full_stroke)
-    zones = _zones(series.chain, order, series.unloading)
-    return tuple(snap.stroke for snap in find_snaps(stroke, recording.force, zones))
+def _snaps(series: Series, run: Recording, order: Order) -> tuple[float, ...]:
+    stroke = from_zero(run, series.chain.full_stroke)
+    return tuple(snap.stroke for snap in find_snaps(stroke, run.force, _zones(series, order)))
 
 
-def _theory(chain: Chain, unloading: bool) -> tuple[float, ...]:
-    events = path_of(chain, unloading).events
-    return tuple(event.stroke for event in events if event.kind is EventKind.SNAP)
+def _snaps_of(path: Path) -> tuple[float, ...]:
+    return tuple(event.stroke for event in path.events if event.kind is EventKind.SNAP)
 
 
 def _pull_and_hold(
-    chain: Chain,
-    baseline: Baseline,
-    order: Order,
-    unloading: bool,
-    stroke: Array,
-    force: Array,
+    series: Series, first: int, order: Order, stroke: Floats, force: Floats
 ) -> tuple[float, float]:
     """What the second cell, at its end, pulls against the first one, and what friction holds."""
-    parts = {cell: mine for cell, mine, _ in _one_by_one(chain, order, unloading, stroke)}
-    ends: list[float] = []
-    hold = 0.0
-    for cell in order:
-        at = np.flatnonzero(parts[cell])
-        ends.append(float(force[at[0] if unloading else at[-1]]))
-        end = 0.02 if unloading else 0.98
-        travel = np.array([end * chain.cells[cell].full_travel])
-        hold += abs(float(baseline.of(cell, travel)[0]))
-    pull = ends[1] - ends[0] if unloading else ends[0] - ends[1]
+    last, end, sign = (0, 0.02, -1) if series.unloading else (-1, 0.98, 1)
+    pull = hold = 0.0
+    for cell, mine, _ in _one_by_one(series, order, stroke):
+        at_end = np.array([end * series.chain.cells[cell].full_travel])
+        hold += abs(float(_baseline_force(series, first, cell, at_end)[0]))
+        pull += sign * float(force[mine][last])
+        sign = -sign
     return max(pull, 0.0), hold
 
 
-def _with_friction(chain: Chain, baseline: Baseline) -> Chain:
-    cells = [
-        replace(cell, friction=cell.friction + baseline.mean(i))
-        for i, cell in enumerate(chain.cells)
-    ]
-    return replace(chain, cells=cells)
+def _with_friction(series: Series, first: int) -> Chain:
+    """The chain, its cells with the mean friction of the baseline away from the ends."""
+    cells = []
+    for i, cell in enumerate(series.chain.cells):
+        travel = np.linspace(0.1, 0.9, 81) * cell.full_travel
+        friction = float(np.mean(np.abs(_baseline_force(series, first, i, travel))))
+        cells.append(replace(cell, friction=cell.friction + friction))
+    return replace(series.chain, cells=cells)
 
 
 def _strokes(strokes: tuple[float, ...]) -> str:
     return ", ".join(f"{u * 1e3:.2f}" for u in strokes) + " mm" if strokes else "nowhere"
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

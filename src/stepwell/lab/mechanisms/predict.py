@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.mechanism import Chain
 from stepwell.statics import Path
-
-Array = NDArray[np.float64]
 
 
 def path_of(chain: Chain, unloading: bool) -> Path:
@@ -19,7 +17,7 @@ def path_of(chain: Chain, unloading: bool) -> Path:
     return chain.path([0.0, full])
 
 
-def predicted_force(chain: Chain, unloading: bool, stroke: Array) -> Array:
+def predicted_force(chain: Chain, unloading: bool, stroke: Floats) -> Floats:
     """Actuator force [N] of the model at strokes [m], going one way."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
     if len(chain) == 1:
@@ -28,13 +26,13 @@ def predicted_force(chain: Chain, unloading: bool, stroke: Array) -> Array:
     return on_path(path_of(chain, unloading), stroke)
 
 
-def on_path(path: Path, stroke: Array) -> Array:
+def on_path(path: Path, stroke: Floats) -> Floats:
     """Actuator force [N] along a one-way path at strokes [m]."""
     u, force = _forward(path, path.stroke), _forward(path, path.force)
     return np.interp(stroke, u, force)
 
 
-def mover(path: Path, stroke: Array) -> tuple[NDArray[np.int64], Array]:
+def mover(path: Path, stroke: Floats) -> tuple[Ints, Floats]:
     """Which cell moves at these strokes [m], and the travels (n, cells) of all [m]."""
     u = _forward(path, path.stroke)
     travel = _forward(path, path.travel)
@@ -43,5 +41,5 @@ def mover(path: Path, stroke: Array) -> tuple[NDArray[np.int64], Array]:
     return np.argmax(step, axis=1), at
 
 
-def _forward(path: Path, values: Array) -> Array:
+def _forward(path: Path, values: Floats) -> Floats:
     return values if path.stroke[-1] >= path.stroke[0] else values[::-1]

@@ -1,17 +1,16 @@
-"""The rig of a test: a bar between machine and outer block that tilts as the block goes."""
+"""The rig of a test: its bar that tilts as the block goes, its slack and its end stops."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import Bools, ByValue, Floats, InputError
 from stepwell.mechanism import Cell
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +36,18 @@ class Rig(ByValue):
         if not self.bar > 0:
             raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
 
-    def tilt(self, cell: Cell, theta: ArrayLike) -> Array:
+    def tilt(self, cell: Cell, theta: ArrayLike) -> Floats:
         """b = tan φ [1] of the bar at lever angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         sine = cell.lever * (np.cos(theta) - math.cos(cell.limit)) / self.bar
         return sine / np.sqrt(1.0 - sine**2)
 
-    def factor(self, cell: Cell, theta: ArrayLike) -> Array:
+    def factor(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Force at the machine over force at the block [1] at angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         return 1.0 / (1.0 + self.tilt(cell, theta) * np.tan(theta))
 
-    def stroke(self, cell: Cell, theta: ArrayLike) -> Array:
+    def stroke(self, cell: Cell, theta: ArrayLike) -> Floats:
         """Way of the machine [m] from state 0 on, at angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         if math.isinf(self.bar):
@@ -56,7 +55,7 @@ class Rig(ByValue):
         # φ = 0 at the stops, so the bar is L (1 - cos φ) shorter in height in between.
         return cell.travel(theta) - self.bar * (1.0 - np.cos(np.arctan(self.tilt(cell, theta))))
 
-    def angle(self, cell: Cell, stroke: ArrayLike) -> Array:
+    def angle(self, cell: Cell, stroke: ArrayLike) -> Floats:
         """Lever angle θ [rad] at ways of the machine [m] of any shape, between the stops."""
         stroke = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
         travel = stroke
@@ -67,3 +66,30 @@ class Rig(ByValue):
 
 
 PAPER_RIG = Rig(bar=0.070)
+
+# Found on the paper's rig and stated beside the results: slack is taken up within half a
+# millimetre, blocks touch in the last quarter, and the next cell takes over within two.
+SETTLE = 0.5e-3
+END = 0.25e-3
+BEFORE, AFTER = 0.5e-3, 2.0e-3
+
+
+def quiet_zones(
+    full: float, unloading: bool, first: float | None = None
+) -> list[tuple[float, float]]:
+    """Strokes between which a recording shows the rig, and is not judged [m].
+
+    Args:
+        full: stroke with every cell at state 1 [m].
+        unloading: whether the stroke falls.
+        first: full travel of the cell that moves first, in a pair [m].
+    """
+    zones = [(-math.inf, SETTLE), (full - END, math.inf)]
+    if first is not None:
+        zones.append((first - BEFORE, first + AFTER))
+    return [(full - high, full - low) for low, high in zones] if unloading else zones
+
+
+def judged(stroke: Floats, zones: Sequence[tuple[float, float]]) -> Bools:
+    """Which strokes (n,) [m] lie in no quiet zone."""
+    return ~np.any([(low <= stroke) & (stroke <= high) for low, high in zones], axis=0)

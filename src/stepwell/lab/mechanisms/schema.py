@@ -1,4 +1,4 @@
-"""What is told of unit cells, pairs and calibrations: names, units and words of each number."""
+"""Columns of the results about unit cells, pairs and calibrations: name, unit, heading, format."""
 
 from __future__ import annotations
 
@@ -14,12 +14,8 @@ def _both(name: str) -> Any:
     }
 
 
-def _beside(told: dict[str, float]) -> str:
-    return f"{told['measured']:.3f} ({told['model']:.3f})"
-
-
-def _order(names: list[str]) -> str:
-    return " then ".join(names)
+def _beside(both: dict[str, float]) -> str:
+    return f"{both['measured']:.3f} ({both['model']:.3f})"
 
 
 def _series(kind: str) -> Schema:
@@ -36,6 +32,7 @@ def _series(kind: str) -> Schema:
     )
 
 
+_THEN = " then ".join
 _SPREAD = Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale)
 CELL_TEST: Schema = (
     *_series("cell"),
@@ -56,8 +53,10 @@ CELL_TEST: Schema = (
 PAIR_TEST: Schema = (
     *_series("pair"),
     _SPREAD,
-    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), _order),
-    Quantity("order_predicted", "", "model", lambda test: test.names(test.predicted), _order),
+    Quantity("order_shown", "", "order shown", lambda test: test.names(test.shown), _THEN),
+    Quantity(
+        "order_predicted", "", "model", lambda test: test.names(test.predicted), " then ".join
+    ),
     Quantity("order_tie", read="tie"),
     Quantity("order_error_ratio", "", "ratio", "ratio", ".1f", left=False),
     Quantity("snaps", "mm"),

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import PurePath
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.mechanisms.predict import predicted_force
+from stepwell.lab.mechanisms.rig import judged, quiet_zones
 from stepwell.lab.recordings import (
     Curve,
     LabError,
@@ -30,7 +32,7 @@ from stepwell.lab.recordings import (
 )
 from stepwell.mechanism import Band, Cell, Chain
 
-Array = NDArray[np.float64]
+Geometry = tuple[float, float]
 
 # Strokes that a baseline must cover, in those of the series.
 _COVER = (0.97, 1.1)
@@ -65,12 +67,12 @@ class Series(ByValue):
     baseline: tuple[Recording, ...] = field(repr=False)
     told: tuple[str, ...] = field(repr=False)
 
-    @property
+    @cached_property
     def curve(self) -> Curve:
         """Mean of the repeats, strokes counted from state 0."""
         return mean_curve(self.recordings, self.chain.full_stroke)
 
-    @property
+    @cached_property
     def baseline_curve(self) -> Curve | None:
         """Mean of the baseline; None where there is none."""
         return mean_curve(self.baseline, self.chain.full_stroke) if self.baseline else None
@@ -80,6 +82,21 @@ class Series(ByValue):
         """k r [N]: stiffness of all bands of the innermost cell, times its lever."""
         cell = self.chain.cells[0]
         return sum(band.stiffness for band in cell.bands) * cell.lever
+
+    @property
+    def geometry(self) -> Geometry:
+        """d = q - p of the innermost cell [m], the same for all series of one geometry."""
+        dx, dy = self.chain.cells[0].bands[0].d
+        return round(dx, 9), round(dy, 9)
+
+    def net(self, stroke: Floats, force: Floats) -> Floats:
+        """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m]."""
+        base = self.baseline_curve
+        return force - (0.0 if base is None else base.at(stroke))
+
+    def judged(self) -> Bools:
+        """Which strokes of the mean curve of one cell count (n,)."""
+        return judged(self.curve.stroke, quiet_zones(self.chain.full_stroke, self.unloading))
 
     def __repr__(self):
         return f"Series({self.name}: {len(self.recordings)} runs)"
@@ -96,6 +113,14 @@ class Sorted(ByValue):
 
     series: tuple[Series, ...]
     told: tuple[str, ...]
+
+
+def over_geometries(errors: Iterable[tuple[Geometry, float]]) -> float:
+    """Mean over the geometries of the mean of each one's errors; NaN for none."""
+    each: dict[Geometry, list[float]] = defaultdict(list)
+    for geometry, error in errors:
+        each[geometry].append(error)
+    return float(np.mean([np.mean(v) for v in each.values()])) if each else math.nan
 
 
 def paper_cell(bands: int = 1) -> Cell:
@@ -130,7 +155,7 @@ def sort_series(
     Raises:
         LabError: there is no series, or more than one design for recordings that do not say which.
     """
-    own = [r for r in recordings if is_baseline(r.name)] if baseline is None else list(baseline)
+    own = [r for r in recordings if is_baseline(r.name)] if baseline is None else baseline
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}
     gaps = missing(recordings)
@@ -138,18 +163,19 @@ def sort_series(
     told: list[str] = []
     tension: dict[str, int] = defaultdict(int)
     for recording in recordings:
-        setup = setup_of(recording.name)
         if recording.source in used or is_baseline(recording.name):
             continue
-        if not as_designed and setup is None and _TENSION_TEST.search(recording.name):
+        setup = setup_of(recording.name)
+        nameless = setup is None and not as_designed
+        if nameless and _TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
-        elif not as_designed and setup is None and _NAMED_CELLS.match(recording.name):
+        elif nameless and _NAMED_CELLS.match(recording.name):
             told.append(f"{recording.source}: left out, the letters of its name are not known")
-        elif not as_designed and setup is None and not designs:
+        elif nameless and not designs:
             told.append(
                 f"{recording.source}: left out, its name tells no configuration: give a design"
             )
-        elif not as_designed and setup is not None and setup.marked:
+        elif setup is not None and setup.marked and not as_designed:
             told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
         else:
             for part in _parts(recording):
@@ -167,20 +193,13 @@ def sort_series(
         lines = "; ".join(told[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {lines}.")
     families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
-    told += [f"baseline {line}" for runs in families.values() for line in _strange(runs, gaps)]
+    told += [f"baseline {line}" for runs in families.values() for line in _odd_lines(runs, gaps)]
     taken = {recording.source for one in series for recording in one.baseline}
     told += [
         f"{source}: a baseline that no series uses (other stroke or direction)"
         for source in dict.fromkeys(r.source for r in own if r.source not in taken)
     ]
     return Sorted(tuple(series), tuple(told))
-
-
-def net_force(series: Series, recording: Recording) -> tuple[Array, Array]:
-    """Stroke [m] from state 0 and force less baseline [N] of a run, as it was sampled."""
-    stroke = from_zero(recording, series.chain.full_stroke)
-    base = series.baseline_curve
-    return stroke, recording.force - (0.0 if base is None else base.at(stroke))
 
 
 def _series(
@@ -192,36 +211,47 @@ def _series(
     designs: Sequence[Chain],
     gaps: dict[str, str],
 ) -> list[Series]:
-    way = "unloading" if unloading else "loading"
     base = _matching(runs[0], unloading, baselines)
+
+    def series_of(name: str, chain: Chain, bands: int, mine: list[Recording], *told: str) -> Series:
+        return Series(
+            f"{name}, {'unloading' if unloading else 'loading'}",
+            stem if setup is None else setup.code,
+            chain,
+            bands,
+            unloading,
+            tuple(mine),
+            tuple(base),
+            (*_used_lines(mine, base, gaps), *told),
+        )
+
     if setup is None:
-        chain = _one_design(runs[0], designs)
-        told = (*_told(runs, base, gaps), "configuration: as the design says")
-        return [Series(f"{stem}, {way}", stem, chain, 1, unloading, tuple(runs), tuple(base), told)]
+        if len(designs) != 1:
+            raise LabError(
+                runs[0].source,
+                f"its name tells no configuration, and {len(designs)} designs are given: give the "
+                f"one that was tested.",
+            )
+        return [series_of(stem, designs[0], 1, runs, "configuration: as the design says")]
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
     ]
-    single = Series("", setup.code, Chain(cells), 1, unloading, tuple(runs), tuple(base), ())
+    single = series_of("", Chain(cells), 1, runs)
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
-        chain = Chain([_with_bands(cell, bands) for cell in cells])
-        told = (
-            *_told(mine, base, gaps),
-            f"{_bands(bands)}, judged from the force: {ratio:.2f} times that of one",
-        )
+        told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
         if abs(ratio / bands - 1) > _DOUBT:
-            told += ("that is far from a whole number: check how many bands were on",)
-        name = f"{setup.code}, {_bands(bands)}, {way}"
-        found.append(
-            Series(name, setup.code, chain, bands, unloading, tuple(mine), tuple(base), told)
-        )
+            told.append("that is far from a whole number: check how many bands were on")
+        chain = Chain([_with_bands(cell, bands) for cell in cells])
+        found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
     return found
 
 
 def _ratio(series: Series, run: Recording) -> float:
     """How many times the force of the model a run shows, by least squares."""
-    stroke, force = net_force(series, run)
+    stroke = from_zero(run, series.chain.full_stroke)
+    force = series.net(stroke, run.force)
     model = predicted_force(series.chain, series.unloading, stroke)
     size = float(model @ model)
     return float(model @ force) / size if size > 0 else 1.0
@@ -256,7 +286,8 @@ def _with_bands(cell: Cell, count: int) -> Cell:
     return replace(cell, band=bands)
 
 
-def _bands(count: int) -> str:
+def counted_bands(count: int) -> str:
+    """How many bands, in words."""
     return "1 band" if count == 1 else f"{count} bands"
 
 
@@ -271,22 +302,12 @@ def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
     return tuple(fitting[0].cells) if fitting else (paper_cell(),) * count
 
 
-def _one_design(run: Recording, designs: Sequence[Chain]) -> Chain:
-    if len(designs) != 1:
-        raise LabError(
-            run.source,
-            f"its name tells no configuration, and {len(designs)} designs are given: give the one "
-            f"that was tested.",
-        )
-    return designs[0]
-
-
 def _parts(recording: Recording) -> list[Recording]:
     """The recording, cut at its turning points."""
-    if not recording.turns:
-        return [recording]
     return [
-        Recording(recording.source, recording.time[h], recording.stroke[h], recording.force[h])
+        replace(
+            recording, time=recording.time[h], stroke=recording.stroke[h], force=recording.force[h]
+        )
         for h in recording.halves
     ]
 
@@ -307,21 +328,17 @@ def _matching(run: Recording, unloading: bool, baselines: list[Recording]) -> li
     return min(families.values(), key=far) if families else []
 
 
-def _told(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> tuple[str, ...]:
-    lines = [f"runs: {', '.join(run.name for run in runs)}"]
-    if base:
-        lines.append(f"baseline: {', '.join(run.name for run in base)}")
-    else:
-        lines.append("baseline: none found, so friction is not subtracted")
-    return (*lines, *_strange(runs, gaps))
+def _used_lines(runs: list[Recording], base: list[Recording], gaps: dict[str, str]) -> list[str]:
+    names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
+    used = ", ".join(run.name for run in runs)
+    return [f"runs: {used}", f"baseline: {names}", *_odd_lines(runs, gaps)]
 
 
-def _strange(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
+def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """What is odd about repeats, a line for each thing with the names it is true of."""
     told: dict[str, list[str]] = defaultdict(list)
-    beside = unlike(repeats)
+    beside = [*gaps.items(), *unlike(repeats)]
     for run in repeats:
-        gap = [gaps[run.source]] if run.source in gaps else []
-        for line in (*oddities(run), *gap, *beside.get(run.source, ())):
+        for line in (*oddities(run), *(line for source, line in beside if source == run.source)):
             told[line].append(run.name)
     return [f"{', '.join(names)}: {line}" for line, names in told.items()]

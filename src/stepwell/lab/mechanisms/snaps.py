@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
-
-Array = NDArray[np.float64]
+from stepwell.base import ByValue, Floats
+from stepwell.lab.mechanisms.rig import judged
 
 # Mean force of 5 samples before and after, 6 samples apart: 120 ms at 50 Hz, where snaps of the
 # paper's rig take 40 to 80 ms.
@@ -20,7 +18,7 @@ SHARE = 0.03  # of the range of the force
 
 
 @dataclass(frozen=True, eq=False)
-class Snap(ByValue):
+class MeasuredSnap(ByValue):
     """A jump of the force.
 
     Attributes:
@@ -32,12 +30,12 @@ class Snap(ByValue):
     jump: float
 
     def __repr__(self):
-        return f"Snap({self.stroke * 1e3:.2f} mm, {self.jump:+.3g} N)"
+        return f"MeasuredSnap({self.stroke * 1e3:.2f} mm, {self.jump:+.3g} N)"
 
 
 def find_snaps(
-    stroke: Array, force: Array, quiet: Sequence[tuple[float, float]] = ()
-) -> tuple[Snap, ...]:
+    stroke: Floats, force: Floats, quiet: Sequence[tuple[float, float]] = ()
+) -> tuple[MeasuredSnap, ...]:
     """Jumps of the force along a recording.
 
     A jump counts if it is over 8 robust standard deviations of such differences and over 3 % of
@@ -68,13 +66,10 @@ def find_snaps(
     noise = 1.4826 * float(np.median(np.abs(jump)))
     least = max(SIGMAS * noise, SHARE * float(np.ptp(force)))
     u = stroke[at]
-    allowed = np.ones(len(u), bool)
-    for low, high in quiet:
-        allowed &= (u < low) | (u > high)
-    over = allowed & (np.abs(jump) > least)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
-    found: list[Snap] = []
+    over = judged(u, quiet) & (np.abs(jump) > least)
+    edges = np.flatnonzero(np.diff(over, prepend=False, append=False))
+    found: list[MeasuredSnap] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         peak = start + int(np.argmax(np.abs(jump[start:end])))
-        found.append(Snap(float(u[peak]), float(jump[peak])))
+        found.append(MeasuredSnap(float(u[peak]), float(jump[peak])))
     return tuple(found)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from stepwell.base import __version__
+from stepwell.lab.bands import band_line
 from stepwell.lab.mechanisms.calibrate import Calibration
+from stepwell.lab.mechanisms.series import counted_bands
 
 
 def calibrated_table(calibration: Calibration, source: str = "") -> str:
@@ -21,7 +23,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     loss, length = calibration["loss"], calibration["loss_length"]
     friction, rest = calibration["friction"], calibration["rest_length"]
     errors = "; ".join(
-        f"{_bands(n)}: {calibration.mean_error(n, left_out=False):.3f} fitted, "
+        f"{counted_bands(n)}: {calibration.mean_error(n, left_out=False):.3f} fitted, "
         f"{calibration.mean_error(n):.3f} left out"
         for n in calibration.counts
     )
@@ -44,24 +46,17 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     for k, bands in enumerate(calibration.counts):
         value = calibration[f"stiffness_{bands}"]
         text += (
-            f"# Each band of a cell with {_bands(bands)}: k = {value.value:.4g} N/m "
+            f"# Each band of a cell with {counted_bands(bands)}: k = {value.value:.4g} N/m "
             f"({value.low:.4g} to {value.high:.4g})\n"
         )
-        text += f"{'# ' if k else ''}band = {{ {_keys(calibration, bands)} }}\n"
+        text += f"{'# ' if k else ''}{band_line(_keys(calibration, bands))}"
     return text
 
 
-def _keys(calibration: Calibration, bands: int) -> str:
+def _keys(calibration: Calibration, bands: int) -> dict[str, float]:
     band = calibration.band(bands)
-    keys = {
-        "stiffness_N_per_m": f"{band.stiffness:.5g}",
-        "rest_length_mm": f"{band.rest_length * 1e3:.5g}",
-    }
+    keys = {"stiffness_N_per_m": band.stiffness, "rest_length_mm": band.rest_length * 1e3}
     if calibration.law == "cubic":
-        keys["quadratic_per_mm"] = f"{calibration['quadratic'].value * 1e-3:.5g}"
-        keys["cubic_per_mm2"] = f"{calibration['cubic'].value * 1e-6:.5g}"
-    return ", ".join(f"{key} = {value}" for key, value in keys.items())
-
-
-def _bands(count: int) -> str:
-    return "1 band" if count == 1 else f"{count} bands"
+        keys["quadratic_per_mm"] = calibration["quadratic"].value * 1e-3
+        keys["cubic_per_mm2"] = calibration["cubic"].value * 1e-6
+    return keys

@@ -1,6 +1,6 @@
 """Recordings of test machines: read, named, looked at for oddities, averaged."""
 
-from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve
+from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.names import (
     Setup,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 from stepwell.base import InputError
 
@@ -25,20 +24,13 @@ _UNIT = re.compile(r"[(\[]\s*([^()\[\]]*?)\s*[)\]]")
 _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]")
 
 
-class Column(NamedTuple):
-    """Where a quantity stands in a row, and what makes it SI."""
-
-    place: int
-    factor: float
-
-
 def split(line: str, delimiter: str | None) -> list[str]:
     """The fields of a line, without quotes; None splits at blanks."""
     fields = line.split(delimiter) if delimiter else line.split()
     return [field.strip().strip('"').strip() for field in fields]
 
 
-def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, Column]:
+def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, tuple[int, float]]:
     """Time, stroke and force among `count` columns, by the names and units above them.
 
     Args:
@@ -46,15 +38,18 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, C
         delimiter: what separates fields; None for blanks.
         count: how many fields a row of numbers has.
 
+    Returns:
+        For each quantity that is there its place in a row, and the factor that makes it SI.
+
     Raises:
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
     """
     names, units = _named(header, delimiter, count)
-    found: dict[str, Column] = {}
+    found: dict[str, tuple[int, float]] = {}
     for role, words in ROLES.items():
-        at = next((i for i, name in enumerate(names) if _means(name, words)), None)
-        if at is not None:
-            found[role] = Column(at, _factor(role, names[at], units[at]))
+        for place, name in enumerate(names):
+            if role not in found and any(word in name.lower() for word in words):
+                found[role] = place, _factor(role, name, units[place])
     for role in NEEDED:
         if role not in found:
             shown = ", ".join(name for name in names if name) or "none"
@@ -99,10 +94,6 @@ def _suffix(field: str) -> str:
 
 def _is_unit(text: str) -> bool:
     return any(text in units for units in UNITS.values())
-
-
-def _means(name: str, words: tuple[str, ...]) -> bool:
-    return any(word in name.lower() for word in words)
 
 
 def _factor(role: str, name: str, unit: str) -> float:

@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.lab.recordings.recording import Recording
-
-Array = NDArray[np.float64]
 
 STEP = 0.05e-3  # [m] between the strokes of a mean curve
 
@@ -26,19 +23,19 @@ class Curve(ByValue):
         runs: (m, n) each run [N].
     """
 
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
-    runs: Array = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    runs: Floats = field(repr=False)
 
     @property
-    def spread(self) -> Array:
+    def spread(self) -> Floats:
         """(n,) standard deviation between the runs [N]; zero for one run."""
         return np.std(self.runs, axis=0, ddof=1) if len(self.runs) > 1 else np.zeros(len(self))
 
     def __len__(self) -> int:
         return len(self.stroke)
 
-    def at(self, stroke: Array) -> Array:
+    def at(self, stroke: Floats) -> Floats:
         """Mean force [N] at strokes [m], constant beyond the ends."""
         return np.interp(stroke, self.stroke, self.force)
 
@@ -67,7 +64,7 @@ def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
     return Curve(grid, np.mean(runs, axis=0), runs)
 
 
-def from_zero(recording: Recording, full: float) -> Array:
+def from_zero(recording: Recording, full: float) -> Floats:
     """Strokes counted from state 0 [m]: an unloading test starts at `full`, set to zero there."""
     stroke = recording.stroke
     return stroke + full if is_unloading(recording) else stroke
@@ -79,7 +76,12 @@ def is_unloading(recording: Recording) -> bool:
     return recording.direction == "unloading" and below
 
 
-def _strips(u: Array, force: Array, grid: Array) -> Array:
+def rms(values: Floats) -> float:
+    """Root mean square of numbers of any shape."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _strips(u: Floats, force: Floats, grid: Floats) -> Floats:
     """Mean force in a strip around each stroke; between samples where a strip has none."""
     strip = np.floor((u - grid[0]) / STEP + 0.5).astype(int)
     inside = (strip >= 0) & (strip < len(grid))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.base import InputError
+from stepwell.base import InputError, printable
 
 
 class LabError(InputError):
@@ -14,12 +14,6 @@ class LabError(InputError):
     """
 
     def __init__(self, name: str, problem: str):
-        self.name = _printable(name)
-        self.problem = _printable(problem)
+        self.name = printable(name)
+        self.problem = printable(problem)
         super().__init__(f"{self.name}: {self.problem}")
-
-
-def _printable(text: str) -> str:
-    return "".join(
-        c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text
-    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-Vec2 = tuple[float, float]
+from stepwell.base import Vec2
 
 _RUN = re.compile(r"^(?P<stem>.*?)_?(?P<run>\d+)$")
 _UNIT = re.compile(r"^(?P<cells>[12])unit_(?P<code>[BMTLR]+)(?P<mark>(?:_[A-Za-z]\w*)?)$")
@@ -72,35 +72,25 @@ def setup_of(name: str) -> Setup | None:
     parts = [code] if found["cells"] == "1" else [code[:2], code[2:]]
     if found["cells"] == "2" and not (len(parts[1]) > 1 and parts[1][0] in _P):
         parts[1] = code[0] + parts[1]
-    anchors = tuple(_anchors(part) for part in parts)
-    known = tuple(pair for pair in anchors if pair is not None)
-    if len(known) < len(anchors):
+    anchors = tuple(pair for part in parts if (pair := _anchors(part)) is not None)
+    if len(anchors) < len(parts):
         return None
-    return Setup(code + found["mark"], known, found["mark"].strip("_"))
+    return Setup(code + found["mark"], anchors, found["mark"].strip("_"))
 
 
 def _anchors(letters: str) -> tuple[Vec2, Vec2] | None:
     """p and q of one cell; None for letters that do not say one thing each."""
-    first, rest = letters[:1], letters[1:]
-    if first not in _P or not rest or len(rest) > 2:
+    p, rest = _P.get(letters[:1]), letters[1:]
+    if p is None or not 1 <= len(rest) <= 2:
         return None
-    q = _q(rest)
-    return None if q is None else (_P[first], q)
-
-
-def _q(letters: str) -> Vec2 | None:
     # M is the middle of x where it stands alone or beside L or R, of y beside B or T.
     x: float | None = None
     y: float | None = None
-    for letter in sorted(letters, key="BTLRM".index):
-        if letter in "BT" and x is None:
+    for letter in sorted(rest, key="BTLRM".index):
+        if letter in _QX and x is None:
             x = _QX[letter]
-        elif letter in "LR" and y is None:
-            y = _QY[letter]
-        elif letter == "M" and x is None:
-            x = _QX[letter]
-        elif letter == "M" and y is None:
+        elif letter in _QY and y is None:
             y = _QY[letter]
         else:
             return None
-    return 0.010 if x is None else x, 0.0 if y is None else y
+    return p, (0.010 if x is None else x, 0.0 if y is None else y)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.lab.recordings.names import run_number, stem_of
 from stepwell.lab.recordings.recording import Recording
-
-Array = NDArray[np.float64]
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
 SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack
@@ -27,16 +24,7 @@ def oddities(recording: Recording) -> tuple[str, ...]:
     Args:
         recording: any.
     """
-    told = list(recording.remarks)
-    first = float(recording.stroke[0])
-    if abs(first) > LATE:
-        told.append(f"starts late, at a stroke of {first * 1e3:.4g} mm")
-    if np.ptp(recording.stroke) == 0:
-        told.append("the stroke never changes")
-    told += _clock(recording)
-    told += _start(recording)
-    told += _end(recording)
-    return tuple(told)
+    return (*recording.remarks, *_start(recording), *_clock(recording), *_ends(recording))
 
 
 def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:
@@ -50,13 +38,9 @@ def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
         recording that follows the gap.
     """
     told: dict[str, list[str]] = defaultdict(list)
-    for source, line in missing(recordings).items():
+    beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
+    for source, line in (*missing(recordings).items(), *chain.from_iterable(beside)):
         told[source].append(line)
-    for family in _families(recordings):
-        for source, lines in unlike(family).items():
-            told[source] += lines
-        for source, line in _jumps(family).items():
-            told[source].append(line)
     return {source: tuple(lines) for source, lines in told.items()}
 
 
@@ -64,9 +48,8 @@ def missing(recordings: Iterable[Recording]) -> dict[str, str]:
     """Gaps in the numbers of each folder and name, told of the recording that follows the gap."""
     told: dict[str, str] = {}
     for family in _families(recordings):
-        numbered = [(n, r) for r in family if (n := run_number(r.name)) is not None]
         expected = 1
-        for number, recording in sorted(numbered, key=lambda pair: pair[0]):
+        for number, recording in _numbered(family):
             if number > expected:
                 gone = f"{expected}" if number == expected + 1 else f"{expected} to {number - 1}"
                 told[recording.source] = f"number {gone} is missing before it"
@@ -74,11 +57,10 @@ def missing(recordings: Iterable[Recording]) -> dict[str, str]:
     return told
 
 
-def unlike(repeats: Sequence[Recording]) -> dict[str, list[str]]:
+def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
     """Repeats that are shorter, slower, stronger or weaker than the others, three or more."""
-    told: dict[str, list[str]] = defaultdict(list)
     if len(repeats) < 3:
-        return told
+        return
     spans = np.array([float(np.ptp(r.stroke)) for r in repeats])
     speeds = np.array([r.speed for r in repeats])
     means = np.array([float(np.mean(r.force)) for r in repeats])
@@ -86,18 +68,13 @@ def unlike(repeats: Sequence[Recording]) -> dict[str, list[str]]:
     spread = 1.4826 * float(np.median(np.abs(off)))
     usual_span, usual_speed = float(np.median(spans)), float(np.median(speeds))
     for recording, span, speed, force in zip(repeats, spans, speeds, off, strict=True):
-        lines = told[recording.source]
+        source, others = recording.source, "where the others have"
         if span < SHORT * usual_span:
-            lines.append(
-                f"stroke of {span * 1e3:.4g} mm where the others have {usual_span * 1e3:.4g} mm"
-            )
+            yield source, f"stroke of {span * 1e3:.4g} mm {others} {usual_span * 1e3:.4g} mm"
         if abs(speed - usual_speed) > 0.05 * usual_speed:
-            lines.append(
-                f"{speed * 1e3:.3g} mm/s where the others have {usual_speed * 1e3:.3g} mm/s"
-            )
+            yield source, f"{speed * 1e3:.3g} mm/s {others} {usual_speed * 1e3:.3g} mm/s"
         if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
-            lines.append(f"mean force {force:+.2g} N beside the median run")
-    return told
+            yield source, f"mean force {force:+.2g} N beside the median run"
 
 
 def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:
@@ -107,57 +84,56 @@ def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:
     return list(families.values())
 
 
-def _clock(recording: Recording) -> list[str]:
+def _numbered(family: list[Recording]) -> list[tuple[int, Recording]]:
+    numbered = [(n, r) for r in family if (n := run_number(r.name)) is not None]
+    return sorted(numbered, key=lambda pair: pair[0])
+
+
+def _start(recording: Recording) -> Iterator[str]:
+    first = float(recording.stroke[0])
+    if abs(first) > LATE:
+        yield f"starts late, at a stroke of {first * 1e3:.4g} mm"
+    if np.ptp(recording.stroke) == 0:
+        yield "the stroke never changes"
+
+
+def _clock(recording: Recording) -> Iterator[str]:
     steps = np.diff(recording.time)
     if not np.all(np.isfinite(steps)):
-        return []
+        return
     back = int(np.sum(steps <= 0))
     if back:
-        return [f"time stands still or runs back at {back} samples"]
-    widest = float(np.max(steps)) * recording.rate
-    return [f"a gap of {widest:.0f} time steps"] if widest > TIME_GAP else []
+        yield f"time stands still or runs back at {back} samples"
+    elif (widest := float(np.max(steps)) * recording.rate) > TIME_GAP:
+        yield f"a gap of {widest:.0f} time steps"
 
 
-def _start(recording: Recording) -> list[str]:
-    """A force that climbs in the first half millimetre: slack in the rig, or a jam."""
-    u, force = np.abs(recording.stroke - recording.stroke[0]), recording.force
-    settled = (u > SETTLE) & (u < 2 * SETTLE)
-    if recording.turns or np.sum(settled) < 10 or np.ptp(u) < 10 * SETTLE:
-        return []
-    level = float(np.median(force[settled]))
-    if abs(force[0] - level) <= 0.15 * float(np.ptp(force)):
-        return []
-    return [f"the force takes {SETTLE * 1e3:g} mm or so to settle: slack in the rig, or a jam"]
-
-
-def _end(recording: Recording) -> list[str]:
-    """A force that leaves its course in the last tenth of a millimetre: blocks that touch."""
+def _ends(recording: Recording) -> Iterator[str]:
+    """A force that climbs at the start, from slack or a jam, or leaves its course at the end."""
     u, force = recording.stroke, recording.force
-    if recording.turns or len(recording) < 100:
-        return []
-    away = np.abs(u - u[-1])
-    last, before = away < END, (away >= END) & (away < 6 * END)
-    if np.sum(last) < 4 or np.sum(before) < 10:
-        return []
-    course = np.polyfit(u[before], force[before], 1)
-    noise = float(np.std(force[before] - np.polyval(course, u[before])))
-    off = float(force[-1] - np.polyval(course, u[-1]))
-    if abs(off) <= max(8 * noise, 0.05 * float(np.ptp(force))):
-        return []
-    return [f"the force leaves its course by {off:+.2g} N in the last {END * 1e3:g} mm: end stop?"]
+    gone, left = np.abs(u - u[0]), np.abs(u - u[-1])
+    if recording.turns:
+        return
+    settled = (gone > SETTLE) & (gone < 2 * SETTLE)
+    if np.sum(settled) >= 10 and np.ptp(gone) >= 10 * SETTLE:
+        level = float(np.median(force[settled]))
+        if abs(force[0] - level) > 0.15 * float(np.ptp(force)):
+            yield f"the force takes {SETTLE * 1e3:g} mm or so to settle: slack in the rig, or a jam"
+    last, before = left < END, (left >= END) & (left < 6 * END)
+    if len(recording) >= 100 and np.sum(last) >= 4 and np.sum(before) >= 10:
+        course = np.polyfit(u[before], force[before], 1)
+        noise = float(np.std(force[before] - np.polyval(course, u[before])))
+        off = float(force[-1] - np.polyval(course, u[-1]))
+        if abs(off) > max(8 * noise, 0.05 * float(np.ptp(force))):
+            end = f"{END * 1e3:g} mm: end stop?"
+            yield f"the force leaves its course by {off:+.2g} N in the last {end}"
 
 
-def _jumps(family: list[Recording]) -> dict[str, str]:
+def _jumps(family: list[Recording]) -> Iterator[tuple[str, str]]:
     """A load-and-unload cycle with a higher peak than the one before: another sample, probably."""
-    cycles = sorted(
-        ((n, r) for r in family if r.turns and (n := run_number(r.name)) is not None),
-        key=lambda pair: pair[0],
-    )
-    told: dict[str, str] = {}
-    for (_, before), (_, recording) in pairwise(cycles):
+    cycles = [recording for _, recording in _numbered(family) if recording.turns]
+    for before, recording in pairwise(cycles):
         peak, last = float(np.max(recording.force)), float(np.max(before.force))
         if peak > 1.1 * last > 0:
-            told[recording.source] = (
-                f"peak force {peak / last:.2f} times that of the number before: another sample?"
-            )
-    return told
+            times = f"{peak / last:.2f} times that of the number before"
+            yield recording.source, f"peak force {times}: another sample?"

@@ -60,14 +60,7 @@ def read(file: str | os.PathLike[str]) -> Recording:
         raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(
-        name,
-        export.time,
-        export.stroke,
-        export.force,
-        export.remarks,
-        hashlib.sha256(content).hexdigest(),
-    )
+    return Recording(name, *export, hashlib.sha256(content).hexdigest())
 
 
 def read_all(
@@ -109,11 +102,9 @@ def natural(name: str) -> tuple[tuple[int, str], ...]:
 def _files(name: str, ignored: list[str]) -> list[str]:
     if not os.path.isdir(name):
         return [name]
-    inside = sorted((str(path) for path in Path(name).rglob("*") if path.is_file()), key=natural)
-    wanted = [file for file in inside if _is_data(Path(file))]
-    ignored += [file for file in inside if file not in set(wanted)]
+    wanted: list[str] = []
+    for file in sorted((str(p) for p in Path(name).rglob("*") if p.is_file()), key=natural):
+        path = Path(file)
+        is_data = path.suffix.lower() in SUFFIXES and not _NOT_DATA.search(path.stem)
+        (wanted if is_data else ignored).append(file)
     return wanted
-
-
-def _is_data(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and not _NOT_DATA.search(path.stem)

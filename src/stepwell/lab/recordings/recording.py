@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import PurePath
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
-
-Array = NDArray[np.float64]
+from stepwell.base import ByValue, Floats, InputError
 
 # A reversal smaller than this share of the stroke is the machine settling, not a turning point.
 _TURN = 0.02
@@ -35,9 +33,9 @@ class Recording(ByValue):
     """
 
     source: str
-    time: Array = field(repr=False)
-    stroke: Array = field(repr=False)
-    force: Array = field(repr=False)
+    time: Floats = field(repr=False)
+    stroke: Floats = field(repr=False)
+    force: Floats = field(repr=False)
     remarks: tuple[str, ...] = ()
     sha256: str = field(default="", repr=False)
 
@@ -65,21 +63,38 @@ class Recording(ByValue):
     def rate(self) -> float:
         """Samples a second [Hz]; NaN without time."""
         step = float(np.median(np.diff(self.time)))
-        return 1.0 / step if step > 0 else float("nan")
+        return 1.0 / step if step > 0 else math.nan
 
     @property
     def speed(self) -> float:
         """Median speed of the stroke [m/s]; NaN without time."""
         steps = np.diff(self.time)
         moving = steps > 0
-        if not np.any(moving):
-            return float("nan")
-        return float(np.median(np.abs(np.diff(self.stroke)[moving] / steps[moving])))
+        speeds = np.abs(np.diff(self.stroke)[moving] / steps[moving])
+        return float(np.median(speeds)) if len(speeds) else math.nan
 
     @cached_property
     def turns(self) -> tuple[int, ...]:
         """Samples where the stroke turns back, between its first and its last."""
-        return _turning_points(self.stroke)
+        stroke = self.stroke
+        threshold = _TURN * float(np.ptp(stroke))
+        turns: list[int] = []
+        low = high = 0
+        rising: bool | None = None
+        for i, u in enumerate(stroke.tolist()):
+            if u > stroke[high]:
+                high = i
+            if u < stroke[low]:
+                low = i
+            if rising is not False and stroke[high] - u > threshold:
+                if rising:
+                    turns.append(high)
+                rising, low = False, i
+            elif rising is not True and u - stroke[low] > threshold:
+                if rising is False:
+                    turns.append(low)
+                rising, high = True, i
+        return tuple(turns)
 
     @property
     def halves(self) -> tuple[slice, ...]:
@@ -102,24 +117,3 @@ class Recording(ByValue):
             f"Recording({self.name!r}, {len(self)} samples, {self.stroke[0] * 1e3:.4g} to "
             f"{self.stroke[-1] * 1e3:.4g} mm, {self.direction})"
         )
-
-
-def _turning_points(stroke: Array) -> tuple[int, ...]:
-    threshold = _TURN * float(np.ptp(stroke))
-    turns: list[int] = []
-    low = high = 0
-    rising: bool | None = None
-    for i, u in enumerate(stroke.tolist()):
-        if u > stroke[high]:
-            high = i
-        if u < stroke[low]:
-            low = i
-        if rising is not False and stroke[high] - u > threshold:
-            if rising:
-                turns.append(high)
-            rising, low = False, i
-        elif rising is not True and u - stroke[low] > threshold:
-            if rising is False:
-                turns.append(low)
-            rising, high = True, i
-    return tuple(turns)

@@ -53,23 +53,20 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
     """
     import xarray as xr
 
-    columns: dict[str, list[Any]] = {name: [] for name in ("of", *(q.name for q in SAMPLE))}
+    parts = [np.zeros((6, 0))]
     for number, recording in enumerate(recordings):
         # A turning point belongs to the half that it ends.
         half = np.searchsorted(recording.turns, np.arange(len(recording)), side="left")
         ways = [1 if recording.direction_of(h) == "loading" else -1 for h in recording.halves]
-        columns["of"].append(np.full(len(recording), number))
-        columns["half"].append(half)
-        columns["direction"].append(np.array(ways)[half])
-        for name in ("time", "stroke", "force"):
-            columns[name].append(getattr(recording, name))
-    whole = {name: np.concatenate([*parts, []]) for name, parts in columns.items()}
+        rows = np.full(len(recording), number), half, np.array(ways)[half]
+        parts.append(np.array([*rows, recording.time, recording.stroke, recording.force]))
+    of, *columns = np.concatenate(parts, axis=1)
     data = {
-        q.name: ("row", whole[q.name].astype(float if q.unit else np.int64), {"units": q.si})
-        for q in SAMPLE
+        q.name: ("row", column.astype(float if q.unit else np.int64), {"units": q.si})
+        for q, column in zip(SAMPLE, columns, strict=True)
     }
     numbered = {"units": "1", "long_name": "number of the recording"}
-    data["of"] = "row", whole["of"].astype(np.int64), numbered
+    data["of"] = "row", of.astype(np.int64), numbered
     return xr.Dataset(
         data,
         {"recording": [recording.source for recording in recordings]},

@@ -6,27 +6,24 @@ import re
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.lab.recordings.columns import columns, split
-
-Array = NDArray[np.float64]
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # Blanks last: a comma between blanks is a decimal comma.
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
-_TELL = 40
+_SHOWN = 40
 _BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 
 
 class Export(NamedTuple):
     """What the text holds, in SI; `time` is NaN where it is not recorded."""
 
-    time: Array
-    stroke: Array
-    force: Array
+    time: Floats
+    stroke: Floats
+    force: Floats
     remarks: tuple[str, ...]
 
 
@@ -48,7 +45,7 @@ def parse(data: bytes) -> Export:
     rows, remarks = _rows(body, delimiter, count)
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, column.place] * column.factor for role, column in found.items()}
+    values = {role: rows[:, place] * factor for role, (place, factor) in found.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
         remarks += ("no time column, so its rate is not known",)
@@ -58,18 +55,14 @@ def parse(data: bytes) -> Export:
 def _decoded(data: bytes) -> str:
     if not data.strip():
         raise InputError("is empty: export it again.")
+    utf_16 = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if b"\0" in data and not utf_16:
+        raise InputError("is binary, not text: export the raw data as text or CSV.")
     try:
-        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-            return data.decode("utf-16")
-        if b"\0" in data:
-            raise ValueError
-        return data.decode("utf-8-sig")
+        return data.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
         # A degree sign or a micro sign in the encoding of an old Windows program.
         return data.decode("latin-1")
-    except ValueError:
-        problem = "is binary, not text: export the raw data as text or CSV."
-        raise InputError(problem) from None
 
 
 def _first_row(lines: list[str]) -> tuple[int, str | None]:
@@ -85,12 +78,9 @@ def _first_row(lines: list[str]) -> tuple[int, str | None]:
 
 def _rows(
     body: list[tuple[int, str]], delimiter: str | None, count: int
-) -> tuple[Array, tuple[str, ...]]:
+) -> tuple[Floats, tuple[str, ...]]:
     """The rows that can be read, and what is to be said of the others."""
-    whole = _at_once([line for _, line in body], delimiter, count)
-    if whole is not None:
-        return whole, ()
-    pieces: list[Array] = []
+    pieces: list[Floats] = []
     bad: list[tuple[int, str]] = []
     for first in range(0, len(body), _BLOCK):
         block = body[first : first + _BLOCK]
@@ -101,14 +91,14 @@ def _rows(
         number, line = bad[0]
         raise InputError(
             f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
-            f"{line[:_TELL]!r}): export it again."
+            f"{line[:_SHOWN]!r}): export it again."
         )
-    return good, _told(bad, body[-1][0])
+    return good, _remarks(bad, body[-1][0])
 
 
 def _one_by_one(
     block: list[tuple[int, str]], delimiter: str | None, count: int, bad: list[tuple[int, str]]
-) -> Array:
+) -> Floats:
     """The rows of a block that can be read; the others are added to `bad`."""
     good: list[list[float]] = []
     for number, line in block:
@@ -122,7 +112,7 @@ def _one_by_one(
     return np.array(good).reshape(-1, count)
 
 
-def _at_once(lines: list[str], delimiter: str | None, count: int) -> Array | None:
+def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | None:
     """All rows by NumPy's own reader, ten times as fast; None where one of them needs a look."""
     try:
         rows = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments=None)
@@ -131,13 +121,13 @@ def _at_once(lines: list[str], delimiter: str | None, count: int) -> Array | Non
     return rows if rows.shape[1] == count and np.all(np.isfinite(rows)) else None
 
 
-def _told(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
+def _remarks(bad: list[tuple[int, str]], last: int) -> tuple[str, ...]:
     remarks: list[str] = []
     if bad and bad[-1][0] == last:
-        remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_TELL]!r})")
+        remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_SHOWN]!r})")
         bad = bad[:-1]
     if bad:
         number, line = bad[0]
         rows = "row is" if len(bad) == 1 else "rows are"
-        remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_TELL]!r})")
+        remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_SHOWN]!r})")
     return tuple(remarks)

@@ -59,11 +59,16 @@ class Claim(ByValue):
     where: str
     paper_value: str
     tolerance: str
-    find: Callable[[], Finding] = field(repr=False)
+    find: Callable[..., Finding] = field(repr=False)
 
     def judge(self) -> Verdict:
-        """Compute ours and compare."""
-        finding = self.find()
+        """Compute ours and compare; without the simulator say so, if that takes it."""
+        try:
+            finding = self.find()
+        except ModuleNotFoundError as error:
+            if error.name is None or not error.name.startswith("mujoco"):
+                raise
+            finding = Finding("", Judgement.NEEDS_MUJOCO, "pip install 'stepwell[robot]'")
         return Verdict(self, finding.ours, finding.verdict, finding.reason)
 
 
@@ -90,8 +95,26 @@ class Verdict(ByValue):
         )
 
 
+def claim(
+    where: str, paper_value: str, tolerance: str
+) -> Callable[[Callable[..., Finding]], Claim]:
+    """Make a claim of the function that computes ours.
+
+    The function's name is the claim's, with dashes, and its docstring is what is said.
+
+    Args:
+        where, paper_value, tolerance: as for `Claim`.
+    """
+
+    def made(find: Callable[..., Finding]) -> Claim:
+        name, said = find.__name__.replace("_", "-"), find.__doc__ or ""
+        return Claim(name, said, where, paper_value, tolerance, find)
+
+    return made
+
+
 def judged(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> Finding:
-    """Agreement with a note on how far it goes, or a difference with its reason."""
+    """Agreement with a note on how far it goes, or a difference with its reason or the note."""
     if agrees:
         return Finding(ours, Judgement.AGREES, note)
-    return Finding(ours, Judgement.DIFFERS, otherwise or "Outside the tolerance.")
+    return Finding(ours, Judgement.DIFFERS, otherwise or note or "Outside the tolerance.")

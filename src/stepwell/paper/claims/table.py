@@ -22,7 +22,8 @@ def markdown(verdicts: Iterable[Verdict]) -> str:
     for verdict in verdicts:
         claim = verdict.claim
         row = (claim.claim, claim.where, claim.paper_value, verdict.ours, claim.tolerance)
-        lines.append(f"| {' | '.join(map(_cell, row))} | **{verdict.verdict}** |")
+        cells = " | ".join(text.replace("|", "\\|") for text in row)
+        lines.append(f"| {cells} | **{verdict.verdict}** |")
     lines += ["", _count(verdicts), ""]
     lines += [f"- {v.claim.claim} *{v.verdict}*: {v.reason}" for v in verdicts if v.reason]
     return "\n".join(lines)
@@ -41,10 +42,6 @@ def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str
     return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
-
-
 def _count(verdicts: tuple[Verdict, ...]) -> str:
     found = [verdict.verdict for verdict in verdicts]
     words = {
@@ -52,10 +49,8 @@ def _count(verdicts: tuple[Verdict, ...]) -> str:
         Judgement.DIFFERS: "differ",
         Judgement.UNDETERMINED: "are undetermined",
         Judgement.NEEDS_DATA: "need data",
+        Judgement.NEEDS_MUJOCO: "need MuJoCo",
     }
-    if Judgement.UNDETERMINED not in found:
-        del words[Judgement.UNDETERMINED]
-    if Judgement.NEEDS_MUJOCO in found:
-        words[Judgement.NEEDS_MUJOCO] = "need MuJoCo"
-    parts = [f"{found.count(judgement)} {word}" for judgement, word in words.items()]
+    seldom = {Judgement.UNDETERMINED, Judgement.NEEDS_MUJOCO}.difference(found)
+    parts = [f"{found.count(one)} {word}" for one, word in words.items() if one not in seldom]
     return f"Of {len(found)} claims {', '.join(parts)}."

@@ -4,14 +4,12 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, bisected
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import six_cells
-
-Array = NDArray[np.float64]
 
 # F0/(k r) and F1/(k r) that the paper's equations and parameters give, by q [mm].
 _FORCES = {
@@ -43,7 +41,9 @@ def _two(forces: tuple[float, float]) -> str:
     return ", ".join(f"{force:.3f}" for force in forces)
 
 
-def _curves() -> Finding:
+@claim("Eqs. 1 and 2, Figs. 1D and 1E", "the equations, for six designs", "1e-6 k r² and k r")
+def curves() -> Finding:
+    """E against θ follows from band length and stiffness, and F is its slope along travel."""
     off = max(_distance_from_equations(cell) for cell in six_cells().values())
     return judged(
         off <= _CURVE_TOLERANCE,
@@ -58,7 +58,7 @@ def _distance_from_equations(cell: Cell) -> float:
     band, r = cell.bands[0], cell.lever
     k, rest, (dx, dy) = band.stiffness, band.rest_length, band.d
 
-    def energy(travel: Array) -> Array:
+    def energy(travel: Floats) -> Floats:
         theta = np.arcsin(travel / r - math.sin(cell.limit))
         length = np.hypot(r * np.cos(theta) + dx, r * np.sin(theta) + dy)
         return k / 2 * (length - rest) ** 2
@@ -72,7 +72,9 @@ def _distance_from_equations(cell: Cell) -> float:
     return float(max(of_energy, of_force))
 
 
-def _falls() -> Finding:
+@claim("Fig. 1D", "6 of 6", "proof")
+def force_falls() -> Finding:
+    """F falls all the way from state 0 to state 1 in all six designs."""
     proved = [q for q, cell in six_cells().items() if _proved_falling(cell)]
     ours = f"proved for {len(proved)} of {len(six_cells())}"
     missing = [q for q in six_cells() if q not in proved]
@@ -90,7 +92,9 @@ def _proved_falling(cell: Cell) -> bool:
     return plain is not None and bool(certify(plain, 0.0))
 
 
-def _peak() -> Finding:
+@claim("Eq. 3, Fig. 1E", "atan2(d_y, d_x)", f"{_PEAK_TOLERANCE:g}°")
+def theta_max() -> Finding:
+    """The energy is highest at θmax = atan2(d_y, d_x), or at the stop nearer to it."""
     off = max(abs(_highest(cell) - _eq_3(cell)) for cell in six_cells().values())
     degrees = math.degrees(off)
     ok = degrees <= _PEAK_TOLERANCE
@@ -110,13 +114,12 @@ def _highest(cell: Cell) -> float:
         return low
     if cell.force(high) >= 0:
         return high
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if cell.force(middle) > 0 else (low, middle)
-    return 0.5 * (low + high)
+    return bisected(lambda theta: bool(cell.force(theta) > 0), low, high, 60)[0]
 
 
-def _stable_twice() -> Finding:
+@claim("Eq. 3, Fig. 1E", "all but (0, -15) mm", "exact")
+def bistable() -> Finding:
+    """A cell is bistable where θmax lies between its stops: five of the six designs."""
     cells = six_cells()
     by_force = [q for q, cell in cells.items() if not (cell.force_0 > 0 > cell.force_1)]
     by_rule = [q for q, c in cells.items() if not abs(math.atan2(*c.bands[0].d[::-1])) < c.limit]
@@ -140,36 +143,8 @@ CLAIMS = (
         )
         for q, forces in _FORCES.items()
     ),
-    Claim(
-        "curves",
-        "E against θ follows from band length and stiffness, and F is its slope along travel.",
-        "Eqs. 1 and 2, Figs. 1D and 1E",
-        "the equations, for six designs",
-        "1e-6 k r² and k r",
-        _curves,
-    ),
-    Claim(
-        "force-falls",
-        "F falls all the way from state 0 to state 1 in all six designs.",
-        "Fig. 1D",
-        "6 of 6",
-        "proof",
-        _falls,
-    ),
-    Claim(
-        "theta-max",
-        "The energy is highest at θmax = atan2(d_y, d_x), or at the stop nearer to it.",
-        "Eq. 3, Fig. 1E",
-        "atan2(d_y, d_x)",
-        f"{_PEAK_TOLERANCE:g}°",
-        _peak,
-    ),
-    Claim(
-        "bistable",
-        "A cell is bistable where θmax lies between its stops: five of the six designs.",
-        "Eq. 3, Fig. 1E",
-        "all but (0, -15) mm",
-        "exact",
-        _stable_twice,
-    ),
+    curves,
+    force_falls,
+    theta_max,
+    bistable,
 )

@@ -8,14 +8,12 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.design import transition_map
 from stepwell.files import preset
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS
 from stepwell.sequences import Pathway
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Shares of area that the paper's equations and parameters give, with q_out over x 0 to 20 and
 # y -15 to 15 mm.
@@ -41,24 +39,24 @@ class PaperMap:
         full_stroke: of every design [m].
     """
 
-    x: Array
-    y: Array
+    x: Floats
+    y: Floats
     pathway: NDArray[np.int8]
-    snap_loading: Array
-    snap_unloading: Array
+    snap_loading: Floats
+    snap_unloading: Floats
     full_stroke: float
 
-    def takes(self, *pathways: Pathway) -> Flags:
+    def takes(self, *pathways: Pathway) -> Bools:
         """(n, n) whether a design takes one of these pathways."""
         return np.isin(self.pathway, [list(Pathway).index(pathway) for pathway in pathways])
 
     @property
-    def directed(self) -> Flags:
+    def directed(self) -> Bools:
         """(n, n) whether a design takes different ways up and down."""
         return self.takes(Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE)
 
     @property
-    def undirected(self) -> Flags:
+    def undirected(self) -> Bools:
         """(n, n) whether a design takes the same way up and down."""
         return self.takes(Pathway.VIA_01, Pathway.VIA_10)
 
@@ -70,14 +68,9 @@ def paper_map() -> PaperMap:
     y = -0.015 + 0.030 * (np.arange(_PLACES) + 0.5) / _PLACES
     chain = preset(PAIRS[Pathway.CLOCKWISE])
     found = transition_map(chain, 1, x=x, y=y)
-    return PaperMap(
-        x,
-        y,
-        found["pathway"].to_numpy(),
-        found["snap_loading"].to_numpy(),
-        found["snap_unloading"].to_numpy(),
-        chain.full_stroke,
-    )
+    names = "pathway", "snap_loading", "snap_unloading"
+    pathway, loading, unloading = (found[name].to_numpy() for name in names)
+    return PaperMap(x, y, pathway, loading, unloading, chain.full_stroke)
 
 
 def _share(pathway: Pathway) -> Finding:
@@ -85,7 +78,9 @@ def _share(pathway: Pathway) -> Finding:
     return judged(abs(share - _SHARES[pathway]) <= _SHARE_TOLERANCE, f"{share:.3f}")
 
 
-def _tall() -> Finding:
+@claim("Fig. 2C", "rises with |q_y|", "rises from band to band")
+def large_qy_undirected() -> Finding:
+    """A large |q_y| of the outer cell favours undirected pathways."""
     shown = paper_map()
     shares = _by_band(np.abs(shown.y), np.mean(shown.undirected, axis=1))
     edge = shown.undirected[np.abs(shown.y) > 0.0145]
@@ -99,7 +94,9 @@ def _tall() -> Finding:
     )
 
 
-def _wide() -> Finding:
+@claim("Fig. 2C (our reading)", "rises with q_x", "rises from band to band")
+def large_qx_directed() -> Finding:
+    """A large q_x of the outer cell favours directed pathways."""
     shown = paper_map()
     column = np.mean(shown.directed, axis=0)
     shares = _by_band(shown.x, column)
@@ -122,13 +119,13 @@ def _wide() -> Finding:
     )
 
 
-def _by_band(along: Array, share: Array) -> Array:
+def _by_band(along: Floats, share: Floats) -> Floats:
     """Means of (n,) shares over bands of (n,) places [m]."""
     number = np.floor(along / _BAND).astype(int)
     return np.array([float(np.mean(share[number == k])) for k in range(number.max() + 1)])
 
 
-def _listed(shares: Array) -> str:
+def _listed(shares: Floats) -> str:
     return ", ".join(f"{share:.2f}" for share in shares)
 
 
@@ -144,20 +141,6 @@ CLAIMS = (
         )
         for pathway, share in _SHARES.items()
     ),
-    Claim(
-        "large-qy-undirected",
-        "A large |q_y| of the outer cell favours undirected pathways.",
-        "Fig. 2C",
-        "rises with |q_y|",
-        "rises from band to band",
-        _tall,
-    ),
-    Claim(
-        "large-qx-directed",
-        "A large q_x of the outer cell favours directed pathways.",
-        "Fig. 2C (our reading)",
-        "rises with q_x",
-        "rises from band to band",
-        _wide,
-    ),
+    large_qy_undirected,
+    large_qx_directed,
 )

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 
 from stepwell import lab
-from stepwell.paper.claims import Claim, Finding, Judgement, judged
+from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
 
 MISSING = (
     "Decided by the authors' recordings, which are not part of Stepwell: "
     "`stepwell paper --data PATH`."
 )
-IDS = (
-    "measured-stiffness",
-    "measured-robot-stiffness",
-    "measured-class",
-    "measured-falling",
-    "measured-unit-cell",
-    "measured-order",
-    "measured-snaps",
-    "measured-undirected",
-)
-
 _K, _K_ROBOT = 28.5, 47.0
 # Half a unit of the last digit that the paper prints.
 _ROUNDING, _ROUNDING_ROBOT = 0.05, 0.5
@@ -42,13 +31,10 @@ class Recorded:
     @cached_property
     def comparison(self) -> lab.Comparison:
         """Unit cells and pairs against the paper's model."""
-        return lab.compare(self._read("1unit", "1unit_2", "2unit_00_11", "2unit_2_00_11"))
+        return lab.compare(self.read("1unit", "1unit_2", "2unit_00_11", "2unit_2_00_11"))
 
-    def band_test(self, folder: str, **options) -> lab.BandTest:
-        """Tension tests in one folder."""
-        return lab.band_test(self._read(folder), **options)
-
-    def _read(self, *folders: str) -> list[lab.Recording]:
+    def read(self, *folders: str) -> list[lab.Recording]:
+        """All recordings of some of its folders, one or more."""
         found = [self.folder / name for name in folders if (self.folder / name).is_dir()]
         batch = lab.read_all(found)
         if not batch.recordings:
@@ -60,97 +46,25 @@ class Recorded:
         return list(batch.recordings)
 
 
-def claims(data: str | os.PathLike[str] | None = None) -> tuple[Claim, ...]:
-    """The claims; with the folder of the recordings they can be judged."""
-    recorded = None if data is None else Recorded(data)
-
-    def finding(find: Callable[[Recorded], Finding]) -> Callable[[], Finding]:
-        if recorded is None:
-            return lambda: Finding("", Judgement.NEEDS_DATA, MISSING)
-        return partial(find, recorded)
-
-    return (
-        Claim(
-            "measured-stiffness",
-            "The rubber bands of the unit cells have k = 28.5 N/m.",
-            "band tests published with the paper",
-            "28.5 N/m",
-            "0.05 N/m",
-            finding(_stiffness),
-        ),
-        Claim(
-            "measured-robot-stiffness",
-            "The rubber bands of the robot with antennas have k = 47 N/m.",
-            "robot band tests published with the paper",
-            "47 N/m",
-            "0.5 N/m",
-            finding(_robot_stiffness),
-        ),
-        Claim(
-            "measured-class",
-            "Measured unit cells are bistable or monostable as the model says.",
-            "unit-cell tests published with the paper",
-            "all",
-            "every series",
-            finding(_class),
-        ),
-        Claim(
-            "measured-falling",
-            "The measured force of a unit cell falls from state 0 to state 1.",
-            "Fig. 1D, unit-cell tests",
-            "all",
-            "0.005 k r",
-            finding(_falling),
-        ),
-        Claim(
-            "measured-unit-cell",
-            "Measured forces of the unit cells follow the model with k = 28.5 N/m.",
-            "Fig. 1D, unit-cell tests",
-            "they agree",
-            "0.15 k r, mean over geometries",
-            finding(_unit_cell),
-        ),
-        Claim(
-            "measured-order",
-            "Two cells on the test machine load in the predicted order.",
-            "Fig. 2, two-cell tests",
-            "they do",
-            "every series that is no tie",
-            finding(_order),
-        ),
-        Claim(
-            "measured-snaps",
-            "Pairs on directed pathways snap on the test machine.",
-            "Fig. 2D and 2E, two-cell tests",
-            "they snap",
-            "every run of every series",
-            finding(_snaps),
-        ),
-        Claim(
-            "measured-undirected",
-            "Pairs on undirected pathways do not snap on the test machine.",
-            "Fig. 2F and 2G, two-cell tests",
-            "no snap",
-            "every run of every series",
-            finding(_undirected),
-        ),
-    )
-
-
-def _stiffness(data: Recorded) -> Finding:
-    k = lab.stiffness(data.band_test("Rubber_bands"))
+@claim("band tests published with the paper", "28.5 N/m", "0.05 N/m")
+def measured_stiffness(data: Recorded) -> Finding:
+    """The rubber bands of the unit cells have k = 28.5 N/m."""
+    k = lab.stiffness(lab.band_test(data.read("Rubber_bands")))
     note = (
         f"Line through 5 to 35 mm, loading, cycles 5 to 9 of {len(k.each)} bands. Rubber is not "
         f"linear, so k is that of this window; ± is a 95 % interval with the scatter between bands."
     )
     ours = f"{k.value:.3f} ± {k.value - k.low:.2f} N/m"
-    return judged(abs(k.value - _K) <= _ROUNDING, ours, note=note, otherwise=note)
+    return judged(abs(k.value - _K) <= _ROUNDING, ours, note=note)
 
 
-def _robot_stiffness(data: Recorded) -> Finding:
+@claim("robot band tests published with the paper", "47 N/m", "0.5 N/m")
+def measured_robot_stiffness(data: Recorded) -> Finding:
+    """The rubber bands of the robot with antennas have k = 47 N/m."""
     options = {"window": (0.010, 0.020), "cycles": (2, 5), "cycles_per_sample": 5}
-    three = lab.stiffness(data.band_test("Rubber_bands_robot", drop=(2,), **options))
-    four = lab.stiffness(data.band_test("Rubber_bands_robot", **options))
+    bands = data.read("Rubber_bands_robot")
+    three = lab.stiffness(lab.band_test(bands, drop=(2,), **options))
+    four = lab.stiffness(lab.band_test(bands, **options))
     ours = f"{three.value:.2f} N/m of three bands, {four.value:.2f} of all four"
     note = (
         f"Line through 10 to 20 mm, loading, cycles 2 to 5. The paper leaves out the second band, "
@@ -158,17 +72,21 @@ def _robot_stiffness(data: Recorded) -> Finding:
     )
     if abs(four.value - _K_ROBOT) > _ROUNDING_ROBOT:
         note += " With it the mean is outside the tolerance."
-    return judged(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note, otherwise=note)
+    return judged(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note)
 
 
-def _class(data: Recorded) -> Finding:
+@claim("unit-cell tests published with the paper", "all", "every series")
+def measured_class(data: Recorded) -> Finding:
+    """Measured unit cells are bistable or monostable as the model says."""
     tests = data.comparison.cells
     wrong = [test.series.name for test in tests if not test.right_class]
     ours = f"{len(tests) - len(wrong)} of {len(tests)} series"
     return judged(not wrong and bool(tests), ours, otherwise=f"Not so: {'; '.join(wrong)}.")
 
 
-def _falling(data: Recorded) -> Finding:
+@claim("Fig. 1D, unit-cell tests", "all", "0.005 k r")
+def measured_falling(data: Recorded) -> Finding:
+    """The measured force of a unit cell falls from state 0 to state 1."""
     tests = data.comparison.cells
     rising = [
         f"{test.series.name} by {height * 1e3:.0f} mN from {start * 1e3:.1f} to {end * 1e3:.1f} mm"
@@ -186,7 +104,9 @@ def _falling(data: Recorded) -> Finding:
     )
 
 
-def _unit_cell(data: Recorded) -> Finding:
+@claim("Fig. 1D, unit-cell tests", "they agree", "0.15 k r, mean over geometries")
+def measured_unit_cell(data: Recorded) -> Finding:
+    """Measured forces of the unit cells follow the model with k = 28.5 N/m."""
     comparison = data.comparison
     one, two = comparison.mean_rmse(1), comparison.mean_rmse(2)
     known = [error for error in (one, two) if not math.isnan(error)]
@@ -200,10 +120,12 @@ def _unit_cell(data: Recorded) -> Finding:
         f"{fitted.mean_error(2):.3f} with two (`stepwell lab calibrate`)."
     )
     ours = f"{one:.3f} k r with one band, {two:.3f} with two"
-    return judged(bool(known) and max(known) <= _CLOSE, ours, note=note, otherwise=note)
+    return judged(bool(known) and max(known) <= _CLOSE, ours, note=note)
 
 
-def _order(data: Recorded) -> Finding:
+@claim("Fig. 2, two-cell tests", "they do", "every series that is no tie")
+def measured_order(data: Recorded) -> Finding:
+    """Two cells on the test machine load in the predicted order."""
     pairs = data.comparison.pairs
     clear = [test for test in pairs if not test.tie]
     right = [test for test in clear if test.right_order]
@@ -217,16 +139,42 @@ def _order(data: Recorded) -> Finding:
     return judged(len(right) == len(clear) > 0, ours, note=note, otherwise=f"Not so: {wrong}.")
 
 
-def _snaps(data: Recorded) -> Finding:
+@claim("Fig. 2D and 2E, two-cell tests", "they snap", "every run of every series")
+def measured_snaps(data: Recorded) -> Finding:
+    """Pairs on directed pathways snap on the test machine."""
     pairs = [test for test in data.comparison.pairs if test.snaps_predicted and not test.tie]
     right = [test for test in pairs if test.right_snaps]
     told = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
     ours = f"{len(right)} of {len(pairs)} series"
-    return judged(len(right) == len(pairs) > 0, ours, note=f"{told}.", otherwise=f"{told}.")
+    return judged(len(right) == len(pairs) > 0, ours, note=f"{told}.")
 
 
-def _undirected(data: Recorded) -> Finding:
+@claim("Fig. 2F and 2G, two-cell tests", "no snap", "every run of every series")
+def measured_undirected(data: Recorded) -> Finding:
+    """Pairs on undirected pathways do not snap on the test machine."""
     pairs = [test for test in data.comparison.pairs if not test.snaps_predicted]
     wrong = [test.series.name for test in pairs if not test.right_snaps]
     ours = f"no snap in {len(pairs) - len(wrong)} of {len(pairs)} series"
     return judged(not wrong and bool(pairs), ours, otherwise=f"Snaps in {'; '.join(wrong)}.")
+
+
+CLAIMS = (
+    measured_stiffness,
+    measured_robot_stiffness,
+    measured_class,
+    measured_falling,
+    measured_unit_cell,
+    measured_order,
+    measured_snaps,
+    measured_undirected,
+)
+IDS = tuple(one.id for one in CLAIMS)
+
+
+def claims(data: str | os.PathLike[str] | None = None) -> tuple[Claim, ...]:
+    """The claims; with the folder of the recordings they can be judged."""
+    if data is None:
+        missing = Finding("", Judgement.NEEDS_DATA, MISSING)
+        return tuple(replace(one, find=lambda: missing) for one in CLAIMS)
+    recorded = Recorded(data)
+    return tuple(replace(one, find=partial(one.find, recorded)) for one in CLAIMS)

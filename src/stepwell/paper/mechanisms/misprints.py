@@ -2,14 +2,16 @@
 
 import math
 
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.mechanisms.designs import pair_cycle, six_cells
 from stepwell.sequences import Pathway
 
 _FORCE_OF_FIG_1D = 0.967  # F0/(k r) of q = (10, 0)
 
 
-def _sign() -> Finding:
+@claim("Eq. 5", "-2 sin θc", "exact")
+def eq_5_sign() -> Finding:
+    """The stroke of two cells is r (sin θ of one + sin θ of the other) and a constant."""
     cells = pair_cycle(Pathway.CLOCKWISE).chain.cells
     r, limit = cells[0].lever, cells[0].limit
     moved = r * 2 * math.sin(-limit)
@@ -22,7 +24,9 @@ def _sign() -> Finding:
     )
 
 
-def _unit() -> Finding:
+@claim("anchors of the unit cells", "cm", "0.001 in F0/(kr)")
+def anchor_unit() -> Finding:
+    """The unit printed with p and with some q."""
     cell = six_cells()["(10, 0)"]
     band, scale = cell.bands[0], cell.bands[0].stiffness * cell.lever
     (px, py), (qx, qy) = band.p, band.q
@@ -36,21 +40,4 @@ def _unit() -> Finding:
     )
 
 
-CLAIMS = (
-    Claim(
-        "eq-5-sign",
-        "The stroke of two cells is r (sin θ of one + sin θ of the other) and a constant.",
-        "Eq. 5",
-        "-2 sin θc",
-        "exact",
-        _sign,
-    ),
-    Claim(
-        "anchor-unit",
-        "The unit printed with p and with some q.",
-        "anchors of the unit cells",
-        "cm",
-        "0.001 in F0/(kr)",
-        _unit,
-    ),
-)
+CLAIMS = (eq_5_sign, anchor_unit)

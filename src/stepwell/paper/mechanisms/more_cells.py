@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 
 from stepwell.design import Design, Tolerances, design
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.sequences import Sequence
 
 ANCHORS = (0.0001, 0.0003, 0.001)  # tolerances [m]
@@ -18,15 +18,10 @@ _MOST = 32
 _TRIED, _MADE = 20_000, 1_000_000
 
 
-def back_the_same_way(cells: int) -> str:
-    """The cycle that goes back the way it came: last in, first out."""
-    loading = tuple((i,) for i in range(cells))
-    return str(Sequence("0" * cells, loading + loading[::-1]))
-
-
 def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
-    """Anchors for the cycle that goes back the way it came."""
-    return design(back_the_same_way(cells), tolerances=tolerances, n=n)
+    """Anchors for the cycle that goes back the way it came: last in, first out."""
+    order = tuple((i,) for i in range(cells))
+    return design(str(Sequence("0" * cells, order + order[::-1])), tolerances=tolerances, n=n)
 
 
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
@@ -61,8 +56,7 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
         low, high, best = high, 2 * high, longer
     while high - low > 1:
         middle = (low + high) // 2
-        found = works(middle)
-        if found is None:
+        if (found := works(middle)) is None:
             high = middle
         else:
             low, best = middle, found
@@ -87,21 +81,16 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
     )
 
 
-CLAIMS = (
-    Claim(
-        "more-cells-sequenced",
-        "The approach extends to more cells: as many can be sequenced, in one order and back.",
-        "Conclusion",
-        "more than two, no number",
-        "more than two",
-        partial(_extends, sequenced),
-    ),
-    Claim(
-        "more-cells-programmable",
-        "The approach extends to more cells: as many can be brought to every state.",
-        "Conclusion",
-        "more than two, no number",
-        "more than two",
-        partial(_extends, programmable),
-    ),
-)
+@claim("Conclusion", "more than two, no number", "more than two")
+def more_cells_sequenced() -> Finding:
+    """The approach extends to more cells: as many can be sequenced, in one order and back."""
+    return _extends(sequenced)
+
+
+@claim("Conclusion", "more than two, no number", "more than two")
+def more_cells_programmable() -> Finding:
+    """The approach extends to more cells: as many can be brought to every state."""
+    return _extends(programmable)
+
+
+CLAIMS = (more_cells_sequenced, more_cells_programmable)

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS, monostable_pair, outer_anchor, pair_cycle
 from stepwell.paper.mechanisms.map import paper_map
 from stepwell.sequences import Cycle, Pathway
@@ -19,7 +19,9 @@ def _taken(pathway: Pathway) -> Finding:
     return judged(found.pathway is pathway, str(found.sequence))
 
 
-def _one_at_a_time() -> Finding:
+@claim("Figs. 2D to 2G", "1 cell at a time", "exact, outside of snaps")
+def sequential() -> Finding:
+    """The cells move one after the other, never together."""
     cycles = [pair_cycle(pathway) for pathway in PAIRS]
     together = max(int(np.max(_in_transit(cycle))) for cycle in cycles)
     snaps = sum(len(cycle.snaps) for cycle in cycles)
@@ -40,7 +42,9 @@ def _in_transit(cycle: Cycle) -> np.ndarray:
     return np.sum((travel > _STILL * full) & (travel < (1 - _STILL) * full), axis=1)
 
 
-def _on_the_boundary() -> Finding:
+@claim("Figs. 2B to 2G", "no snap", "exact")
+def undirected_boundary() -> Finding:
+    """Undirected pathways keep to the edges of the square of both travels and do not snap."""
     cycles = [pair_cycle(pathway) for pathway in PAIRS if not pathway.is_directed]
     inside = sum(int(np.sum(_in_transit(cycle) == len(cycle.chain))) for cycle in cycles)
     snaps = sum(len(cycle.snaps) for cycle in cycles)
@@ -56,7 +60,9 @@ def _on_the_boundary() -> Finding:
     )
 
 
-def _near_the_corners() -> Finding:
+@claim("Figs. 2D to 2G", "near (no number)", f"{_NEAR * 1e3:g} mm of 40 mm (our reading of near)")
+def directed_snaps() -> Finding:
+    """Directed pathways snap near 11 while loading and near 00 while unloading."""
     worst = 0.0
     parts: list[str] = []
     for pathway in (Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE):
@@ -109,28 +115,7 @@ def _claim(pathway: Pathway) -> Claim:
 
 CLAIMS = (
     *map(_claim, PAIRS),
-    Claim(
-        "sequential",
-        "The cells move one after the other, never together.",
-        "Figs. 2D to 2G",
-        "1 cell at a time",
-        "exact, outside of snaps",
-        _one_at_a_time,
-    ),
-    Claim(
-        "undirected-boundary",
-        "Undirected pathways keep to the edges of the square of both travels and do not snap.",
-        "Figs. 2B to 2G",
-        "no snap",
-        "exact",
-        _on_the_boundary,
-    ),
-    Claim(
-        "directed-snaps",
-        "Directed pathways snap near 11 while loading and near 00 while unloading.",
-        "Figs. 2D to 2G",
-        "near (no number)",
-        f"{_NEAR * 1e3:g} mm of 40 mm (our reading of near)",
-        _near_the_corners,
-    ),
+    sequential,
+    undirected_boundary,
+    directed_snaps,
 )

@@ -3,19 +3,20 @@
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.concave import certify, simple
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.mechanisms.designs import PAIRS, monostable_pair, pair_cycle
 
 _NODES = 401
 
 
-def _wells() -> Finding:
+@claim("Fig. 2B", "more than 1", "exact")
+def wells() -> Finding:
+    """The landscape of two cells has several wells even where the outer cell is monostable."""
     chain = monostable_pair().chain
     states, seen = stable_states(chain), count_minima(landscape(chain))
     others = [pair_cycle(pathway).chain for pathway in PAIRS]
@@ -50,7 +51,7 @@ def _held(cell: Cell) -> str:
     return "0" * (cell.force_0 > 0) + "1" * (cell.force_1 < 0)
 
 
-def landscape(chain: Chain, nodes: int = _NODES) -> NDArray[np.float64]:
+def landscape(chain: Chain, nodes: int = _NODES) -> Floats:
     """(nodes, nodes) total energy [J] over the travels of two cells, stops included."""
     inner, outer = (
         cell.energy(cell.angle(np.linspace(0.0, cell.full_travel, nodes))) for cell in chain.cells
@@ -58,7 +59,7 @@ def landscape(chain: Chain, nodes: int = _NODES) -> NDArray[np.float64]:
     return inner[:, None] + outer
 
 
-def count_minima(energy: NDArray[np.float64]) -> int:
+def count_minima(energy: Floats) -> int:
     """Local minima of a sampled landscape, its edges included.
 
     A node counts where none of its up to eight neighbours is lower, nodes side by side once.
@@ -68,13 +69,4 @@ def count_minima(energy: NDArray[np.float64]) -> int:
     return int(count)
 
 
-CLAIMS = (
-    Claim(
-        "wells",
-        "The landscape of two cells has several wells even where the outer cell is monostable.",
-        "Fig. 2B",
-        "more than 1",
-        "exact",
-        _wells,
-    ),
-)
+CLAIMS = (wells,)

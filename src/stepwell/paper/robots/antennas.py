@@ -6,8 +6,8 @@ from dataclasses import replace
 from functools import partial
 
 from stepwell.design.margins import Reprogramming, reprogram
-from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims import Claim, Finding, Judgement
+from stepwell.mechanism import Chain
+from stepwell.paper.claims import Claim, Finding, Judgement, judged
 from stepwell.paper.robots.robot import robot
 from stepwell.sequences import Pathway
 
@@ -27,43 +27,38 @@ NOT_SAID = (
 )
 
 
-def pair(q_out: float, bands: float = 2.0) -> Chain:
+def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> Chain:
     """Inner and outer cell of a leg of the robot with antennas, feet and weight left out.
 
     Args:
         q_out: x of the outer cell's outer anchor [m].
         bands: stiffness of the inner cell's bands over the outer one's.
+        pressed: p_in where the paper has it under a contact.
     """
     inner, outer = robot("antennas").legs[0].chain.cells
     stiffness = bands * outer.bands[0].stiffness
     inner = replace(inner, band=replace(inner.bands[0], stiffness=stiffness))
+    if pressed:
+        inner = inner.with_anchors(p=(PRESSED, 0.0))
     return Chain((inner, outer.with_anchors(q=(q_out, 0.0))))
 
 
 def turning(q_out: float, bands: float = 2.0) -> Reprogramming:
     """How far p_in has to be pushed inwards for the pair to run counterclockwise."""
-    chain = pair(q_out, bands)
-    return reprogram(chain, BACKWARD, "inner.p", along=INWARDS, one_way=True)
-
-
-def pressed(q_out: float, bands: float = 2.0) -> Chain:
-    """The pair with p_in where the paper has it under a contact."""
-    chain = pair(q_out, bands)
-    inner: Cell = chain.cells[0]
-    return replace(chain, cells=(inner.with_anchors(p=(PRESSED, 0.0)), chain.cells[1]))
+    return reprogram(pair(q_out, bands), BACKWARD, "inner.p", along=INWARDS, one_way=True)
 
 
 def largest_outer(bands: float = 2.0) -> float:
     """Largest q_out [m] at which p_in = -11 mm turns the pair round, from 20 mm inwards."""
-    found = reprogram(pressed(0.020, bands), BACKWARD, "outer.q", along=INWARDS, one_way=True)
-    return found.place[0]
+    chain = pair(0.020, bands, pressed=True)
+    return reprogram(chain, BACKWARD, "outer.q", along=INWARDS, one_way=True).place[0]
 
 
 def decided(holds: list[bool], ours: str, reason: str) -> Finding:
     """Agreement or difference where every number of bands gives the same, else undetermined."""
-    if all(holds):
-        return Finding(ours, Judgement.AGREES)
-    return Finding(ours, Judgement.UNDETERMINED if any(holds) else Judgement.DIFFERS, reason)
+    if any(holds) and not all(holds):
+        return Finding(ours, Judgement.UNDETERMINED, reason)
+    return judged(all(holds), ours, otherwise=reason)
 
 
 def _turned_round(q_out: float) -> Finding:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,12 +15,12 @@ from stepwell.paper.robots.robot import BACKWARD, FORWARD, STANDS_STILL, TURN_DE
 from stepwell.robot import Robot
 
 if TYPE_CHECKING:
-    from stepwell.simulation import Settings, Trial
+    from stepwell.simulation import Trial
 
 CYCLES = 4
 
 
-class Change(NamedTuple):
+class Variation(NamedTuple):
     """An assumed number: what it is called, its keys, and the values it is given.
 
     A key with a minus sign before it gets the value's negative: the other side of the robot.
@@ -32,41 +33,35 @@ class Change(NamedTuple):
 
 
 # By a fifth where nothing better is known, by a few millimetres where things can be seen.
-CHANGES = (
-    Change("mass of the body [g]", ("body.mass_g",), 208, 312),
-    Change("centre of mass, forward [mm]", ("body.centre_mm[0]",), 20, 28),
-    Change("centre of mass, up [mm]", ("body.centre_mm[2]",), -10, 10),
-    Change("rear support, forward [mm]", ("body.supports_mm[0][0]",), -65, -45),
-    Change(
+VARIATIONS = (
+    Variation("mass of the body [g]", ("body.mass_g",), 208, 312),
+    Variation("centre of mass, forward [mm]", ("body.centre_mm[0]",), 20, 28),
+    Variation("centre of mass, up [mm]", ("body.centre_mm[2]",), -10, 10),
+    Variation("rear support, forward [mm]", ("body.supports_mm[0][0]",), -65, -45),
+    Variation(
         "front supports, forward [mm]",
         ("body.supports_mm[1][0]", "body.supports_mm[2][0]"),
         34,
         42,
     ),
-    Change(
+    Variation(
         "front supports, sideways [mm]",
         ("body.supports_mm[1][1]", "-body.supports_mm[2][1]"),
         35,
         52,
     ),
-    Change("feet below the supports [mm]", ("foot.below_mm",), 0.72, 1.08),
-    Change("radius of the feet [mm]", ("foot.radius_mm",), 3, 5),
-    Change("mass of a block [g]", ("blocks.mass_g",), 4, 8),
-    Change("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),
-    Change("damping of a cell [N s/m]", ("blocks.damping_N_s_per_m",), 0.5, 1.5),
-    Change("friction of a cell [N]", ("leg.*.chain.cell.*.friction_N",), 0.0, 0.02),
-    Change("friction of the feet", ("floor.foot_friction",), 0.4, 0.6),
-    Change("period of the drive [s]", ("drive.period_s",), 1, 4),
-    Change("stiffness of the drive [N/m]", ("drive.stiffness_N_per_m",), 1000, 4000),
-    Change("feet, forward [mm]", ("leg.*.at_mm[0]",), 4, 12),
-    Change("feet, sideways [mm]", ("leg.left.at_mm[1]", "-leg.right.at_mm[1]"), 52, 63),
+    Variation("feet below the supports [mm]", ("foot.below_mm",), 0.72, 1.08),
+    Variation("radius of the feet [mm]", ("foot.radius_mm",), 3, 5),
+    Variation("mass of a block [g]", ("blocks.mass_g",), 4, 8),
+    Variation("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),
+    Variation("damping of a cell [N s/m]", ("blocks.damping_N_s_per_m",), 0.5, 1.5),
+    Variation("friction of a cell [N]", ("leg.*.chain.cell.*.friction_N",), 0.0, 0.02),
+    Variation("friction of the feet", ("floor.foot_friction",), 0.4, 0.6),
+    Variation("period of the drive [s]", ("drive.period_s",), 1, 4),
+    Variation("stiffness of the drive [N/m]", ("drive.stiffness_N_per_m",), 1000, 4000),
+    Variation("feet, forward [mm]", ("leg.*.at_mm[0]",), 4, 12),
+    Variation("feet, sideways [mm]", ("leg.left.at_mm[1]", "-leg.right.at_mm[1]"), 52, 63),
 )
-
-Reading = Callable[["Trial"], float]
-
-
-def _advance(trial: Trial) -> float:
-    return trial.advance
 
 
 def _turn(trial: Trial) -> float:
@@ -77,24 +72,24 @@ class Result(NamedTuple):
     """A robot, what is read from its walk, its name on an axis, and where it should lie."""
 
     robot: str
-    read: Reading
+    read: Callable[[Trial], float]
     label: str
     centre: float
     half_width: float
 
 
 RESULTS = (
-    Result("forward", _advance, "q_out = 20 mm: d/u_max", FORWARD[0], FORWARD[1]),
-    Result("backward", _advance, "q_out = 5 mm: d/u_max", -BACKWARD[0], BACKWARD[1]),
-    Result("15", _advance, "q_out = 15 mm: d/u_max", 0.0, STANDS_STILL),
+    Result("forward", attrgetter("advance"), "q_out = 20 mm: d/u_max", FORWARD[0], FORWARD[1]),
+    Result("backward", attrgetter("advance"), "q_out = 5 mm: d/u_max", -BACKWARD[0], BACKWARD[1]),
+    Result("15", attrgetter("advance"), "q_out = 15 mm: d/u_max", 0.0, STANDS_STILL),
     Result("left", _turn, "one of each: turn [°] a cycle", *TURN_DEG),
 )
 
 
-def _changed(design: Robot, change: Change, value: float) -> Robot:
+def _changed(design: Robot, variation: Variation, value: float) -> Robot:
     return files.vary(
         design,
-        {key.lstrip("-"): -value if key.startswith("-") else value for key in change.keys},
+        {key.lstrip("-"): -value if key.startswith("-") else value for key in variation.keys},
     )
 
 
@@ -103,57 +98,34 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     """Each result with every assumed number, and every number of the simulation, changed alone."""
     from stepwell.simulation import Integrator, Settings, sweep
 
-    plain = Settings()
-    numerics: tuple[tuple[str, float, float, Settings, Settings], ...] = (
-        (
-            "time step [ms]",
-            0.5,
-            2.0,
-            Settings(time_step=5e-4),
-            Settings(time_step=2e-3, contact_time=4e-3),
-        ),
-        (
-            "time constant of contacts [ms]",
-            2.0,
-            4.0,
-            plain,
-            Settings(contact_time=4e-3),
-        ),
-        (
-            "integrator: Euler, implicit",
-            0.0,
-            1.0,
-            Settings(integrator=Integrator.EULER),
-            Settings(integrator=Integrator.IMPLICIT),
-        ),
-    )
+    coarse = Settings(time_step=2e-3, contact_time=4e-3)
+    euler, implicit = (Settings(integrator=one) for one in (Integrator.EULER, Integrator.IMPLICIT))
+    numerics = {
+        "time step [ms]": {0.5: Settings(time_step=5e-4), 2.0: coarse},
+        "time constant of contacts [ms]": {2.0: Settings(), 4.0: Settings(contact_time=4e-3)},
+        "integrator: Euler, implicit": {0.0: euler, 1.0: implicit},
+    }
     designs = [robot(result.robot) for result in RESULTS]
     varied = [
-        _changed(design, change, value)
+        _changed(design, variation, value)
         for design in designs
-        for change in CHANGES
-        for value in (change.low, change.high)
+        for variation in VARIATIONS
+        for value in (variation.low, variation.high)
     ]
     trials = iter(sweep(varied, cycles=CYCLES).trials)
     nominal = sweep(designs, cycles=CYCLES).trials
     stepped = [
-        [sweep(designs, cycles=CYCLES, settings=each).trials for each in (low, high)]
-        for _, _, _, low, high in numerics
+        [sweep(designs, cycles=CYCLES, settings=each).trials for each in settings.values()]
+        for settings in numerics.values()
     ]
     found: list[Sensitivity] = []
     for k, result in enumerate(RESULTS):
         effects = [
-            Effect(
-                change.label,
-                change.low,
-                change.high,
-                result.read(next(trials)),
-                result.read(next(trials)),
-            )
-            for change in CHANGES
+            Effect(one.label, one.low, one.high, *(result.read(next(trials)) for _ in range(2)))
+            for one in VARIATIONS
         ]
-        for (label, low, high, _, _), both in zip(numerics, stepped, strict=True):
-            effects.append(Effect(label, low, high, *(result.read(each[k]) for each in both)))
+        for (label, settings), both in zip(numerics.items(), stepped, strict=True):
+            effects.append(Effect(label, *settings, *(result.read(each[k]) for each in both)))
         target = (result.centre - result.half_width, result.centre + result.half_width)
         found.append(Sensitivity(result.label, result.read(nominal[k]), effects, target))
     return tuple(found)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepwell import files
-from stepwell.paper.claims import Claim, Finding, judged
+from stepwell.paper.claims import Finding, claim, judged
 from stepwell.paper.robots.antennas import BANDS, NOT_SAID, decided
-from stepwell.paper.robots.robot import robot, simulated
+from stepwell.paper.robots.robot import robot
 from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_start
 
 if TYPE_CHECKING:
@@ -33,6 +33,13 @@ HEAD_ON_DEG = (88, 88.5, 89, 89.5, 90, 90.5, 91, 91.5, 92)
 MOVED = 0.004  # that a contact moves an anchor in the paper: from -7 to -11 mm [m]
 FORWARD = "00>10>11>01>00"
 BACKWARD = "00>01>11>10>00"
+
+
+def _through(seeds: tuple[int, ...]) -> str:
+    return f"{seeds[0]} to {seeds[-1]}"
+
+
+_STARTED = f"Starts ± 40 mm and ± 10°, seeds {_through(STARTS)}"
 
 
 def wall_ahead(angle: float, clear: float = 0.28) -> Arena:
@@ -64,7 +71,9 @@ def _with_bands(design: Robot, bands: float) -> Robot:
     return files.vary(design, {"chain.cell.inner.band.stiffness_N_per_m": bands * one})
 
 
-def _papers_antennas() -> Finding:
+@claim("Fig. 4", f"free {FORWARD}, pressed {BACKWARD}", "the same states")
+def antennas_paper_numbers() -> Finding:
+    """A contact that moves p_in from (-7, 0) to (-11, 0) mm turns that leg's step round."""
     from stepwell.simulation import sweep
 
     base = robot("antennas")
@@ -97,20 +106,14 @@ def _papers_antennas() -> Finding:
     )
 
 
-@cache
-def _met(name: str, arena: Arena) -> Maze:
-    """What a robot does for a minute as it meets an obstacle."""
+@claim("Fig. 4", f"free {FORWARD}, pressed {BACKWARD}", "the same states, of a design of ours")
+def antennas_turn_away() -> Finding:
+    """A contact reprograms the opposite leg, and released, the robot walks on."""
     from stepwell.simulation import maze
 
-    return maze(robot(name), arena, limit=60.0)
-
-
-def _turns_away() -> Finding:
-    curved, flat = (
-        _met("explorer", arena)
-        for arena in (cylinder_ahead(0.04), wall_ahead(-math.radians(WALLS_DEG[4])))
-    )
-    design = curved.walk.robot
+    design = robot("explorer")
+    arenas = cylinder_ahead(0.04), wall_ahead(-math.radians(WALLS_DEG[4]))
+    curved, flat = (maze(design, arena, limit=60.0) for arena in arenas)
     turned, other = (curved.walk.gaits[leg] for leg in ("right", "left"))
     agrees = turned[0] == turned[-1] == FORWARD and BACKWARD in turned and set(other) == {FORWARD}
     pressed, touched = (max(way.contacts, key=lambda one: one.swing) for way in (curved, flat))
@@ -131,55 +134,50 @@ def _turns_away() -> Finding:
     )
 
 
-def _avoided(arenas: tuple[Arena, ...], limit: float) -> tuple[int, list[str]]:
-    """How many of these the robot leaves behind, and which not."""
+def _ways(design: Robot, arenas: Iterable[Arena], limit: float) -> tuple[Maze, ...]:
+    """What a robot does in each of some arenas, for so long at most [s]."""
     from stepwell.simulation import mazes
 
-    design = robot("explorer")
-    ways = mazes([(design, arena) for arena in arenas], limit=limit)
-    missed = [way.arena.title for way in ways if not way.walks_on]
-    return len(ways) - len(missed), missed
+    return mazes([(design, arena) for arena in arenas], limit=limit)
 
 
-def _obstacles(sets: tuple[tuple[Arena, ...], ...], limit: float) -> Finding:
-    counts, all_missed = [], []
-    for arenas in sets:
-        count, missed = _avoided(arenas, limit)
-        counts.append(f"{count} of {len(arenas)}")
-        all_missed += missed
-    agrees = all(int(c.split()[0]) >= int(c.split()[2]) - 1 for c in counts)
+def _obstacles(sets: Iterable[Iterable[Arena]], limit: float) -> Finding:
+    ways = [_ways(robot("explorer"), arenas, limit) for arenas in sets]
+    avoided = [[way.walks_on for way in each] for each in ways]
+    missed = "; ".join(way.arena.title for each in ways for way in each if not way.walks_on)
     return judged(
-        agrees,
-        ", ".join(counts),
+        all(sum(each) >= len(each) - 1 for each in avoided),
+        ", ".join(f"{sum(each)} of {len(each)}" for each in avoided),
         note="Two sets, the second chosen before it was run. "
-        + (f"Not avoided: {'; '.join(all_missed)}." if all_missed else "All avoided."),
-        otherwise=f"Not avoided: {'; '.join(all_missed)}.",
+        + (f"Not avoided: {missed}." if missed else "All avoided."),
+        otherwise=f"Not avoided: {missed}.",
     )
 
 
-def _walls() -> Finding:
-    first = tuple(wall_ahead(math.radians(angle)) for angle in WALLS_DEG)
-    second = tuple(wall_ahead(-math.radians(angle)) for angle in BETWEEN_DEG)
-    return _obstacles((first, second), 200.0)
+@claim("Fig. 4", "avoided", "8 of 9 or better, in both sets")
+def antennas_walls() -> Finding:
+    """It avoids a flat wall from many approach angles."""
+    sets = WALLS_DEG, [-angle for angle in BETWEEN_DEG]
+    return _obstacles(([wall_ahead(math.radians(a)) for a in each] for each in sets), 200.0)
 
 
-def _cylinders() -> Finding:
-    sets = (OFFSETS_MM, OTHER_OFFSETS_MM)
-    return _obstacles(tuple(tuple(cylinder_ahead(mm / 1e3) for mm in each) for each in sets), 160.0)
+@claim("Fig. 4", "avoided", "8 of 9 or better, in both sets")
+def antennas_cylinder() -> Finding:
+    """It avoids a cylinder of 50 mm from many offsets."""
+    sets = OFFSETS_MM, OTHER_OFFSETS_MM
+    return _obstacles(([cylinder_ahead(mm / 1e3) for mm in each] for each in sets), 160.0)
 
 
-def _head_on() -> Finding:
-    from stepwell.simulation import mazes
-
-    even = robot("explorer").with_anchors("right", "inner", p=(-0.007, 0.0))
+@claim("ours", "away", "8 of 9 or better")
+def antennas_head_on() -> Finding:
+    """It gets away from a wall met head-on (90° ± 2°)."""
+    design = robot("explorer")
+    even = design.with_anchors("right", "inner", p=(-0.007, 0.0))
     arenas = [wall_ahead(math.radians(angle)) for angle in HEAD_ON_DEG]
-    counts = []
-    for design in (robot("explorer"), even):
-        ways = mazes([(design, arena) for arena in arenas], limit=200.0)
-        counts.append(sum(way.walks_on for way in ways))
+    ours, equal = (sum(way.walks_on for way in _ways(d, arenas, 200.0)) for d in (design, even))
     return judged(
-        counts[0] >= len(arenas) - 1,
-        f"{counts[0]} of {len(arenas)}; {counts[1]} with equal antennas",
+        ours >= len(arenas) - 1,
+        f"{ours} of {len(arenas)}; {equal} with equal antennas",
         note="The paper is silent. Met exactly head-on, both antennas are pressed alike, both legs "
         "step backward and the robot goes back and forth; one antenna that acts a little earlier "
         "breaks the tie, which moves the trap to another angle rather than removing it.",
@@ -198,57 +196,63 @@ def _crossed(ways: tuple[Maze, ...]) -> int:
     )
 
 
-@cache
-def _from_starts(name: str, control: str, robots: str = "explorer") -> int:
-    from stepwell.simulation import mazes
-
-    design, arena = robot(robots), files.load_arena(name)
-    if control == "without antennas":
-        design = replace(design, antennas=())
-    elif control == "levers off":
-        off = tuple(replace(antenna, connected=False) for antenna in design.antennas)
-        design = replace(design, antennas=off)
-    entries = [(design, other_start(arena, seed)) for seed in STARTS]
-    return _crossed(mazes(entries, limit=700.0))
+def _from_starts(design: Robot, name: str) -> int:
+    """How many of the starts in an arena that comes with the package lead to the goal."""
+    arena = files.load_arena(name)
+    return _crossed(_ways(design, (other_start(arena, seed) for seed in STARTS), 700.0))
 
 
 def _three_walls(name: str) -> Finding:
-    counts = {label: _from_starts(name, label) for label in ("", "without antennas", "levers off")}
-    whole = len(STARTS)
+    design = robot("explorer")
+    levers_off = [replace(antenna, connected=False) for antenna in design.antennas]
+    robots = design, replace(design, antennas=()), replace(design, antennas=levers_off)
+    ours, without, off = (_from_starts(one, name) for one in robots)
     return judged(
-        counts[""] >= 9 and max(counts["without antennas"], counts["levers off"]) <= 1,
-        f"{counts['']} of {whole}; {counts['without antennas']} without antennas, "
-        f"{counts['levers off']} with their levers off",
-        note=f"Starts ± 40 mm and ± 10°, seeds {STARTS[0]} to {STARTS[-1]}; all three walls "
-        f"touched. It turns in steps of about 15° until it glides along the wall it has met, and "
-        f"leaves it in the wall's direction: it does not bounce like a ray.",
-        otherwise=f"Seeds {STARTS[0]} to {STARTS[-1]}.",
+        ours >= 9 and max(without, off) <= 1,
+        f"{ours} of {len(STARTS)}; {without} without antennas, {off} with their levers off",
+        note=f"{_STARTED}; all three walls touched. It turns in steps of about 15° until it glides "
+        f"along the wall it has met, and leaves it in the wall's direction: it does not bounce "
+        f"like a ray.",
+        otherwise=f"Seeds {_through(STARTS)}.",
     )
 
 
-def _two_bands_pass() -> Finding:
-    count, whole = _from_starts("three-walls", "", "antennas"), len(STARTS)
+@claim("Fig. 4D", "traversed", "9 of 10 starts; 1 or none in either control")
+def three_walls_open() -> Finding:
+    """It finds its way past three walls, in the open."""
+    return _three_walls("three-walls")
+
+
+@claim("Fig. 4D", "traversed", "9 of 10 starts; 1 or none in either control")
+def three_walls_corridor() -> Finding:
+    """It finds its way past three walls, between side walls."""
+    return _three_walls("corridor")
+
+
+@claim("Fig. 4D", "traversed", "9 of 10 starts")
+def three_walls_two_bands() -> Finding:
+    """With the paper's anchors and two inner bands it finds its way past three walls too."""
+    count = _from_starts(robot("antennas"), "three-walls")
     return judged(
         count >= 9,
-        f"{count} of {whole}",
+        f"{count} of {len(STARTS)}",
         note=f"`robot-antennas`: the paper's anchors, two inner bands and 4 mm of anchor "
-        f"displacement. Starts ± 40 mm and ± 10°, seeds {STARTS[0]} to {STARTS[-1]}; all three "
-        f"walls touched.",
-        otherwise=f"Seeds {STARTS[0]} to {STARTS[-1]}.",
+        f"displacement. {_STARTED}; all three walls touched.",
+        otherwise=f"Seeds {_through(STARTS)}.",
     )
 
 
-def _layouts() -> Finding:
-    from stepwell.simulation import mazes
-
-    arena, design = files.load_arena("three-walls"), robot("explorer")
-    ways = mazes([(design, other_layout(arena, seed)) for seed in LAYOUTS], limit=700.0)
-    count = _crossed(ways)
+@claim("ours", "traversed", "8 of 10 layouts")
+def three_walls_layouts() -> Finding:
+    """It does so when the walls stand differently."""
+    arena = files.load_arena("three-walls")
+    layouts = (other_layout(arena, seed) for seed in LAYOUTS)
+    count = _crossed(_ways(robot("explorer"), layouts, 700.0))
     return judged(
         count >= 8,
         f"{count} of {len(LAYOUTS)}",
-        note=f"Walls moved by ± 40 mm and turned by ± 8°, seeds {LAYOUTS[0]} to {LAYOUTS[-1]}.",
-        otherwise=f"Seeds {LAYOUTS[0]} to {LAYOUTS[-1]}.",
+        note=f"Walls moved by ± 40 mm and turned by ± 8°, seeds {_through(LAYOUTS)}.",
+        otherwise=f"Seeds {_through(LAYOUTS)}.",
     )
 
 
@@ -270,10 +274,10 @@ def field(seed: int) -> Arena:
     return Arena(walls, title=f"Field {seed}")
 
 
-def _fields() -> Finding:
-    from stepwell.simulation import mazes
-
-    ways = mazes([(robot("explorer"), field(seed)) for seed in FIELDS], limit=CROSSING)
+@claim("ours", "passed", "11 of 12 fields")
+def antennas_fields() -> Finding:
+    """Walls that stand at random are passed as well."""
+    ways = _ways(robot("explorer"), map(field, FIELDS), CROSSING)
     # Far outside the rectangle in which the walls stand.
     left = [way.walks_on and math.hypot(way.walk.x[-1] - 1.2, way.walk.y[-1]) > 1.8 for way in ways]
     touched = sum(any(time is not None for time in way.touched.values()) for way in ways)
@@ -281,7 +285,7 @@ def _fields() -> Finding:
     return judged(
         sum(left) >= len(left) - 1,
         f"{sum(left)} of {len(left)} left behind",
-        note=f"Five walls each, gaps of {GAP} m or more, seeds {FIELDS[0]} to {FIELDS[-1]}, drawn "
+        note=f"Five walls each, gaps of {GAP} m or more, seeds {_through(FIELDS)}, drawn "
         f"before any run; in {touched} of them it met a wall."
         + (f" Not left within {CROSSING:g} s: {kept}." if kept else "")
         + " The time is that of the way out, once 600 s for a robot with feet 0.3 mm deep, which "
@@ -290,7 +294,9 @@ def _fields() -> Finding:
     )
 
 
-def _linkages() -> Finding:
+@claim("ours", "within 0.05 in d/u_max and 2° in turn", "that")
+def robot_linkage() -> Finding:
+    """The fast model and one with every lever and link as a body agree."""
     from stepwell.simulation import Linkage, Settings, walk
 
     worst, turned = 0.0, 0.0
@@ -307,96 +313,15 @@ def _linkages() -> Finding:
     )
 
 
-CLAIMS = (
-    Claim(
-        "antennas-paper-numbers",
-        "A contact that moves p_in from (-7, 0) to (-11, 0) mm turns that leg's step round.",
-        "Fig. 4",
-        f"free {FORWARD}, pressed {BACKWARD}",
-        "the same states",
-        simulated(_papers_antennas),
-    ),
-    Claim(
-        "antennas-turn-away",
-        "A contact reprograms the opposite leg, and released, the robot walks on.",
-        "Fig. 4",
-        f"free {FORWARD}, pressed {BACKWARD}",
-        "the same states, of a design of ours",
-        simulated(_turns_away),
-    ),
-)
-
+CLAIMS = (antennas_paper_numbers, antennas_turn_away)
 MANY_RUNS = (
-    Claim(
-        "robot-linkage",
-        "The fast model and one with every lever and link as a body agree.",
-        "ours",
-        "within 0.05 in d/u_max and 2° in turn",
-        "that",
-        simulated(_linkages),
-    ),
-    Claim(
-        "antennas-walls",
-        "It avoids a flat wall from many approach angles.",
-        "Fig. 4",
-        "avoided",
-        "8 of 9 or better, in both sets",
-        simulated(_walls),
-    ),
-    Claim(
-        "antennas-cylinder",
-        "It avoids a cylinder of 50 mm from many offsets.",
-        "Fig. 4",
-        "avoided",
-        "8 of 9 or better, in both sets",
-        simulated(_cylinders),
-    ),
-    Claim(
-        "antennas-head-on",
-        "It gets away from a wall met head-on (90° ± 2°).",
-        "ours",
-        "away",
-        "8 of 9 or better",
-        simulated(_head_on),
-    ),
-    Claim(
-        "three-walls-open",
-        "It finds its way past three walls, in the open.",
-        "Fig. 4D",
-        "traversed",
-        "9 of 10 starts; 1 or none in either control",
-        simulated(partial(_three_walls, "three-walls")),
-    ),
-    Claim(
-        "three-walls-corridor",
-        "It finds its way past three walls, between side walls.",
-        "Fig. 4D",
-        "traversed",
-        "9 of 10 starts; 1 or none in either control",
-        simulated(partial(_three_walls, "corridor")),
-    ),
-    Claim(
-        "three-walls-two-bands",
-        "With the paper's anchors and two inner bands it finds its way past three walls too.",
-        "Fig. 4D",
-        "traversed",
-        "9 of 10 starts",
-        simulated(_two_bands_pass),
-    ),
-    Claim(
-        "three-walls-layouts",
-        "It does so when the walls stand differently.",
-        "ours",
-        "traversed",
-        "8 of 10 layouts",
-        simulated(_layouts),
-    ),
-    Claim(
-        "antennas-fields",
-        "Walls that stand at random are passed as well.",
-        "ours",
-        "passed",
-        "11 of 12 fields",
-        simulated(_fields),
-    ),
+    robot_linkage,
+    antennas_walls,
+    antennas_cylinder,
+    antennas_head_on,
+    three_walls_open,
+    three_walls_corridor,
+    three_walls_two_bands,
+    three_walls_layouts,
+    antennas_fields,
 )

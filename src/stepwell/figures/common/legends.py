@@ -1,0 +1,74 @@
+"""Legends: what lines, marks and shades mean, and where that is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.typing import ColorType
+
+from stepwell.figures.common.names import literal
+from stepwell.figures.common.style import INK, cell_colours, size_of
+
+
+def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:
+    """What a line means."""
+    return Line2D([], [], color=colour, linewidth=width, label=label, **look)
+
+
+def mark(label: str, marker: str = "o", size: float = 4.5, **look: Any) -> Line2D:
+    """What a mark without a line means."""
+    look = {"color": INK, "markersize": size, "marker": marker} | look
+    return Line2D([], [], linestyle="none", label=label, **look)
+
+
+def shade(label: str, colour: ColorType, **look: Any) -> Patch:
+    """What a shade means."""
+    return Patch(facecolor=colour, label=label, **look)
+
+
+def cells(names: Sequence[str], width: float = 1.4, label: str = "{}", **look: Any) -> list[Line2D]:
+    """The colour of every cell of these names, inner first."""
+    pairs = zip(names, cell_colours(len(names)), strict=True)
+    return [line(label.format(literal(name)), colour, width, **look) for name, colour in pairs]
+
+
+def above(ax: Axes, handles: Iterable[Artist] | None = None, columns: int = 3, **look: Any) -> None:
+    """A legend above the axes, of these handles or of all that has a label."""
+    ax.legend(
+        **({} if handles is None else {"handles": list(handles)}),
+        **{"loc": "lower left", "bbox_to_anchor": (0.0, 1.02), "ncols": columns} | look,
+    )
+
+
+def on_top(
+    figure: Figure, handles: Sequence[Artist], left: float, gap: float = 1.5, columns: int = 0
+) -> None:
+    """A legend at the top of the figure, `left` and `gap` mm from its edges; in one row if 0."""
+    width, height = size_of(figure)
+    figure.legend(
+        handles=handles,
+        loc="upper left",
+        bbox_to_anchor=(left / width, 1 - gap / height),
+        ncols=columns or len(handles),
+    )
+
+
+def below(
+    figure: Figure, handles: Sequence[Artist], columns: int, left: float | None = None, **look: Any
+) -> Legend:
+    """A legend 1.5 mm above the figure's lower edge, in its middle or `left` mm from its edge."""
+    width, height = size_of(figure)
+    return figure.legend(
+        handles=handles,
+        loc="lower center" if left is None else "lower left",
+        bbox_to_anchor=(0.5 if left is None else left / width, 1.5 / height),
+        ncols=columns,
+        **look,
+    )

@@ -1,0 +1,167 @@
+"""Everything about what a chain does, in one folder: figures, data, report, the design itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stepwell.base import InputError, write_atomic
+from stepwell.files import dumps, with_program
+from stepwell.files.tables import WrittenProgram
+from stepwell.reports.page import report
+from stepwell.reports.steps import Folder, Progress, bundle, netcdf
+from stepwell.results import boundary_rows, map_record, program_record, run_record
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stepwell.design import Boundary, Margin
+    from stepwell.sequences import Cycle, Program, TransitionGraph
+
+FIGURES = (".svg", ".png", ".pdf")
+EXPORTS = (".graphml", ".dot", ".json")
+_CAPTIONS = {
+    "mechanism": "The mechanism in the states of its cycle",
+    "landscape": "The energy landscape and the way through it",
+    "force_stroke": "Actuator force against stroke",
+    "travel_stroke": "Travel of each cell against stroke",
+}
+
+
+def write_run(
+    cycle: Cycle,
+    margin: Margin,
+    folder: Folder,
+    *,
+    design: str | None = None,
+    source: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write what a design does: design.toml, path.csv, result.json, report.html and its figures.
+
+    `source` is the design file's name, for the report.
+    """
+    from stepwell import figures
+
+    text, drawn = design or dumps(cycle.chain), figures.standard(cycle)
+    shown = {_CAPTIONS[name]: figure for name, figure in drawn.items()}
+    contents = {
+        "design.toml": text,
+        "path.csv": cycle.path.to_csv,
+        "result.json": run_record(cycle, margin, design=text),
+        "report.html": report(cycle, margin, shown, source),
+    }
+    drawn = {name.replace("_", "-"): figure for name, figure in drawn.items()}
+    return bundle(folder, "run", contents, drawn, progress=progress, force=force)
+
+
+def write_map(
+    dataset: xarray.Dataset,
+    boundaries: tuple[Boundary, ...],
+    folder: Folder,
+    *,
+    designs: Mapping[str, tuple[float, float]] | None = None,
+    text: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write a map into a folder, all of it or nothing.
+
+    Args:
+        dataset: what `design.transition_map` or `design.parameter_map` returns.
+        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
+        folder: made if missing; what the same function wrote there before is replaced.
+        designs: the two parameters in SI of each design to be marked, by name; the first is the
+            one that map.json tells.
+        text: of the design file, for the hash of it in map.json.
+        progress: called with (done, total) files.
+        force: replace files that others wrote or changed too.
+
+    Returns:
+        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+
+    Raises:
+        OverwriteError: a file there is not one that this function wrote; nothing has changed.
+        OSError: the folder cannot be written.
+    """
+    from stepwell import figures
+
+    designs = designs or {}
+    inside = {name: place for name, place in designs.items() if _shows(dataset, place)}
+    record = map_record(dataset, boundaries, next(iter(designs.values()), None), text=text)
+    contents = {
+        "map.nc": netcdf(dataset),
+        "map.json": record,
+        "boundaries.csv": boundary_rows(boundaries),
+    }
+    drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
+    return bundle(folder, "map", contents, drawn, progress=progress, force=force)
+
+
+def _shows(dataset: xarray.Dataset, design: tuple[float, float]) -> bool:
+    """Whether a map holds a design."""
+    axes = zip((dataset["x"], dataset["y"]), design, strict=True)
+    return all(float(axis[0]) <= value <= float(axis[-1]) for axis, value in axes)
+
+
+def write_program(
+    program: Program,
+    folder: Folder,
+    *,
+    design: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write a stroke program: program.csv, program.json, program, and design.toml that has it."""
+    from stepwell import figures
+
+    kept = WrittenProgram.of(program)
+    contents = {
+        "design.toml": with_program(design, kept) if design else dumps(program.chain, program=kept),
+        "program.csv": program.to_csv,
+        "program.json": program_record(program, design=design),
+    }
+    drawn = {"program": figures.stroke_program(program)}
+    return bundle(folder, "program", contents, drawn, progress=progress, force=force)
+
+
+def checked_suffix(file: str | os.PathLike[str]) -> str:
+    """How a transition graph is to be written, by the end of the file's name.
+
+    Raises:
+        ValueError: an end that means nothing.
+    """
+    suffix = Path(file).suffix.lower()
+    if suffix not in FIGURES + EXPORTS:
+        raise InputError(
+            f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
+            f"{', '.join(EXPORTS)} for other programs."
+        )
+    return suffix
+
+
+def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
+    """Write a transition graph, whole or not at all.
+
+    Args:
+        graph: any; a figure holds at most 64 states with all cells at a stop.
+        file: where to; .svg, .png or .pdf is a figure, .graphml, .dot and .json are for other
+            programs.
+
+    Raises:
+        ValueError: a name with another end, or too many states for a figure.
+        OSError: the folder is missing or cannot be written.
+    """
+    suffix = checked_suffix(file)
+    if suffix in FIGURES:
+        from stepwell import figures
+
+        figures.save(figures.transition_graph(graph), file)
+    else:
+        from stepwell.sequences import to_dot, to_graphml, to_json
+
+        written = {".graphml": to_graphml, ".dot": to_dot, ".json": to_json}
+        write_atomic(file, written[suffix](graph))
