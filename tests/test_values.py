@@ -5,6 +5,7 @@ import dataclasses
 import enum
 import importlib
 import inspect
+import json
 import math
 import pickle
 import pkgutil
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.base.outcome import Outcome
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads
@@ -169,6 +171,14 @@ ERRORS = {
     LabError: lambda: LabError("a.txt", "is none."),
     Unreachable: lambda: Unreachable("no way", proved=True),
 }
+
+
+@pytest.mark.parametrize("kind", [one for one in CLASSES if issubclass(one, Outcome)])
+def test_an_outcome_is_its_word_everywhere_and_has_advice(kind):
+    for one in kind:
+        assert one == one.value == json.loads(json.dumps(one)) == f"{one}"
+        assert pickle.loads(pickle.dumps(one)) is one
+        assert len(one.advice) > 20
 
 
 @pytest.mark.parametrize("kind", ERRORS)

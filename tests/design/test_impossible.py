@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
-from stepwell.design.placement import covered
+from stepwell.design.placement import outline
 from stepwell.design.placement.candidates import Kind, Rule
 from stepwell.design.placement.region import PAPER_BOX, AnchorBox, AnchorPolygon, lattice, usual_box
 from stepwell.design.placement.stock import PAPER_BAND, Stock
@@ -186,8 +186,8 @@ def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
         kind = Kind(band, PAPER_LEVER, math.pi / 4)
         return Rule((-0.010, 0.0), (kind,), Tolerances(), math.inf, False, region.bounds)
 
-    assert covered.all_proved(rule(PAPER_BAND), region)
-    assert not covered.all_proved(rule(Stock(28.5, 0.030)), region)
+    assert outline.all_proved(rule(PAPER_BAND), region)
+    assert not outline.all_proved(rule(Stock(28.5, 0.030)), region)
 
 
 def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():

@@ -126,12 +126,17 @@ def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
         assert other.share < made.yield_.share + noise
 
 
-def test_a_designed_yield_is_above_those_of_obvious_designs():
-    equal = [(x, 0.0) for x in np.linspace(0, 0.020, 8).tolist()]
+@pytest.mark.parametrize(
+    ("cells", "tolerances", "more"),
+    # So many cells take a search that is worth the compiler.
+    [(4, ROUGH, 0.02), pytest.param(8, USUAL, 0.05, marks=pytest.mark.slow)],
+)
+def test_a_designed_yield_is_above_those_of_obvious_designs(cells, tolerances, more):
+    equal = [(x, 0.0) for x in np.linspace(0, 0.020, cells).tolist()]
     obvious = sw.Chain([paper_cell(*place) for place in equal])
-    made = design(cycle(range(8), range(8)), n=20_000)
+    made = design(cycle(range(cells), range(cells)), tolerances=tolerances, n=20_000)
     assert str(obvious.cycle().sequence) == made.sequence
-    assert made.yield_.share > yields(obvious, USUAL, n=20_000).share + 0.05
+    assert made.yield_.share > yields(obvious, tolerances, n=20_000).share + more
 
 
 @pytest.mark.slow
@@ -624,11 +629,11 @@ def test_the_cycle_is_verified_with_the_actuator_there_will_be(stiffness):
 
 
 def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
-    from stepwell.design.orders import goal
+    from stepwell.design.orders import target
 
-    real: Callable[..., sequences.Cycle] = goal.cycle
+    real: Callable[..., sequences.Cycle] = target.cycle
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
-    monkeypatch.setattr(goal, "cycle", lambda chain: other)
+    monkeypatch.setattr(target, "cycle", lambda chain: other)
     with pytest.raises(Impossible, match="finds that it does 00>10>11>01>00") as refusal:
         design("00>01>11>10>00", n=1)
     assert not refusal.value.proved

@@ -11,9 +11,9 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.design import Change
+from stepwell.design.margins.change import stiffness
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest
-from stepwell.design.margins.stiffness import stiffness
 from stepwell.design.parameters import of_cell
 
 

@@ -13,8 +13,14 @@ from hypothesis import assume, given, settings, strategies as st
 import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
-from stepwell.sequences.graphs.dot import from_dot, to_dot
-from stepwell.sequences.graphs.exchange import from_graphml, from_json, to_graphml, to_json
+from stepwell.sequences.graphs.exchange import (
+    from_dot,
+    from_graphml,
+    from_json,
+    to_dot,
+    to_graphml,
+    to_json,
+)
 from stepwell.sequences.graphs.fields import from_switching_fields, switching_fields
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
 from stepwell.statics import StaticsError
@@ -59,7 +65,8 @@ def test_a_graph_comes_back_the_same_to_the_last_bit(out, back, seed, cells, dri
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
     try:
         found = graph(chain, drive)
-    except StaticsError:
+    except (StaticsError, sw.InputError):
+        # Among the latter: cells that are slack all the way stand nowhere behind a spring.
         assume(False)
         raise
     again = back(out(found))

@@ -14,9 +14,8 @@ from sizes import examples
 from stepwell.concave import relays
 from stepwell.sequences.branches.branches import Branches
 from stepwell.sequences.branches.relays import order_kept
-from stepwell.sequences.graphs.fields import from_switching_fields
+from stepwell.sequences.graphs.fields import from_switching_fields, preisach
 from stepwell.sequences.graphs.node import Node, TransitionKind
-from stepwell.sequences.graphs.preisach import preisach
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, _assembled, graph
 from stepwell.statics import StaticsError
 

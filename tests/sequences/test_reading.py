@@ -12,7 +12,7 @@ from chains import any_chain, concave_chain
 from oracle import OracleCell, follow
 from sizes import examples
 from stepwell.concave import relays
-from stepwell.sequences.cycles.vertices import sequence_of
+from stepwell.sequences.cycles.cycle import sequence_of
 from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.mesostates import Routes, atlas
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
@@ -461,7 +461,7 @@ def test_a_reading_is_printed_in_millimetres_or_newtons():
     assert "0 → 54.23 → 15.77 → 54.23 mm" in text and "main loop            000>100>" in text
     assert text.startswith("3 cells driven by stroke: 8 vertices on 4 branches\n")
     assert repr(graph(NESTED).reading) == (
-        "Reading(3 cells, 4 branches, 2 sub-loops, 0 unreachable, forgets a turn, "
+        "MemoryReading(3 cells, 4 branches, 2 sub-loops, 0 unreachable, forgets a turn, "
         "0 scrambled pairs, 0 accumulators, 0 latches)"
     )
     assert repr(graph(NESTED).reading.return_point_memory) == (

@@ -9,7 +9,7 @@ import pytest
 import stepwell as sw
 from chains import concave_chain
 from sizes import examples
-from stepwell.mechanism.pack import pack
+from stepwell.mechanism.law import pack
 from stepwell.statics import Cause, EventKind, run
 from stepwell.statics.sorted_cycle import sorted_cycle
 

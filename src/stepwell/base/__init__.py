@@ -8,6 +8,7 @@ from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
 from stepwell.base.limits import content_of, most, problem, require
+from stepwell.base.outcome import Outcome
 from stepwell.base.quantities import (
     Column,
     Columns,

@@ -79,3 +79,23 @@ def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[f
                 f"and drop repeated rows."
             )
     return numbers
+
+
+def as_many(
+    name: str, values: Sequence[float], unit: str, beside: str, count: int
+) -> tuple[float, ...]:
+    """`values` as floats, if they are as many as those of `beside`; raises ValueError otherwise."""
+    numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
+    if len(numbers) != count:
+        raise InputError(f"{name} has {len(numbers)} values, {beside} {count}: must be as many.")
+    return numbers
+
+
+def pulls(name: str, values: Sequence[float], unit: str) -> None:
+    """Raise ValueError where a band would push."""
+    for i, pull in enumerate(values):
+        if pull < 0:
+            raise InputError(
+                f"{name}[{i}] = {pull} {unit}: must be >= 0, a band pulls. Did you mean {-pull} "
+                f"{unit}?"
+            )

@@ -26,6 +26,7 @@ from stepwell.concave.relays import Relays, fewest_strokes, relays
 from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
 from stepwell.concave.sorting import (
     TIED,
+    Neighbour,
     SortedChain,
     motion_orders,
     one_travel,

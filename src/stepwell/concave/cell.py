@@ -6,8 +6,8 @@ Its formulas hold while the band is taut, which `certify` proves of a cell.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.kernels import kernel
 from stepwell.mechanism import (
     Cell,
@@ -21,8 +21,6 @@ from stepwell.mechanism import (
     sine_at,
     travel_of,
 )
-
-Floats = NDArray[np.float64]
 
 
 class Simple(NamedTuple):

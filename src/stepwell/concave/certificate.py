@@ -4,14 +4,11 @@ Everything in this room holds only where `certify` says so; elsewhere the genera
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.concave.cell import Simple, simple, with_d
 from stepwell.kernels import entry
 from stepwell.mechanism import Cell, band_length, reach_along
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # A stretch this much shorter than the range is given up on: the cell is so close to a force
 # that does not fall that the general engine may as well decide.

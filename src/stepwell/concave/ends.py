@@ -4,8 +4,8 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.concave.cell import Simple, force_of, of_row
 from stepwell.concave.certificate import certify
 from stepwell.kernels import entry, kernel
@@ -20,9 +20,6 @@ from stepwell.mechanism import (
     slopes_by_anchor,
     slopes_by_lever,
 )
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 @entry()

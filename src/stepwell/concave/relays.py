@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave.sorting import TIED, one_travel, proved_cells
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +41,7 @@ def relays(chain: Chain) -> Relays | None:
 
 
 @dataclass(frozen=True)
-class Plan:
+class RelayPlan:
     """Strokes of relays: the states at which to turn and where the last one ends.
 
     Attributes:
@@ -55,7 +53,7 @@ class Plan:
     blocked: tuple[int, int] | None = None
 
 
-def fewest_strokes(fields: Relays, start: str, to: str) -> Plan:
+def fewest_strokes(fields: Relays, start: str, to: str) -> RelayPlan:
     """The fewest strokes that bring relays from one state to another.
 
     Backward from the end. The last stroke, if it goes up, sets all cells with A below some
@@ -67,10 +65,10 @@ def fewest_strokes(fields: Relays, start: str, to: str) -> Plan:
     Source: Preisach 1935; Terzi and Mungan 2020 for the states; the plan is ours (theory page).
     """
     if start == to:
-        return Plan(())
+        return RelayPlan(())
     plans = [plan for last in (+1, -1) if (plan := _backward(fields, start, to, last)) is not None]
     if plans:
-        return Plan(min(plans, key=len))
+        return RelayPlan(min(plans, key=len))
     blocked = [
         (i, j)
         for i, zero in enumerate(to)
@@ -79,7 +77,7 @@ def fewest_strokes(fields: Relays, start: str, to: str) -> Plan:
     ]
     # A cell that differs from the start shows the reader most.
     blocked.sort(key=lambda pair: all(start[cell] == to[cell] for cell in pair))
-    return Plan((), blocked[0])
+    return RelayPlan((), blocked[0])
 
 
 def _backward(fields: Relays, start: str, to: str, last: int) -> tuple[str, ...] | None:

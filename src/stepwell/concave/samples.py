@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
 from stepwell.concave.certificate import certify
 from stepwell.concave.ends import end_forces
@@ -14,8 +15,6 @@ from stepwell.concave.sorting import TIED, same_travel
 from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Verdicts = NDArray[np.int8]
 
 # Verdicts.

@@ -9,15 +9,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.concave.cell import Simple, simple
 from stepwell.concave.ends import proved_ends
 from stepwell.kernels import kernel
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _SAME = 1e-12  # relative difference of travels that are meant to be equal
 TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engine
@@ -76,7 +73,7 @@ class SortedChain:
     forces: tuple[Floats, Floats]  # F0 and F1 [N], (N,) each
     loading: tuple[int, ...]  # cells in order of arrival
     unloading: tuple[int, ...]
-    places: tuple[NDArray[np.int64], NDArray[np.int64]]  # of every cell in those two orders
+    places: tuple[Ints, Ints]  # of every cell in those two orders
 
     @classmethod
     def of(cls, chain: Chain) -> "SortedChain | None":
@@ -100,18 +97,19 @@ class SortedChain:
             (np.argsort(loading), np.argsort(unloading)),
         )
 
-    def neighbours(self, cell: int) -> list[Neighbour]:
-        """The end forces next to those of a cell, up to four.
+    def neighbours(
+        self, cell: int, orders: tuple[tuple[int, ...], tuple[int, ...]] | None = None
+    ) -> list[Neighbour]:
+        """The end forces next to those of a cell, up to four; in its own orders, or in others.
 
         The sequence changes exactly when an end force of the cell passes one of these: whatever
         it passes first is next to it in the sorted list.
         """
         found: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.
-        for side, order, force, place, up in (
-            (-1, self.loading, self.forces[0], int(self.places[0][cell]), 1),
-            (+1, self.unloading, self.forces[1], int(self.places[1][cell]), -1),
-        ):
+        for k, (side, up) in enumerate(((-1, 1), (+1, -1))):
+            order, force = (orders or (self.loading, self.unloading))[k], self.forces[k]
+            place = order.index(cell) if orders else int(self.places[k][cell])
             own = float(force[cell])
             if place > 0:
                 found.append(Neighbour(side, own, float(force[order[place - 1]]), -up))

@@ -19,6 +19,7 @@ from stepwell.design.margins import (
     Reprogramming,
     Resistance,
     Robustness,
+    RobustnessLimit,
     margin,
     reprogram,
     robustness,
@@ -26,7 +27,7 @@ from stepwell.design.margins import (
 from stepwell.design.orders import Reached
 from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
-from stepwell.design.plane import Boundary, BoundaryKind
+from stepwell.design.plane import Boundary, BoundaryKind, Method
 from stepwell.design.synthesis import Design, Impossible, design
 from stepwell.design.tolerances import (
     USUAL,
@@ -52,11 +53,13 @@ __all__ = [
     "Design",
     "Impossible",
     "Margin",
+    "Method",
     "Parameter",
     "Reached",
     "Reprogramming",
     "Resistance",
     "Robustness",
+    "RobustnessLimit",
     "Sensitivities",
     "Stock",
     "Survival",

@@ -21,8 +21,7 @@ from stepwell.mechanism.geometry import (
     travel_of,
     turn_at,
 )
-from stepwell.mechanism.law import Floats, Ints, Laws, law, pick_rows, stored, summed
-from stepwell.mechanism.pack import pack
+from stepwell.mechanism.law import Laws, law, pack, pick_rows, stored, summed
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [

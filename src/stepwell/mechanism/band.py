@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, Vec2, check
+from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
 from stepwell.mechanism.geometry import band_force, band_length, length_slopes
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,11 +74,7 @@ class Band(ByValue):
             ValueError: a table that does not rise, holds a push, or does not end in tension.
         """
         extension = check.rising("extension", extension, "m", 2)
-        for i, pull in enumerate(tension):
-            if pull < 0:
-                raise InputError(
-                    f"tension[{i}] = {pull} N: must be >= 0, a band pulls. Did you mean {-pull} N?"
-                )
+        check.pulls("tension", tension, "N")
         stiffness = check.positive("tension[-1]", tension[-1], "N") / extension[-1]
         shape = tuple(t / stiffness for t in tension)
         return cls(p, q, stiffness, rest_length, Table(extension, shape))
@@ -90,24 +84,24 @@ class Band(ByValue):
         """q - p [m]: all that the motion knows of the anchors."""
         return self.q[0] - self.p[0], self.q[1] - self.p[1]
 
-    def length(self, theta: ArrayLike, lever: float) -> Array:
+    def length(self, theta: ArrayLike, lever: float) -> Floats:
         """Band length ℓ [m] at lever angles θ [rad] of any shape (Kamp et al. 2024, Eq. 2)."""
         theta = np.asarray(theta, float)
         return band_length(np.sin(theta), np.cos(theta), *self.d, lever)
 
-    def tension(self, length: ArrayLike) -> Array:
+    def tension(self, length: ArrayLike) -> Floats:
         """Tension [N] at band lengths [m] of any shape; zero where slack."""
         extension = np.asarray(length, float) - self.rest_length
         tension = self.stiffness * curves.value(self.law.pieces(), extension)
         return tension if self.two_sided else np.where(extension > 0, tension, 0.0)
 
-    def energy(self, length: ArrayLike) -> Array:
+    def energy(self, length: ArrayLike) -> Floats:
         """Stored energy [J] at band lengths [m] of any shape (Kamp et al. 2024, Eq. 1)."""
         extension = np.asarray(length, float) - self.rest_length
         energy = self.stiffness * curves.integral(self.law.pieces(), extension)
         return energy if self.two_sided else np.where(extension > 0, energy, 0.0)
 
-    def force(self, theta: ArrayLike, lever: float) -> Array:
+    def force(self, theta: ArrayLike, lever: float) -> Floats:
         """Force along travel, dE/ds [N], at lever angles θ [rad] of any shape."""
         theta = np.asarray(theta, float)
         sin, cos = np.sin(theta), np.cos(theta)

@@ -6,16 +6,14 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, Vec2, check, require
+from stepwell.base import ByValue, Floats, InputError, Vec2, check, require
 from stepwell.mechanism import curves, sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.curves import Load
 from stepwell.mechanism.geometry import sine_at, travel_of
 from stepwell.mechanism.sizes import SlipError
-
-Array = NDArray[np.float64]
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit
 # divided by this number can be missed by `peak_angle` and `barrier`, never by the engine.
@@ -120,7 +118,7 @@ class Cell(ByValue):
         )
         return replace(self, band=moved)
 
-    def travel(self, theta: ArrayLike) -> Array:
+    def travel(self, theta: ArrayLike) -> Floats:
         """Travel s = r (sin θ + sin θc) [m] at angles θ [rad] of any shape.
 
         Raises:
@@ -128,7 +126,7 @@ class Cell(ByValue):
         """
         return travel_of(np.sin(self._within(theta)), self.lever, self.sin_limit)
 
-    def angle(self, travel: ArrayLike) -> Array:
+    def angle(self, travel: ArrayLike) -> Floats:
         """Lever angle θ [rad] at travels s [m] of any shape.
 
         Raises:
@@ -144,7 +142,7 @@ class Cell(ByValue):
         sine = np.clip(sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
         return np.clip(np.arcsin(sine), -self.limit, self.limit)
 
-    def energy(self, theta: ArrayLike) -> Array:
+    def energy(self, theta: ArrayLike) -> Floats:
         """Potential energy [J] of bands and load at angles θ [rad] of any shape.
 
         The load counts from travel 0. Source: Kamp et al. 2024, Eqs. 1 and 2.
@@ -158,7 +156,7 @@ class Cell(ByValue):
             energy = energy + curves.integral(self.load.pieces(), self.travel(theta))
         return np.asarray(energy)
 
-    def force(self, theta: ArrayLike) -> Array:
+    def force(self, theta: ArrayLike) -> Floats:
         """Force along travel F = dE/ds [N] at angles θ [rad] of any shape, without friction.
 
         Raises:
@@ -222,7 +220,7 @@ class Cell(ByValue):
             f"θc={math.degrees(self.limit):.4g}°{extra})"
         )
 
-    def _within(self, theta: ArrayLike) -> Array:
+    def _within(self, theta: ArrayLike) -> Floats:
         theta = np.asarray(theta, float)
         if np.any(~(np.abs(theta) <= self.limit * (1 + 1e-12))):
             raise InputError(
@@ -249,7 +247,7 @@ def _refuse_limit(limit: float) -> None:
     )
 
 
-def _worst(values: Array) -> float:
+def _worst(values: Floats) -> float:
     flat = np.ravel(values)
     return float(flat[np.argmax(np.where(np.isnan(flat), np.inf, np.abs(flat)))])
 

@@ -132,16 +132,13 @@ class Chain(ByValue):
         stop and back, a prescribed force likewise.
 
         Args:
-            prefer: cells by falling priority where two of them tie; by default the innermost
-                goes first, and cells of constant force share the motion.
-            progress: called now and then with (done, total) of the way of the actuator.
+            prefer, progress: as for `path`.
 
         Returns:
             The cycle.
 
         Raises:
-            StaticsError: the follower could not go on, or what it found breaks its own
-                certificate; the text says what to do.
+            StaticsError: as for `path`.
 
         Source: Kamp et al. 2024, Fig. 2.
         """
@@ -287,7 +284,7 @@ class Chain(ByValue):
 
         return yields(
             self,
-            USUAL if tolerances is None else tolerances,
+            tolerances or USUAL,
             n=n,
             seed=seed,
             wanted=wanted,
@@ -391,7 +388,7 @@ class Chain(ByValue):
             self,
             turning_points,
             ends,
-            USUAL if tolerances is None else tolerances,
+            tolerances or USUAL,
             start=start,
             n=n,
             seed=seed,

@@ -8,12 +8,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError, check
+from stepwell.base import ByValue, Floats, InputError, check
 from stepwell.kernels import kernel
 
-Array = NDArray[np.float64]
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
 # x measured from x0, then the integral from the curve's origin to x0.
 COLUMNS = 6
@@ -47,7 +45,7 @@ def hooke(stiffness: Any, extension: Any) -> tuple[Any, Any, Any]:
 class Linear(ByValue):
     """Hooke's law: tension is stiffness times extension (Kamp et al. 2024, Eq. 1)."""
 
-    def pieces(self) -> Array:
+    def pieces(self) -> Floats:
         """The shape φ(e) = e as one cubic piece, (1, 6) float."""
         return _HOOKE
 
@@ -71,7 +69,7 @@ class Cubic(ByValue):
         object.__setattr__(self, "a2", check.finite("a2", self.a2, "1/m"))
         object.__setattr__(self, "a3", check.finite("a3", self.a3, "1/m²"))
 
-    def pieces(self) -> Array:
+    def pieces(self) -> Floats:
         """The shape φ(e) = e + a2 e² + a3 e³ as one cubic piece, (1, 6) float."""
         return np.array([[0.0, 0.0, 1.0, self.a2, self.a3, 0.0]])
 
@@ -97,25 +95,17 @@ class Table(ByValue):
 
     def __post_init__(self):
         extension = check.rising("extension", self.extension, "m", 2)
-        shape = tuple(check.finite(f"shape[{i}]", v, "m") for i, v in enumerate(self.shape))
-        if len(shape) != len(extension):
-            raise InputError(
-                f"shape has {len(shape)} values, extension {len(extension)}: must be as many."
-            )
+        shape = check.as_many("shape", self.shape, "m", "extension", len(extension))
         if extension[0] != 0 or shape[0] != 0:
             raise InputError(
                 f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
                 f"carries nothing at its rest length."
             )
-        for i, pull in enumerate(shape):
-            if pull < 0:
-                raise InputError(
-                    f"shape[{i}] = {pull} m: must be >= 0, a band pulls. Did you mean {-pull} m?"
-                )
+        check.pulls("shape", shape, "m")
         object.__setattr__(self, "extension", extension)
         object.__setattr__(self, "shape", shape)
 
-    def pieces(self) -> Array:
+    def pieces(self) -> Floats:
         """The shape φ(e) as cubic pieces, (n, 6) float."""
         return _smooth(self.extension, self.shape)
 
@@ -142,11 +132,7 @@ class Load(ByValue):
 
     def __post_init__(self):
         travel = check.rising("travel", self.travel, "m", 1)
-        force = tuple(check.finite(f"force[{i}]", v, "N") for i, v in enumerate(self.force))
-        if len(force) != len(travel):
-            raise InputError(
-                f"force has {len(force)} values, travel {len(travel)}: must be as many."
-            )
+        force = check.as_many("force", self.force, "N", "travel", len(travel))
         object.__setattr__(self, "travel", travel)
         object.__setattr__(self, "force", force)
 
@@ -155,13 +141,13 @@ class Load(ByValue):
         """The same force [N] at every travel."""
         return cls((0.0,), (force,))
 
-    def pieces(self) -> Array:
+    def pieces(self) -> Floats:
         """Force against travel as (n + 1, 6) pieces, the integral counted from travel 0."""
         return _straight(self.travel, self.force)
 
 
 @lru_cache(maxsize=256)
-def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
+def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
     from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
 
     cubic = PchipInterpolator(np.array(x), np.array(y)).c[::-1].T
@@ -174,7 +160,7 @@ def _smooth(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
+def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Floats:
     rows = np.zeros((len(x) + 1, COLUMNS))
     rows[0, 0] = min(x[0], 0.0) - 1.0
     rows[0, 1] = y[0]
@@ -187,26 +173,26 @@ def _straight(x: tuple[float, ...], y: tuple[float, ...]) -> Array:
     return rows
 
 
-def _with_integrals(rows: Array) -> Array:
+def _with_integrals(rows: Floats) -> Floats:
     width = np.diff(rows[:, 0])
     area = sum(rows[:-1, j + 1] * width ** (j + 1) / (j + 1) for j in range(4))
     rows[1:, 5] = np.cumsum(area)
     return rows
 
 
-def _locate(rows: Array, x: Array) -> tuple[Array, list[Array]]:
+def _locate(rows: Floats, x: Floats) -> tuple[Floats, list[Floats]]:
     index = np.clip(np.searchsorted(rows[:, 0], x, side="right") - 1, 0, len(rows) - 1)
     start, *piece = np.moveaxis(rows[index], -1, 0)
     return x - start, piece
 
 
-def value(rows: Array, x: Array) -> Array:
+def value(rows: Floats, x: Floats) -> Floats:
     """The curve with pieces `rows` at every x of any shape."""
     x, piece = _locate(rows, x)
     return cubic(x, *piece[:4])[0]
 
 
-def integral(rows: Array, x: Array) -> Array:
+def integral(rows: Floats, x: Floats) -> Floats:
     """The curve's integral from its origin to every x of any shape."""
     x, piece = _locate(rows, x)
     return cubic_area(x, *piece)

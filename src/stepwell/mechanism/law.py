@@ -1,16 +1,16 @@
-"""Force, slope, curvature and energy of one cell at one travel, compiled."""
+"""Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
 
+from collections.abc import Sequence
+from itertools import accumulate, chain as flatten
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
+from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.curves import cubic, cubic_area
-from stepwell.mechanism.geometry import band_length, force_slopes, length_slopes, sine_at
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from stepwell.mechanism.geometry import band_length, force_slopes, length_slopes, sine_at, travel_of
 
 
 class Laws(NamedTuple):
@@ -123,3 +123,27 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
         c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
         energy += cubic_area(x, c0, c1, c2, c3, rows[row, 5])
     return energy
+
+
+def pack(cells: Sequence[Cell]) -> Laws:
+    """The laws of the cells, inner first."""
+    bands = [cell.bands for cell in cells]
+    flat = list(flatten.from_iterable(bands))
+    curves = [band.law.pieces() for band in flat]
+    loads = [np.empty((0, 6)) if cell.load is None else cell.load.pieces() for cell in cells]
+    first = list(accumulate((len(c) for c in curves), initial=0))
+    load_first = list(accumulate((len(load) for load in loads), initial=first[-1]))
+    sin_limit = np.array([cell.sin_limit for cell in cells])
+    lever = np.array([cell.lever for cell in cells])
+    return Laws(
+        lever=lever,
+        sin_limit=sin_limit,
+        full=travel_of(sin_limit, lever, sin_limit),
+        friction=np.array([cell.friction for cell in cells]),
+        band_first=np.array(list(accumulate((len(b) for b in bands), initial=0))),
+        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]),
+        two_sided=np.array([int(b.two_sided) for b in flat]),
+        band_rows=np.array(first),
+        load_rows=np.array([load_first[:-1], load_first[1:]]).T.copy(),
+        rows=np.concatenate([*curves, *loads]),
+    )

@@ -53,8 +53,9 @@ class Slip(NamedTuple):
 
     def __str__(self):
         probably = f" Did you mean {_shown(self.meant)} {self.unit}?" if self.meant else ""
-        if self.meant and self.unit == "rad":
-            probably = f" Did you mean {_shown(self.meant)} rad ({_degrees(self.meant)})?"
+        if isinstance(self.meant, float) and self.unit == "rad":
+            turned = math.degrees(self.meant)
+            probably = f" Did you mean {_shown(self.meant)} rad ({turned:.4g}°)?"
         return f"{self.name} = {_shown(self.value)} {self.unit}: {self.why}.{probably}"
 
 
@@ -184,9 +185,8 @@ def _slips(cell: Cell) -> Iterator[Slip]:
 
 
 def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
-    yield from length("p", band.p, lever, index)
-    yield from length("q", band.q, lever, index)
-    yield from length("rest_length", band.rest_length, lever, index)
+    for name in ("p", "q", "rest_length"):
+        yield from length(name, getattr(band, name), lever, index)
     if isinstance(band.law, Table):
         yield from _of_table(band, band.law, lever, index)
     else:
@@ -232,10 +232,6 @@ def _shown(value: Size) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(f'{part:.6g}' for part in value)})"
     return f"{value:.6g}"
-
-
-def _degrees(value: Size) -> str:
-    return f"{math.degrees(value):.4g}°" if isinstance(value, float) else ""
 
 
 def _ratio(ratio: float) -> str:

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.sequences.cycles import Cycle, Pathway, cycle
-from stepwell.sequences.programs import Program, Turn, Unreachable
+from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 
 from stepwell.sequences.programs import program  # isort: skip - after the module of that name
 from stepwell.sequences.cycles import Sequence
@@ -31,37 +31,11 @@ if TYPE_CHECKING:
         Forgetting,
         Latch,
         Loop,
-        Reading,
+        MemoryReading,
         ReturnPointMemory,
         Scrambling,
         read,
     )
-
-# networkx opens with the first graph, not with the first cycle.
-_DOORS = {
-    "Accumulator": "memory",
-    "Counting": "memory",
-    "Forgetting": "memory",
-    "Latch": "memory",
-    "Loop": "memory",
-    "Node": "graphs",
-    "Transition": "graphs",
-    "TransitionKind": "graphs",
-    "Reading": "memory",
-    "ReturnPointMemory": "memory",
-    "Scrambling": "memory",
-    "TransitionGraph": "graphs",
-    "from_dot": "graphs",
-    "from_graphml": "graphs",
-    "from_json": "graphs",
-    "from_switching_fields": "graphs",
-    "graph": "graphs",
-    "read": "memory",
-    "switching_fields": "graphs",
-    "to_dot": "graphs",
-    "to_graphml": "graphs",
-    "to_json": "graphs",
-}
 
 __all__ = [
     "Accumulator",
@@ -73,7 +47,8 @@ __all__ = [
     "Node",
     "Pathway",
     "Program",
-    "Reading",
+    "ProgramMethod",
+    "MemoryReading",
     "ReturnPointMemory",
     "Scrambling",
     "Sequence",
@@ -98,6 +73,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name in _DOORS:
-        return getattr(import_module(f"stepwell.sequences.{_DOORS[name]}"), name)
+    # networkx opens with the first graph, not with the first cycle.
+    for folder in ("graphs", "memory") if name in __all__ else ():
+        offered = vars(import_module(f"stepwell.sequences.{folder}"))
+        if name in offered:
+            return offered[name]
     raise AttributeError(f"module 'stepwell.sequences' has no attribute {name!r}")

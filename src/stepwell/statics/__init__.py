@@ -14,12 +14,11 @@ One word for one thing, here and in all rooms above:
 - *piece*: a part of a cell's travel on which its force and its stiffness are monotone.
 """
 
-from stepwell.statics.events import Cause, Event, EventKind, Tie
+from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.problem import drive_range
 from stepwell.statics.run import full_cycle, path
-from stepwell.statics.segment import Segment, SegmentKind
 
 __all__ = [
     "Cause",

@@ -3,8 +3,8 @@
 import math
 from typing import NoReturn
 
-from stepwell.base import StepwellError, told_in
-from stepwell.mechanism import Chain, Floats
+from stepwell.base import Floats, StepwellError, told_in
+from stepwell.mechanism import Chain
 from stepwell.statics.following import (
     ENERGY,
     EQUILIBRIUM,

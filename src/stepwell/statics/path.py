@@ -11,10 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, Quantity, Schema, told_in, variables, write_csv
+from stepwell.base import (
+    ByValue,
+    Floats,
+    InputError,
+    Ints,
+    Quantity,
+    Schema,
+    told_in,
+    variables,
+    write_csv,
+)
 from stepwell.kernels import watched
-from stepwell.mechanism import Chain, Floats, Ints
-from stepwell.statics.events import Event, Tie
+from stepwell.mechanism import Chain
+from stepwell.statics.events import Event, Segment, Tie
 from stepwell.statics.following import (
     EQUILIBRIUM,
     FORCE_SLACK,
@@ -27,7 +37,6 @@ from stepwell.statics.following import (
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.reading import events_of, segments_of
-from stepwell.statics.segment import Segment
 
 if TYPE_CHECKING:
     import xarray
@@ -244,14 +253,7 @@ class Path(ByValue):
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
             raise InputError(f"points = {points}: must be >= 2, both ends of a branch.")
-        return Path(
-            self.chain,
-            self.turning_points,
-            self.start,
-            points,
-            self._start_force,
-            self._log,
-        ).with_problem(self.__dict__.get("_problem"))
+        return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> xarray.Dataset:
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import InputError, Ints
 from stepwell.kernels import UNLIMITED
-from stepwell.mechanism import Chain, Ints, Laws, pack
+from stepwell.mechanism import Chain, Laws, pack
 from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
 from stepwell.statics.outcome import StaticsError
 
@@ -59,17 +59,14 @@ def drive_range(chain: Chain) -> tuple[float, float]:
 
 def range_of(problem: Problem) -> tuple[float, float]:
     """Drives that pull every cell to 0 and to 1."""
-    low, high = _force_range(problem) if problem.beta > 0 else (0.0, 0.0)
     reach = problem.alpha * float(np.sum(problem.laws.full))
-    return problem.beta * low, reach + problem.beta * high
-
-
-def _force_range(problem: Problem) -> tuple[float, float]:
-    """A force below which no cell leaves 0, and one above which none leaves 1 [N]."""
+    if problem.beta == 0:
+        return 0.0, reach
+    # A force below which no cell leaves 0, and one above which none leaves 1.
     forces = np.concatenate([problem.pieces.force_left, problem.pieces.force_right])
-    rub = float(np.max(problem.laws.friction))
-    margin = 0.01 * problem.scale
-    return float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
+    rub, margin = float(np.max(problem.laws.friction)), 0.01 * problem.scale
+    low, high = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
+    return problem.beta * low, reach + problem.beta * high
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:

@@ -4,10 +4,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from stepwell.mechanism import Floats
-from stepwell.statics.events import Cause, Event, EventKind
+from stepwell.base import Floats
+from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import log as logged
-from stepwell.statics.segment import Segment, SegmentKind
 
 # A drift moves cells of constant force.
 _KINDS = {
@@ -56,35 +55,17 @@ def events_of(segments: Iterable[Segment], start: Floats, stops: Floats) -> Iter
         travels[list(cells)] = after
         if segment.kind is SegmentKind.SNAP:
             assert segment.cause is not None
-            yield Event(
-                EventKind.SNAP,
-                segment.cause,
-                segment.drive[0],
-                stroke,
-                segment.direction,
-                cells,
-                segment.before,
-                after,
-                *segment.force,
-                segment.released,
-                tuple((c, int(b > 0)) for c, _, b in arrivals),
-                segment.tie,
+            what, moves = (
+                (EventKind.SNAP, segment.cause),
+                [(cells, segment.before, after, arrivals)],
             )
-            continue
-        drive, force, stroke = segment.drive[1], segment.force[1], float(np.sum(travels))
-        for c, a, b in arrivals:
-            yield Event(
-                EventKind.SWITCH,
-                Cause.STOP,
-                drive,
-                stroke,
-                segment.direction,
-                (c,),
-                (a,),
-                (b,),
-                force,
-                force,
-                0.0,
-                ((c, int(b > 0)),),
-                segment.tie,
-            )
+            place, force = (segment.drive[0], stroke, segment.direction), segment.force
+        else:
+            what = EventKind.SWITCH, Cause.STOP
+            moves = [((c,), (a,), (b,), [(c, a, b)]) for c, a, b in arrivals]
+            place = segment.drive[1], float(np.sum(travels)), segment.direction
+            force = segment.force[1], segment.force[1]
+        for which, begin, end, arrived in moves:
+            stopped = tuple((c, int(b > 0)) for c, _, b in arrived)
+            heat = segment.released if what[0] is EventKind.SNAP else 0.0
+            yield Event(*what, *place, which, begin, end, *force, heat, stopped, segment.tie)

@@ -6,9 +6,9 @@ from time import monotonic
 
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
-from stepwell.mechanism import Chain, Floats, pack
+from stepwell.mechanism import Chain, pack
 from stepwell.statics.following import (
     DONE,
     GAVE_UP,
@@ -65,20 +65,9 @@ def path(
 def full_cycle(
     chain: Chain, *, prefer: Sequence[int] | None = None, progress: Progress | None = None
 ) -> Path:
-    """Load from all cells at 0 until all are at 1, and unload.
+    """The path of a full cycle: from all cells at 0 until all are at 1, and back.
 
-    Args:
-        chain: the chain.
-        prefer: cells by falling priority where two of them tie; by default the innermost goes
-            first, and cells of constant force share the motion.
-        progress: called now and then with (done, total) of the way of the actuator.
-
-    Returns:
-        The path.
-
-    Raises:
-        StaticsError: the follower could not go on, or what it found breaks its own certificate;
-            the text says where and what to do.
+    All else as for `Chain.cycle`.
     """
     laws = pack(chain.cells)
     if len(chain) >= WORTH_SORTING and math.isinf(chain.actuator_stiffness) and prefer is None:

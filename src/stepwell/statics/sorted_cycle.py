@@ -6,6 +6,7 @@ at hand; anything else goes to the follower.
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.concave import (
     TIED,
     Simple,
@@ -21,7 +22,7 @@ from stepwell.concave import (
     travel_at,
 )
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Floats, Ints, Laws
+from stepwell.mechanism import Laws
 from stepwell.statics.following import log as logged
 
 # Below this many cells the follower is as quick, and its log is the one that was proved first.

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import InputError
-from stepwell.mechanism import Chain, Floats, law
+from stepwell.base import Floats, InputError
+from stepwell.mechanism import Chain
 from stepwell.statics.following import (
     FREE,
-    HELD,
     NO_FORCE,
     Problem,
     State,
     find_piece,
     held_range,
+    hold,
     inverse_slope,
     log as logged,
 )
@@ -83,18 +83,12 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
         np.zeros(2, np.int64),
         logged.empty_log(0, 0),
     )
-    forces = np.zeros(n)
     for i in range(n):
-        piece = find_piece(pieces, i, travels[i], 0)
-        state.piece[i] = piece
-        forces[i] = law(laws, i, pieces.picked[piece], travels[i])[0]
-        if travels[i] == pieces.left[piece]:
-            forces[i] = pieces.force_left[piece]
-        elif travels[i] == pieces.right[piece]:
-            forces[i] = pieces.force_right[piece]
-        inside = 0 < travels[i] < laws.full[i]
-        state.mode[i] = FREE if inside and laws.friction[i] == 0 else HELD
-        state.at_rest[i] = forces[i]
+        hold(problem, state, i)
+        state.piece[i] = find_piece(pieces, i, travels[i], 0)
+        if 0 < travels[i] < laws.full[i] and laws.friction[i] == 0:
+            state.mode[i] = FREE
+    forces = state.at_rest.copy()
     free = state.mode == FREE
     low, high = held_range(laws, state)
     stroke = float(np.sum(travels))

@@ -20,6 +20,7 @@ from stepwell.design.plane import (
     Boundary,
     BoundaryKind,
     Level,
+    Method,
     curves,
     parted,
     searched,
@@ -122,7 +123,7 @@ def parameter_boundaries(
     def boundary(
         kind: BoundaryKind, t: Floats, changes: str, error: float | None, sides: tuple[str, str]
     ) -> Boundary:
-        method = "search" if error is None else "exact"
+        method = Method.SEARCH if error is None else Method.EXACT
         error = RESOLVED if error is None else error
         return Boundary(kind, place(t), changes, method, error, names, units, sides)
 

@@ -4,5 +4,5 @@ from stepwell.design.margins.change import Change
 from stepwell.design.margins.margin import Margin, margin
 from stepwell.design.margins.reprogramming import WAY, Reprogramming, reprogram
 from stepwell.design.margins.resistance import Resistance
-from stepwell.design.margins.robustness import Robustness, robustness
+from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robustness
 from stepwell.design.margins.worst import SIDES, Proof, extremes, farthest

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.concave import Simple, concave_disc, concave_line
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +54,6 @@ class Displacements:
     def dimensions(self) -> int:
         """1 on a line, 2 in the plane."""
         return self.frame.shape[1]
-
-    @property
-    def box(self) -> tuple[Floats, float]:
-        """Middle (n,) and half side of a box that holds all u."""
-        if self.one_way:
-            return np.array([self.reach / 2]), self.reach / 2
-        return np.zeros(self.dimensions), self.reach
 
     def move(self, u: Floats) -> tuple[float, float]:
         """The displacement (x, y) [m] that belongs to u (n,)."""

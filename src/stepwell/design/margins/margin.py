@@ -5,20 +5,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import REACH, ByValue
+from stepwell.base import REACH, ByValue, Floats
 from stepwell.concave import SortedChain
-from stepwell.design.margins.change import Change
+from stepwell.design.margins.change import RESOLUTION, Change, stiffness
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest, sequence
 from stepwell.design.margins.search import resolution
-from stepwell.design.margins.stiffness import RESOLUTION, stiffness
 from stepwell.design.parameters import Parameter
+from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 # Printed lines, and the longest chain whose sequences are printed with them.
 _SHOWN = 6
@@ -33,7 +30,7 @@ class Margin(ByValue):
         changes: for every cell the smallest change of its anchor, then of its stiffness.
         gap: smallest difference of two F0 or of two F1 over k r of the innermost cell; NaN
             where the sequence is not a matter of F0 and F1 alone.
-        method: "exact" where every change is in closed form, else "search".
+        method: exact where every change is in closed form, else a search.
         reach: farthest an anchor was moved [m].
         resolution: what a search can miss; empty where nothing was searched.
     """
@@ -41,7 +38,7 @@ class Margin(ByValue):
     chain: Chain = field(repr=False)
     changes: tuple[Change, ...]
     gap: float
-    method: str
+    method: Method
     reach: float
     resolution: str
 
@@ -108,13 +105,13 @@ def margin(
         "anchor": f"anchors {resolution(ways, small=False)}",
         "stiffness": f"stiffnesses {RESOLUTION}",
     }
-    searched = {change.parameter for change in changes if change.method == "search"}
+    searched = {change.parameter for change in changes if change.method is Method.SEARCH}
     scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
     return Margin(
         chain,
         tuple(changes),
         math.nan if forces is None else forces.smallest_gap() / scale,
-        "search" if searched else "exact",
+        Method.SEARCH if searched else Method.EXACT,
         reach,
         "; ".join(words[parameter] for parameter in words if parameter in searched),
     )

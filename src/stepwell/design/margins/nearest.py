@@ -7,19 +7,17 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.concave import SortedChain
+from stepwell.base import Floats, Vec2
+from stepwell.concave import Neighbour, SortedChain
 from stepwell.design.margins.displacements import Displacements
-from stepwell.design.margins.nearest_place import Condition, Place, nearest_place
+from stepwell.design.margins.nearest_place import Place, nearest_place
 from stepwell.design.margins.search import nearest_found
 from stepwell.design.parameters import Parameter
+from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
-Vec2 = tuple[float, float]
 
 # How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
 # nothing else has changed. The smaller ones are for regions that are narrower.
@@ -33,13 +31,13 @@ class Nearest(NamedTuple):
         distance: its length [m]; infinite where there is none within reach.
         move, past: (dx, dy) of the anchor there [m] and where the chain does otherwise; NaN
             where there is none.
-        method: "exact" (closed form, to rounding) or "search".
+        method: exact, or a search.
     """
 
     distance: float
     move: Vec2
     past: Vec2
-    method: str
+    method: Method
 
 
 def sequence(chain: Chain) -> Sequence:
@@ -96,7 +94,7 @@ def nearest(
             # Where any other sequence will do, the closed form is proof enough.
             sure = proved and wanted is None
             past = just_past[0] if sure else next(filter(does, just_past), None)
-    method = "exact" if proved else "search"
+    method = Method.EXACT if proved else Method.SEARCH
     within = ways.reach if known is None or past is None else known.distance
     if not proved:
         found = nearest_found(
@@ -127,24 +125,15 @@ def _in_closed_form(
     return best
 
 
-def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Condition]]:
+def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Neighbour]]:
     """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
     if wanted is None:
-        return [[Condition(n.side, n.other, n.up)] for n in forces.neighbours(cell)]
+        return [[neighbour] for neighbour in forces.neighbours(cell)]
     orders = wanted.orders
     if orders is None:
         return []
-    found: list[Condition] = []
-    # Cells load in ascending F0 and unload in descending F1.
-    for side, up, order, now in (
-        (-1, 1, orders[0], forces.loading),
-        (+1, -1, orders[1], forces.unloading),
-    ):
+    for order, now in zip(orders, (forces.loading, forces.unloading), strict=True):
         if [i for i in order if i != cell] != [i for i in now if i != cell]:
             return []  # the other cells do not do their part
-        force, place = forces.forces[0 if side < 0 else 1], order.index(cell)
-        if place > 0:
-            found.append(Condition(side, float(force[order[place - 1]]), up))
-        if place + 1 < len(order):
-            found.append(Condition(side, float(force[order[place + 1]]), -up))
-    return [found]
+    # It must not pass its neighbours in the wanted orders, but keep to its own side of them.
+    return [[n._replace(up=-n.up) for n in forces.neighbours(cell, orders)]]

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.concave import Simple, end_force, steepest
+from stepwell.base import Floats
+from stepwell.concave import Neighbour, Simple, end_force, steepest
 from stepwell.design.margins.displacements import Displacements
 from stepwell.kernels import entry, kernel
-
-Floats = NDArray[np.float64]
 
 # A box is small enough for Newton's method where this many of its halves fit into the distance.
 _FINE = 64.0
@@ -23,14 +20,6 @@ _STEPS = 40
 _ROUNDING = 1e-12  # of k r
 _NEARER = 1.0 - 1e-13  # what is nearer is not so by rounding alone
 _NUDGE = 1e-5  # of r, for the curvature
-
-
-class Condition(NamedTuple):
-    """What an end force of the moved cell has to be."""
-
-    side: int  # -1 for F0, +1 for F1
-    force: float  # [N]
-    up: int  # +1 where it has to be above, -1 where it has to be below
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +39,7 @@ class Place:
 
 def nearest_place(
     cell: Simple,
-    conditions: Sequence[Condition],
+    conditions: Sequence[Neighbour],
     ways: Displacements,
     sign: int,
     within: float,
@@ -64,7 +53,7 @@ def nearest_place(
 
     Args:
         cell: as it is; the forces are those of the closed form.
-        conditions: one or more.
+        conditions: forces to be above, or below; one or more.
         ways: where the anchor may go.
         sign: +1 where the anchor is q, -1 where it is p: d = q - p.
         within: the farthest that counts [m].
@@ -76,7 +65,7 @@ def nearest_place(
     distance = _nearest(
         cell,
         np.array([c.side for c in conditions], np.int64),
-        np.array([c.force for c in conditions], float),
+        np.array([c.other for c in conditions], float),
         np.array([c.up for c in conditions], np.int64),
         np.ascontiguousarray(sign * ways.frame),
         ways.one_way,

@@ -9,17 +9,25 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stepwell.base import REACH, ByValue, InputError, Quantity, Schema, variables, write_csv
+from stepwell.base import (
+    REACH,
+    ByValue,
+    Floats,
+    InputError,
+    Quantity,
+    Schema,
+    Vec2,
+    variables,
+    write_csv,
+)
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
 from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.search import resolution
-from stepwell.design.orders import full_cycle
+from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import parameter
+from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
@@ -27,7 +35,6 @@ from stepwell.sequences import Sequence, cycle
 if TYPE_CHECKING:
     import xarray
 
-Vec2 = tuple[float, float]
 
 # The way of the anchor, at every fraction of it.
 WAY: Schema = (
@@ -73,7 +80,7 @@ class Reprogramming(ByValue):
         chain_after: the design a hair further on, where it does it; None if nowhere.
         before, after: the sequences as it is and a hair past, by the engine; `after` is empty
             where there is none.
-        method: "exact" (closed form, to rounding) or "search".
+        method: exact, or a search.
         resolution: what a search can miss; empty where nothing was searched.
     """
 
@@ -86,7 +93,7 @@ class Reprogramming(ByValue):
     chain_after: Chain | None = field(repr=False)
     before: str
     after: str
-    method: str
+    method: Method
     resolution: str
 
     @property
@@ -114,7 +121,7 @@ class Reprogramming(ByValue):
             return Resistance.nowhere()
         return Resistance.of(self.chain.cells[self.cell], self.anchor, self.displacement)
 
-    def along(self, axis: int) -> NDArray[np.float64]:
+    def along(self, axis: int) -> Floats:
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
         return self.resistance.fraction * self.displacement[axis]
 
@@ -186,10 +193,12 @@ def reprogram(
         )
     ways = Displacements.of(along, one_way, reach)
     refuse_reach(chain, reach)
-    wanted = None if target is None else _parsed(str(target), len(chain))
+    wanted = None
+    if target is not None:
+        wanted = Sequence.parse(checked_cycle(str(target), len(chain), "target"))
     before = cycle(chain).sequence
     if before == wanted:
-        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), "exact")
+        found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
     else:
         forces = SortedChain.of(chain)
         found = nearest(chain, forces, before, anchor, wanted, ways, progress)
@@ -205,9 +214,5 @@ def reprogram(
         str(before),
         "" if after is None else str(cycle(after).sequence),
         found.method,
-        resolution(ways, wanted is not None) if found.method == "search" else "",
+        resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
     )
-
-
-def _parsed(target: str, cells: int) -> Sequence:
-    return Sequence.parse(full_cycle(target, cells, "target"))

@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats, Vec2
 from stepwell.mechanism import Band, Cell, band_direction, band_length
-
-Floats = NDArray[np.float64]
-Vec2 = tuple[float, float]
 
 _ANGLES = 1025  # looked at over the travel; the largest force is right to 1e-6 of itself
 _POSITIONS = 41

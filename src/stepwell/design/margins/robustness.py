@@ -7,14 +7,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError, bisected
+from stepwell.base import ByValue, InputError, Outcome, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 _DIRECTIONS = 256
 _HALVINGS = 24
@@ -26,6 +23,21 @@ METHOD = (
     "at, and one is followed to where the slope points outwards: that none better is missed in "
     "between is not proved; that all cells stay taut and concave is"
 )
+
+
+class RobustnessLimit(Outcome):
+    """What ends the distance within which anchors may be off."""
+
+    ORDER = (
+        "order",
+        "further displacements do change the sequence: move the two cells that meet apart",
+    )
+    PROOF = (
+        "proof",
+        "beyond it a cell may no longer be taut and concave, so more may do or not: ask "
+        "chain.yields() with larger tolerances",
+    )
+    NONE = ("none", "a single cell within twice its lever: nothing ends it")
 
 
 class Meeting(NamedTuple):
@@ -46,9 +58,7 @@ class Robustness(ByValue):
         chain: the design.
         radius: of each outer anchor q, the inner ones being in place; where both ends of a band
             may be off, half of it for each [m].
-        limit: "order", where further displacements do change the sequence; "proof", where a
-            cell may no longer be taut and concave, and more may or may not do; "none" for a
-            single cell within twice its lever.
+        limit: what ends it: the order of the cells, the proof, or nothing.
         meeting: the neighbours that meet first; None where nothing meets within the radius.
         cell: the cell whose proof ends first; None unless that is the limit.
         method: what is proved of this, and what is not.
@@ -56,7 +66,7 @@ class Robustness(ByValue):
 
     chain: Chain = field(repr=False)
     radius: float
-    limit: str
+    limit: RobustnessLimit
     meeting: Meeting | None
     cell: int | None
     method: str = field(repr=False, default=METHOD)
@@ -98,10 +108,10 @@ def robustness(chain: Chain) -> Robustness:
     ]
     if found:
         meeting = min(found, key=lambda m: m.radius)
-        return Robustness(chain, meeting.radius, "order", meeting, None)
+        return Robustness(chain, meeting.radius, RobustnessLimit.ORDER, meeting, None)
     if most < 2.0 * forces.cells[first].lever:
-        return Robustness(chain, most, "proof", None, first)
-    return Robustness(chain, most, "none", None, None)
+        return Robustness(chain, most, RobustnessLimit.PROOF, None, first)
+    return Robustness(chain, most, RobustnessLimit.NONE, None, None)
 
 
 def _proved_radius(cell: Simple) -> float:
@@ -124,19 +134,17 @@ def _meeting(
         behind = extreme(cells[second], SIDES[end], radius, -up)[0]
         return up * (behind - ahead)
 
+    way = ("loading", "unloading")[end]
     if gap(0.0) <= 0.0:
-        return Meeting(0.0, first, second, ("loading", "unloading")[end], ((0.0, 0.0), (0.0, 0.0)))
+        return Meeting(0.0, first, second, way, ((0.0, 0.0), (0.0, 0.0)))
     if gap(most) > 0.0:
         return None
     from scipy.optimize import brentq  # pyright: ignore[reportMissingTypeStubs]
 
     radius = float(brentq(gap, 0.0, most, xtol=_FINE))  # pyright: ignore[reportArgumentType]
-    moves = tuple(
-        (float(x), float(y))
-        for cell, sign in ((first, up), (second, -up))
-        for _, x, y in [extreme(cells[cell], SIDES[end], radius, sign)]
-    )
-    return Meeting(radius, first, second, ("loading", "unloading")[end], moves)  # pyright: ignore[reportArgumentType]
+    _, *ahead = extreme(cells[first], SIDES[end], radius, up)
+    _, *behind = extreme(cells[second], SIDES[end], radius, -up)
+    return Meeting(radius, first, second, way, ((ahead[0], ahead[1]), (behind[0], behind[1])))
 
 
 def extreme(cell: Simple, side: int, radius: float, sign: int) -> tuple[float, float, float]:

@@ -1,12 +1,12 @@
 """The worst that displaced anchors can do to the end forces of a cell."""
 
+from functools import partial
+
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.concave import Simple, certified, end_force_field
-from stepwell.design.plane import Box
-
-Floats = NDArray[np.float64]
+from stepwell.design.plane import Box, narrowed
 
 SIDES = (-1, 1)
 # Steps towards the farthest point of a disc; each divides what is missing by ten or more.
@@ -86,10 +86,8 @@ class Proof:
             inside += [p[a & ~b], q[b & ~a]]
             outside += [q[a & ~b], p[b & ~a]]
         low, high = np.concatenate(inside), np.concatenate(outside)
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            good = certified(cell, middle)[:, None]
-            low, high = np.where(good, middle, low), np.where(good, high, middle)
+        held = np.ones(len(low), bool)
+        low, _, _ = narrowed(partial(certified, cell), low, high, held, ~held, _HALVINGS)
         from scipy.spatial import KDTree
 
         self._edge = KDTree(low) if len(low) else None

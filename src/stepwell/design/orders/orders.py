@@ -2,11 +2,57 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
-from stepwell.base import InputError
-from stepwell.design.orders.full_cycle import full_cycle, short
+import numpy as np
+
+from stepwell.base import InputError, Ints
 from stepwell.sequences import Sequence
+
+
+def checked_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
+    """A full cycle of so many cells without its spaces; messages call it `name`.
+
+    Raises:
+        ValueError: a text that is none.
+    """
+    states = wanted.replace(" ", "").split(">")
+    example = f"for example {short(str(Sequence.full_cycle(range(cells), range(cells))))!r}"
+    for state in states:
+        if len(state) != cells or not set(state) <= {"0", "1"}:
+            raise InputError(
+                f"{name} = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
+                f"or 1, one a cell, inner first, with > between states; {example}."
+            )
+    if states[0] != "0" * cells or states[-1] != "0" * cells or "1" * cells not in states:
+        raise InputError(
+            f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
+            f"passes the state with all at 1; {example}."
+        )
+    if any(a == b for a, b in pairwise(states)):
+        raise InputError(
+            f"{name} = {short(wanted)!r}: the same state twice in a row; name it once a visit, "
+            f"{example}."
+        )
+    return ">".join(states)
+
+
+def orders_of(wanted: str) -> Ints | None:
+    """(2, N) the cells in order of loading and of unloading; None unless each moves once a way."""
+    found = Sequence.parse(wanted).orders
+    return None if found is None else np.array(found)
+
+
+def numbered_cycle(number: int, cells: int) -> str:
+    """The cycle whose two orders are the digits of a number in base `cells`."""
+    digits = [number // cells**place % cells for place in reversed(range(2 * cells))]
+    return str(Sequence.full_cycle(digits[:cells], digits[cells:]))
+
+
+def short(sequence: str) -> str:
+    """A sequence that fits on a line."""
+    return sequence if len(sequence) <= 80 else f"{sequence[:60]}..."
+
 
 # Many orders may do the same, more or less surely. So many are tried, of so many.
 _TRIED = 24
@@ -89,7 +135,7 @@ def of_sequence(text: str) -> Orders:
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
-    text = full_cycle(str(text), cells, "sequence")
+    text = checked_cycle(str(text), cells, "sequence")
     found = Sequence.parse(text).orders
     if found is None:
         raise InputError(
@@ -144,7 +190,10 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Wi
         ValueError: text that is no set of states.
     """
     if states == "all":
-        return _realised(_antichain(cells), alike, None)
+        if cells is None or cells < 1:
+            raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
+        antichain = [[i == j for j in range(cells)] for i in range(cells)]
+        return _realised(antichain, alike, None)
     wanted, n = _listed(states, cells)
     listed = frozenset(wanted)
     for name, state in (("0", "0" * n), ("1", "1" * n)):
@@ -188,12 +237,6 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Wis
         if len(found) == _TRIED or looked_at == _LOOKED_AT:
             return Wish(tuple(found.values()), False, states)
     return Wish(tuple(found.values()), True, states)
-
-
-def _antichain(cells: int | None) -> "Below":
-    if cells is None or cells < 1:
-        raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
-    return [[i == j for j in range(cells)] for i in range(cells)]
 
 
 def _listed(states: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:

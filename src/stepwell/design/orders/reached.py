@@ -62,7 +62,7 @@ def reached(chain: Chain) -> Reached:
             how = f"a tie: {ties[0].advice}" if ties else "every branch was followed to both ends"
             return Reached(by_cells_at_1(states), not ties, how)
     sequence = cycle(chain).sequence
-    if sequence.orders is None or not _concave(chain):
+    if sequence.orders is None or not (one_travel(chain) and proved_cells(chain)):
         return Reached(by_cells_at_1(sequence.states), False, why)
     orders = Orders(*sequence.orders)
     if orders.nested:
@@ -111,7 +111,3 @@ def _few(states: set[str]) -> str:
     listed = by_cells_at_1(states)
     more = f" and {len(listed) - _SHOWN} more" if len(listed) > _SHOWN else ""
     return " ".join(listed[:_SHOWN]) + more
-
-
-def _concave(chain: Chain) -> bool:
-    return one_travel(chain) and proved_cells(chain) is not None

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, InputError, nearest_word
+from stepwell.base import ByValue, Floats, InputError, Vec2, nearest_word
 from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
-
-Vec2 = tuple[float, float]
 
 # How the odd true case is told.
 WAY = "If it is meant so, say unusual=True of a cell of the chain."
@@ -84,8 +83,8 @@ class Parameter(ByValue):
         """
         if self.cell is None:
             return replace(chain, actuator_stiffness=_number(self, value))
-        cells: list[Cell] = list(chain.cells)
-        cells[self.cell] = self._in_cell(cells[self.cell], value)
+        cells = list(chain.cells)
+        cells[self.cell] = replace(cells[self.cell], **self._in_cell(cells[self.cell], value))
         return replace(chain, cells=tuple(cells))
 
     def displaced(self, chain: Chain, move: ArrayLike) -> Chain:
@@ -97,7 +96,7 @@ class Parameter(ByValue):
         """The chain with this number multiplied by `ratio`."""
         return self.changed(chain, float(self.value(chain)) * ratio)  # type: ignore[arg-type]
 
-    def values(self, values: ArrayLike, least: int) -> NDArray[np.float64]:
+    def values(self, values: ArrayLike, least: int) -> Floats:
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
         array = np.array(values, float)
         if self.is_anchor:
@@ -125,7 +124,8 @@ class Parameter(ByValue):
             return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
         return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
 
-    def _in_cell(self, cell: Cell, value: float | Vec2) -> Cell:
+    def _in_cell(self, cell: Cell, value: float | Vec2) -> dict[str, Any]:
+        """The field of a cell that changes, and what it changes to."""
         anchor, _, axis = self.part.partition(".")
         if anchor in ANCHORS:
             old: Vec2 = getattr(cell.bands[0], anchor)
@@ -134,11 +134,11 @@ class Parameter(ByValue):
                 new = (number, old[1]) if axis == "x" else (old[0], number)
             else:
                 new = _place(self, value)
-            return _with_bands(cell, [_shifted(band, anchor, old, new) for band in cell.bands])
+            return {"band": [_shifted(band, anchor, old, new) for band in cell.bands]}
         number = _number(self, value)
         if self.part in ("stiffness", "rest_length"):
-            return _with_bands(cell, _scaled(cell.bands, self, number))
-        return replace(cell, **{self.part: number})
+            return {"band": _scaled(cell.bands, self, number)}
+        return {self.part: number}
 
 
 def parameter(chain: Chain, name: str) -> Parameter:
@@ -225,7 +225,7 @@ def _shifted(band: Band, anchor: str, old: Vec2, new: Vec2) -> Band:
         there if spot == was else spot + (there - was)
         for spot, was, there in zip(here, old, new, strict=True)
     )
-    return replace(band, p=(x, y)) if anchor == "p" else replace(band, q=(x, y))
+    return replace(band, **{anchor: (x, y)})
 
 
 def _scaled(bands: tuple[Band, ...], of: Parameter, value: float) -> list[Band]:
@@ -236,10 +236,4 @@ def _scaled(bands: tuple[Band, ...], of: Parameter, value: float) -> list[Band]:
             f"with it; put a band with a rest length first."
         )
     news = [value if old == olds[0] else old * (value / olds[0]) for old in olds]
-    if of.part == "stiffness":
-        return [replace(band, stiffness=new) for band, new in zip(bands, news, strict=True)]
-    return [replace(band, rest_length=new) for band, new in zip(bands, news, strict=True)]
-
-
-def _with_bands(cell: Cell, bands: list[Band]) -> Cell:
-    return replace(cell, band=tuple(bands))
+    return [replace(band, **{of.part: new}) for band, new in zip(bands, news, strict=True)]

@@ -1,9 +1,8 @@
 """Places for all anchors at once, and how surely they serve."""
 
 from stepwell.design.placement.candidates import Candidates, Kind, Rule, differences, joined
-from stepwell.design.placement.covered import all_proved
 from stepwell.design.placement.holes import best_choice, fits
-from stepwell.design.placement.outline import outlines
+from stepwell.design.placement.outline import all_proved, outlines
 from stepwell.design.placement.placement import Placement, Search, choose, measured, shared
 from stepwell.design.placement.region import (
     PAPER_BOX,

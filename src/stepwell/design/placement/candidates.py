@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
 from stepwell.design.margins import SIDES, Proof, extremes, farthest
 from stepwell.design.placement.region import Region
@@ -15,9 +15,6 @@ from stepwell.design.placement.stock import Stock
 from stepwell.design.plane import Box
 from stepwell.design.tolerances import Tolerances
 from stepwell.mechanism import Band, Cell
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Candidates(NamedTuple):
@@ -30,7 +27,7 @@ class Candidates(NamedTuple):
     up: Floats  # (m, 2) ... and too high, in what `Rule.combined` adds up
     room: Floats  # (m,) what limits the cell by itself, in units of its gaps
 
-    def take(self, rows: Ints | NDArray[np.bool_]) -> "Candidates":
+    def take(self, rows: Ints | Bools) -> "Candidates":
         """Some of them."""
         return Candidates._make(column[rows] for column in self)
 
@@ -137,12 +134,12 @@ class Rule:
             room = np.full(len(d), math.inf)
         return Candidates(q, np.full(len(q), k), force, down, up, room)
 
-    def allowed(self, q: Floats, k: int) -> NDArray[np.bool_]:
+    def allowed(self, q: Floats, k: int) -> Bools:
         """At which of (m, 2) anchors the k-th kind is proved and within the actuator's force."""
         weak = np.all(np.abs(self.end_forces(q, k)) <= self.most_force, axis=1)
         return self.proved(q, k) & weak
 
-    def proved(self, q: Floats, k: int) -> NDArray[np.bool_]:
+    def proved(self, q: Floats, k: int) -> Bools:
         """At which of (m, 2) anchors the k-th kind is taut and concave."""
         cell = self.kinds[k].cell
         if self.as_drawn:

@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.design.orders import Orders
 from stepwell.kernels import entry, in_blocks, kernel, overspent, watched
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
 _MOST_ENTRIES = 20_000_000
@@ -28,7 +24,7 @@ def fits(cells: int, candidates: int) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class Selection:
     """What a search among candidates found.
 
     Attributes:
@@ -53,7 +49,7 @@ def best_choice(
     add: bool,
     floor: float = -np.inf,
     most_nodes: int = 1_000_000,
-) -> Choice:
+) -> Selection:
     """The choice of one candidate a cell with the largest sum, or smallest, of gaps.
 
     Each order by itself is a longest path through the candidates, which takes no search. Cells
@@ -86,22 +82,23 @@ def best_choice(
     _best_ends(np.ascontiguousarray(gap[0]), allowed[rising[0]], add, ahead)
     # Rank in F1 of the cells taken by rising F0.
     ranks = np.argsort(rising[1])[rising[0]]
-    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments
-    bounds = _edges(segments, allowed[rising[1]]), ahead
+    # Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a].
+    edges = np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
+    table = np.ascontiguousarray(gap[0]), allowed[rising[0]], ranks, segments, edges, ahead
     few = min(most_nodes, _FEW_NODES)
     picks = np.full(n, -1)
-    value, nodes, complete = _search(*table, *bounds, add, floor, np.array([0, few]), picks)
+    value, nodes, complete = _search(*table, add, floor, np.array([0, few]), picks)
     if not complete and few < most_nodes:
         picks[:] = -1
         search = _search.compiled()
         # What has to be compiled is compiled here, where Ctrl-C is heard.
-        search(*table, *bounds, add, floor, np.array([0, 0]), picks)
+        search(*table, add, floor, np.array([0, 0]), picks)
         value, nodes, complete = watched(
-            lambda effort: search(*table, *bounds, add, floor, effort, picks), most=most_nodes
+            lambda effort: search(*table, add, floor, effort, picks), most=most_nodes
         )
     found = np.empty(n, np.int64)
     found[rising[0]] = picks
-    return Choice(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
+    return Selection(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
 
 
 @kernel
@@ -146,11 +143,6 @@ def _best_ends(gap, allowed, add: bool, out):
             if allowed[u, a]:
                 for b in range(m):
                     out[u, a] = max(out[u, a], _with(gap[a, b], out[u + 1, b], add))
-
-
-def _edges(segments: Floats, allowed: Bools) -> Floats:
-    """Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a]."""
-    return np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
 
 
 @kernel

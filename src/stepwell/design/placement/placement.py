@@ -5,15 +5,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
+from stepwell.base import Bools, Floats
 from stepwell.design.orders import Orders
 from stepwell.design.placement.candidates import Candidates, Rule, joined
 from stepwell.design.placement.holes import best_choice
 from stepwell.design.placement.region import Region
 
-Floats = NDArray[np.float64]
 Offer = Callable[[int, "Placement"], Candidates]
 
 _FINEST = 1e-6  # m, where refining stops
@@ -63,7 +62,7 @@ def measured(rule: Rule, orders: Orders, cells: Candidates) -> Placement:
     return Placement(cells, np.concatenate([*gaps, room]))
 
 
-def shared(tables: list[Candidates], owner: tuple[int, ...]) -> NDArray[np.bool_]:
+def shared(tables: list[Candidates], owner: tuple[int, ...]) -> Bools:
     """Which of all candidates in a row each cell may take, (N, m)."""
     number = np.repeat(np.arange(len(tables)), [len(table.q) for table in tables])
     return number == np.array(owner)[:, None]

@@ -5,12 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import Bools, ByValue, Floats, InputError
 from stepwell.design.plane import Box
-
-Floats = NDArray[np.float64]
 
 # Half a micrometre: a hole this far outside is on the edge, and rounding put it there.
 _EDGE = 0.5e-6
@@ -92,10 +89,10 @@ class AnchorPolygon(ByValue):
         (left, bottom), (right, top) = np.min(self.corners, 0), np.max(self.corners, 0)
         return Box(float(left), float(right), float(bottom), float(top))
 
-    def holds(self, q: Floats) -> NDArray[np.bool_]:
+    def holds(self, q: Floats) -> Bools:
         """Which of the (m, 2) places lie inside."""
         x, y = q[:, 0, None], q[:, 1, None]
-        (x0, y0), (x1, y1) = self._sides()
+        (x0, y0), (x1, y1) = (end.T for end in self._sides())
         crosses = (y0 > y) != (y1 > y)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             right = x < x0 + (y - y0) * (x1 - x0) / (y1 - y0)
@@ -103,7 +100,7 @@ class AnchorPolygon(ByValue):
 
     def clamped(self, q: Floats) -> Floats:
         """The nearest allowed places to (m, 2) places."""
-        a, b = (np.stack(end, axis=-1) for end in self._sides())
+        a, b = self._sides()
         along = b - a
         # Sides so short that their square is nothing are their first corner.
         length = np.sum(along * along, axis=-1)
@@ -112,10 +109,9 @@ class AnchorPolygon(ByValue):
         near = np.argmin(np.sum((foot - q[:, None]) ** 2, axis=-1), axis=1)
         return np.where(self.holds(q)[:, None], q, foot[np.arange(len(q)), near])
 
-    def _sides(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        first = np.array(self.corners).T
-        last = np.roll(first, -1, axis=1)
-        return (first[0], first[1]), (last[0], last[1])
+    def _sides(self) -> tuple[Floats, Floats]:
+        first = np.array(self.corners)
+        return first, np.roll(first, -1, axis=0)
 
     def __repr__(self):
         corners = ", ".join(f"({x * 1e3:.4g}, {y * 1e3:.4g})" for x, y in self.corners)

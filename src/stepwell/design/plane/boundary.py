@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats, Outcome
 
 # Part of the axes at which a search stops.
 RESOLVED = 1e-8
@@ -21,6 +18,21 @@ class BoundaryKind(Enum):
     BISTABLE = "a cell has two stable states on one side and one on the other"
 
 
+class Method(Outcome):
+    """How a boundary, or the nearest change of a chain, was found."""
+
+    EXACT = (
+        "exact",
+        "in closed form, to rounding, and proved: nothing that is nearer, or beside it, was missed",
+    )
+    SEARCH = (
+        "search",
+        "asked of the engine place by place, then bisected: what comes and goes between two places "
+        "is not seen. Look at `resolution` or `error`, and ask with a smaller reach or a finer "
+        "search where that is too coarse",
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Boundary(ByValue):
     """A curve in the plane of two parameters, across which the chain does something else.
@@ -29,8 +41,8 @@ class Boundary(ByValue):
         kind: what it separates.
         points: (m, 2) along the curve, each column in the SI unit of its parameter.
         changes: what changes across it, in words.
-        method: "exact" (the closed form's own curve, where two F0 or two F1 are equal or a stop
-            is left) or "search" (bisection of what the general engine does, along the edges of a
+        method: exact (the closed form's own curve, where two F0 or two F1 are equal or a stop
+            is left) or a search (bisection of what the general engine does, along the edges of a
             grid).
         error: farthest a point is from the curve, as a part of the axes.
         parameters: names of the two parameters.
@@ -39,9 +51,9 @@ class Boundary(ByValue):
     """
 
     kind: BoundaryKind
-    points: NDArray[np.float64]
+    points: Floats
     changes: str
-    method: str
+    method: Method
     error: float
     parameters: tuple[str, str]
     units: tuple[str, str]

@@ -3,11 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
-
-Floats = NDArray[np.float64]
+from stepwell.base import Bools, ByValue, Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +22,7 @@ class Box(ByValue):
         y = np.linspace(self.bottom, self.top, nodes)
         return np.stack(np.meshgrid(x, y), axis=-1)
 
-    def holds(self, q: Floats) -> NDArray[np.bool_]:
+    def holds(self, q: Floats) -> Bools:
         """Which of the (m, 2) places lie inside."""
         x, y = q[:, 0], q[:, 1]
         return (x >= self.left) & (x <= self.right) & (y >= self.bottom) & (y <= self.top)

@@ -4,11 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.design.plane.trace import trace
-
-Floats = NDArray[np.float64]
 
 _STEP = 1e-6  # of the square, between which slopes are taken
 _LAST_STEP = 1e-7  # of the square, after which Newton's method has arrived

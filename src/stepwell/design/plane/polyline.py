@@ -1,14 +1,38 @@
-"""Polylines on a curve: made smooth, and parted by what is beside them."""
+"""Polylines on a curve: their points narrowed down, made smooth, parted by what is beside them."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.design.plane.bisect import bisected
+from stepwell.base import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Labels = NDArray[Any]
+
+
+def narrowed(
+    ask: Callable[[Floats], Labels], a: Floats, b: Floats, at_a: Labels, at_b: Labels, steps: int
+) -> tuple[Floats, Floats, Labels]:
+    """Both ends of m ways, after each has been halved again and again between unlike places.
+
+    Args:
+        ask: labels (m,) of (m, k) places: numbers, or whether they are inside something.
+        a, b: (m, k) the ends.
+        at_a, at_b: (m,) their labels.
+        steps: how often; each halves what is between the ends.
+
+    Returns:
+        The places nearest to each other, (m, k) each, the first with the label of a, the second
+        with another, and that other label, (m,).
+    """
+    for _ in range(steps if len(a) else 0):
+        middle = (a + b) / 2
+        label = ask(middle)
+        stays = label == at_a
+        a, b = np.where(stays[:, None], middle, a), np.where(stays[:, None], b, middle)
+        at_b = np.where(stays, at_b, label)
+    return a, b, at_b
 
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:
@@ -51,7 +75,7 @@ def parted(
     turns = np.flatnonzero(label[1:] != label[:-1])
     # From both sides: a third label may lie between.
     near, far = np.append(turns, turns + 1), np.append(turns + 1, turns)
-    ends, _, _ = bisected(
+    ends, _, _ = narrowed(
         lambda t: ask(project(t)), points[near], points[far], label[near], label[far], steps
     )
     before, after = np.split(project(ends), 2)

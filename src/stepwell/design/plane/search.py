@@ -5,15 +5,11 @@ from collections.abc import Callable
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.design.plane.bisect import bisected
+from stepwell.base import Bools, Floats, Ints
 from stepwell.design.plane.boundary import RESOLVED
+from stepwell.design.plane.polyline import narrowed
 from stepwell.design.plane.trace import trace
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 def searched(
@@ -25,7 +21,7 @@ def searched(
     wanted: Bools | None = None,
     known: Callable[[Floats], Bools] | None = None,
 ) -> list[tuple[tuple[int, int], Floats]]:
-    """Curves between unlike nodes, each point bisected to `RESOLVED` on an edge of the grid.
+    """Curves between unlike nodes, each point narrowed to `RESOLVED` on an edge of the grid.
 
     Args:
         ask: the labels of (m, 2) places in the unit square.
@@ -52,7 +48,7 @@ def searched(
         for run in _runs(near):
             ends = tuple(line.low[run].T), tuple(line.high[run].T)
             at_a = label[ends[0]]
-            a, b, at_b = bisected(ask, grid[ends[0]], grid[ends[1]], at_a, label[ends[1]], steps)
+            a, b, at_b = narrowed(ask, grid[ends[0]], grid[ends[1]], at_a, label[ends[1]], steps)
             points = (a + b) / 2
             # Another label may have turned up on the way.
             pairs = np.sort(np.stack([at_a, at_b], axis=-1), axis=1)

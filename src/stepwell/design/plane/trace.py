@@ -4,13 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from stepwell.base import Bools, Ints
 
 
 @dataclass(frozen=True)
-class Line:
+class Crossings:
     """The grid edges that one curve crosses, in order.
 
     `low` and `high` are (m, 2) int, the (row, column) of both ends of each edge; the label is
@@ -22,7 +21,9 @@ class Line:
     high: Ints
 
 
-def trace(label: Ints, centre: Callable[[int, int], int], ignore: int | None = None) -> list[Line]:
+def trace(
+    label: Ints, centre: Callable[[int, int], int], ignore: int | None = None
+) -> list[Crossings]:
     """All curves between unlike nodes, one for every pair of labels that meet along it.
 
     Args:
@@ -66,7 +67,7 @@ def trace(label: Ints, centre: Callable[[int, int], int], ignore: int | None = N
             if one and code.count(one) == 2:
                 link(*(edge for edge, own in zip(around, code, strict=True) if own == one))
 
-    lines: list[Line] = []
+    lines: list[Crossings] = []
     for chain in _chains(links):
         edge = np.array(chain)
         goes_up = edge >= shift
@@ -74,11 +75,11 @@ def trace(label: Ints, centre: Callable[[int, int], int], ignore: int | None = N
         low = np.stack(np.divmod(edge - shift * goes_up, width), axis=1)
         high = low + np.stack([goes_up, ~goes_up], axis=1)
         a, b = sorted((int(label[tuple(low[0])]), int(label[tuple(high[0])])))
-        lines.append(Line((a, b), low, high))
+        lines.append(Crossings((a, b), low, high))
     return lines
 
 
-def _unlike(a: Ints, b: Ints, ignore: int | None) -> NDArray[np.bool_]:
+def _unlike(a: Ints, b: Ints, ignore: int | None) -> Bools:
     unlike = a != b
     return unlike if ignore is None else unlike & (a != ignore) & (b != ignore)
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.design.orders import Orders
 from stepwell.design.placement import (
     Candidates,
@@ -25,8 +25,6 @@ from stepwell.design.placement import (
     shared,
 )
 from stepwell.mechanism import Cell, Chain
-
-Floats = NDArray[np.float64]
 
 # Where a complete search among holes gives up, after some ten seconds, and one for a start.
 _MOST_NODES = 3_000_000

@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.concave import SortedChain
 from stepwell.design.margins import Robustness, robustness
 from stepwell.design.orders import Reached, reached, short
 from stepwell.design.tolerances import Critical, Yield
 from stepwell.mechanism import Chain
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,14 +4,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import StepwellError
+from stepwell.base import Floats, StepwellError
 from stepwell.concave import TIED
-from stepwell.design.orders import Goal, short
+from stepwell.design.orders import Target, short
 from stepwell.design.synthesis.attempt import Attempt
-
-Floats = NDArray[np.float64]
 
 
 class Impossible(StepwellError, ValueError):
@@ -48,12 +45,12 @@ class Impossible(StepwellError, ValueError):
 
 
 def nothing_works(
-    goal: Goal, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
+    target: Target, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
     """Why nothing does what is wanted.
 
     Args:
-        goal: what is wanted.
+        target: what is wanted.
         attempts: to have the end forces in its orders.
         missed: what the engine finds of those that have them.
         rest: what else the engine has tried.
@@ -61,9 +58,11 @@ def nothing_works(
         proved: whether nothing was left out.
     """
     if not attempts:
-        return Impossible(goal.text, _with(goal.wish.why, rest, proved), proved=proved)
+        return Impossible(target.text, _with(target.wish.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
     kind = "lattice places" if nearest.holes is None else "holes"
+    region: Sequence[Floats] = ()
+    largest = needed = math.nan
     if any(not len(table.q) for table in nearest.tables):
         # Elsewhere than on holes there may be a place between those looked at.
         why = (
@@ -71,46 +70,39 @@ def nothing_works(
             f"weak enough for the actuator"
         )
         advice = "allow other places or another band, tighter tolerances or a stronger actuator"
-        return Impossible(
-            goal.text, f"{_with(why, rest, proved)}: {advice}", proved=proved, allowed=allowed
-        )
-    region, force = nearest.region(), np.concatenate([table.force for table in nearest.tables])
-    needed = TIED * float(np.max(np.abs(force)))
-    if missed:
-        why = (
-            f"with F0 and F1 in the wanted orders the engine finds that it {_does(goal, missed)}, "
-            f"as can be with unequal levers, or where a cell overtakes another in a snap"
-        )
-        advice = "allow equal_levers=True, other places or other levers"
-        gap = nearest.smallest_gap()
-        return Impossible(
-            goal.text,
-            f"{_with(why, rest, proved)}: {advice}",
-            proved=proved,
-            allowed=allowed,
-            region=region,
-            largest_gap=gap,
-            gap_needed=needed,
-        )
-    orders, complete = nearest.orders, all(attempt.complete for attempt in attempts)
-    if complete and nearest.holes is not None:
-        nodes = sum(attempt.nodes for attempt in attempts)
-        largest = nearest.largest_gap()
-        holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
-        how = f"none of all choices among {holes} and bands proved concave puts"
-        found = f"complete search, {nodes} partial choices; the largest smallest gap is"
     else:
-        largest = max(a.smallest_gap() for a in attempts)
-        how = f"a search from {nearest.candidates} {kind} and bands has not put"
-        found = "not a proof; the largest smallest gap found is"
-    why = (
-        f"{how} F0 in the order {_order(orders.rising[0])} and F1 in the order "
-        f"{_order(orders.rising[1])} of cells ({found} {largest * 1e3:.4g} mN, and more than "
-        f"{needed * 1e3:.2g} mN is needed)"
-    )
+        region = nearest.region()
+        needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
+        if missed:
+            largest = nearest.smallest_gap()
+            does = missed if target.states is not None else f"does {missed}"
+            why = (
+                f"with F0 and F1 in the wanted orders the engine finds that it {does}, as can be "
+                f"with unequal levers, or where a cell overtakes another in a snap"
+            )
+            advice = "allow equal_levers=True, other places or other levers"
+        else:
+            if nearest.holes is not None and all(attempt.complete for attempt in attempts):
+                largest = nearest.largest_gap()
+                nodes = sum(attempt.nodes for attempt in attempts)
+                holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
+                how = f"none of all choices among {holes} and bands proved concave puts"
+                found = f"complete search, {nodes} partial choices; the largest smallest gap is"
+            else:
+                largest = max(attempt.smallest_gap() for attempt in attempts)
+                how = f"a search from {nearest.candidates} {kind} and bands has not put"
+                found = "not a proof; the largest smallest gap found is"
+            first, second = (
+                " < ".join(str(cell + 1) for cell in order) for order in nearest.orders.rising
+            )
+            why = (
+                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
+                f"{largest * 1e3:.4g} mN, and more than {needed * 1e3:.2g} mN is needed)"
+            )
+            advice = "allow more places or other bands"
     return Impossible(
-        goal.text,
-        f"{_with(why, rest, proved)}: allow more places or other bands",
+        target.text,
+        f"{_with(why, rest, proved)}: {advice}",
         proved=proved,
         allowed=allowed,
         region=region,
@@ -123,11 +115,3 @@ def _with(why: str, rest: str, proved: bool) -> str:
     if rest:
         return f"{why}; {rest}, and none does it"
     return why if proved else f"{why}; other cells than these were not tried"
-
-
-def _does(goal: Goal, missed: str) -> str:
-    return missed if goal.states is not None else f"does {missed}"
-
-
-def _order(cells: tuple[int, ...]) -> str:
-    return " < ".join(str(cell + 1) for cell in cells)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError
 from stepwell.design.orders import (
-    Goal,
+    Target,
     Wish,
     by_cells_at_1,
     of_sequence,
@@ -115,7 +115,7 @@ def design(
     _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
     if within is None:
         within = usual_box(max(levers))
-    goal, regions = _wanted(sequence, states, cells, within)
+    target, regions = _wanted(sequence, states, cells, within)
     if not unusual:
         _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
     sets = [[(band, r) for band in bands] for r in levers]
@@ -133,21 +133,21 @@ def design(
         )
         for kinds in sets
     ]
-    tries = Tries(goal, regions, holes, actuator_stiffness, seed, progress, len(rules))
+    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules))
     placed = tries.placed(rules)
     if placed.found is None and holes is not None:
         # As drawn more cells are proved concave than within all tolerances.
         placed = tries.placed([replace(rule, as_drawn=True) for rule in rules])
     if placed.found is not None:
         found = placed.found
-        chain, how = found.chain(actuator_stiffness, f"Designed for {goal.text}"), ""
+        chain, how = found.chain(actuator_stiffness, f"Designed for {target.text}"), ""
         quick = not found.rule.as_drawn
     else:
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
         found, quick = None, False
     result = cycle(chain)
-    counted = _counted(goal, chain, tolerances, str(result.sequence))
+    counted = _counted(target, chain, tolerances, str(result.sequence))
     made = (QUICKLY if quick and isinstance(counted, str) else ONE_BY_ONE) if n is None else n
     widest = _widest(found, chain, bands, tolerances)
     share = yields(chain, widest, n=made, seed=seed, wanted=counted)
@@ -161,9 +161,9 @@ def design(
         () if found is None else found.region(),
         holes,
         placed.candidates,
-        found is not None and placed.best,
+        found is not None and placed.complete,
         how if found is None else _method(found, placed),
-        _standing(found) + _not_searched(goal, share),
+        _standing(found) + _not_searched(target, share),
     )
 
 
@@ -172,7 +172,7 @@ def _wanted(
     states: Iterable[str] | str | None,
     cells: int | None,
     within: Region | Sequence[Region],
-) -> tuple[Goal, tuple[Region, ...]]:
+) -> tuple[Target, tuple[Region, ...]]:
     """What is wanted, and the region of every cell."""
     if (sequence is None) == (states is None):
         raise InputError(
@@ -187,32 +187,32 @@ def _wanted(
     alike = len(set(some)) == 1
     if states is None:
         orders = of_sequence(str(sequence))
-        goal = Goal(short(str(orders.sequence)), Wish((orders,)), by_states=False)
+        target = Target(short(str(orders.sequence)), Wish((orders,)), by_states=False)
     else:
         states = states if isinstance(states, str) else tuple(states)
         every = f"all states of {cells} cells"
         text = every if states == "all" else f"states {' '.join(states)}"
-        goal = Goal(short(text), of_states(states, cells, alike), by_states=True)
-    if len(some) not in (1, goal.cells):
+        target = Target(short(text), of_states(states, cells, alike), by_states=True)
+    if len(some) not in (1, target.cells):
         raise InputError(
-            f"within has {len(some)} regions for {goal.cells} cells: must be one for all, or one "
+            f"within has {len(some)} regions for {target.cells} cells: must be one for all, or one "
             f"each."
         )
-    return goal, some if len(some) == goal.cells else some * goal.cells
+    return target, some if len(some) == target.cells else some * target.cells
 
 
 def _counted(
-    goal: Goal, chain: Chain, tolerances: Tolerances, sequence: str
+    target: Target, chain: Chain, tolerances: Tolerances, sequence: str
 ) -> str | tuple[str, ...]:
     """What counts as success of what is built: the states wanted, or where not, the cycle."""
-    if goal.states is None or unsearchable(chain, tolerances.friction):
+    if target.states is None or unsearchable(chain, tolerances.friction):
         return sequence
-    return by_cells_at_1(goal.states)
+    return by_cells_at_1(target.states)
 
 
-def _not_searched(goal: Goal, share: Yield) -> str:
+def _not_searched(target: Target, share: Yield) -> str:
     """What is not known of the mechanisms that the yield counts."""
-    if not goal.by_states or share.states is not None:
+    if not target.by_states or share.states is not None:
         return ""
     why = unsearchable(share.chain, share.tolerances.friction)
     return f"; the yield counts those that make the drawing's cycle, because {why}"
@@ -323,8 +323,8 @@ def _method(found: Attempt, placed: Placed) -> str:
         how += "; from there each cell in turn on finer and finer lattices: a local optimum"
     if found.left_out:
         how += f"; {found.left_out} where the band is not proved taut and concave were left out"
-    if placed.tried > 1:
-        how += f"; the best of {placed.tried} combinations of orders and levers"
+    if len(placed.attempts) > 1:
+        how += f"; the best of {len(placed.attempts)} combinations of orders and levers"
     if placed.missed:
         how += f"; what seemed better does not by the engine ({placed.missed})"
     if placed.others:

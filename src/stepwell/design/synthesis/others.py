@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
+from stepwell.base import Floats, Ints
 from stepwell.concave import TIED
-from stepwell.design.orders import Goal
+from stepwell.design.orders import Target
 from stepwell.design.placement import Candidates, joined, measured
 from stepwell.design.synthesis.attempt import Attempt
-from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
 
 _DRAWN = 5000  # placements of each attempt
 _NEAR = 200  # places round the best one of each cell
@@ -23,7 +20,7 @@ _LOOKED_AT = 2400
 
 
 def another(
-    goal: Goal, attempts: list[Attempt], actuator_stiffness: float, seed: int
+    target: Target, attempts: list[Attempt], actuator_stiffness: float, seed: int
 ) -> tuple[Attempt | None, int]:
     """The surest of some random placements that does what is wanted by the engine.
 
@@ -45,22 +42,17 @@ def another(
         for row in np.flatnonzero(sure > -np.inf).tolist():
             pool.append((float(sure[row]), len(pool), attempt, table.take(picks[row])))
     pool.sort(key=lambda one: (-one[0], one[1]))
-    most = _LOOKED_AT // goal.cells
+    most = _LOOKED_AT // target.cells
     for looked_at, (_, _, attempt, cells) in enumerate(pool[:most], 1):
         placed = replace(attempt, best=measured(attempt.rule, attempt.orders, cells))
-        if _does(goal, placed, actuator_stiffness):
+        if _does(target, placed, actuator_stiffness):
             finer = placed.refined()
-            return (finer if _does(goal, finer, actuator_stiffness) else placed), looked_at
+            return (finer if _does(target, finer, actuator_stiffness) else placed), looked_at
     return None, min(most, len(pool))
 
 
-def _does(goal: Goal, attempt: Attempt, actuator_stiffness: float) -> bool:
-    chain = attempt.chain(actuator_stiffness, "")
-    try:
-        seen = goal.look(chain)
-    except (StaticsError, ValueError):
-        return False
-    return not goal.misses(seen, attempt.orders)
+def _does(target: Target, attempt: Attempt, actuator_stiffness: float) -> bool:
+    return not target.fault(attempt.chain(actuator_stiffness, ""), attempt.orders)
 
 
 def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
@@ -76,7 +68,7 @@ def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
     return replace(attempt, tables=tables, owner=tuple(range(len(tables))))
 
 
-def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:
+def _drawn(attempt: Attempt, rng: np.random.Generator) -> Ints:
     """(m, N) numbers of candidates, each cell's from its own table."""
     sizes = np.array([len(table.q) for table in attempt.tables])
     first = np.cumsum(sizes) - sizes
@@ -84,7 +76,7 @@ def _drawn(attempt: Attempt, rng: np.random.Generator) -> NDArray[np.int64]:
     return first[owner] + rng.integers(sizes[owner], size=(_DRAWN, len(owner)))
 
 
-def _surety(attempt: Attempt, table: Candidates, picks: NDArray[np.int64]) -> Floats:
+def _surety(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
     total = np.zeros(len(picks))
     least = TIED * float(np.max(np.abs(table.force)))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.concave import closed
-from stepwell.design.orders import Goal, Seen
+from stepwell.design.orders import Seen, Target
 from stepwell.design.placement import Region, Rule, lattice
 from stepwell.design.synthesis.attempt import named
 from stepwell.mechanism import Cell, Chain
@@ -22,7 +22,7 @@ from stepwell.statics import StaticsError
 _THROUGH_A_CYCLE, _ALONG_ALL_BRANCHES = 12_000, 2_400
 
 
-class Way(NamedTuple):
+class Buildable(NamedTuple):
     """A way to build a cell."""
 
     cell: Cell
@@ -60,7 +60,7 @@ class Tried:
 
 
 def tried(
-    goal: Goal,
+    target: Target,
     rules: list[Rule],
     regions: tuple[Region, ...],
     holes: float,
@@ -73,7 +73,7 @@ def tried(
     """Follow every choice of holes that is left, or as many as take some seconds.
 
     Args:
-        goal: what is wanted.
+        target: what is wanted.
         rules: what may be built, one after the other.
         regions: of every cell.
         holes: pitch [m].
@@ -84,8 +84,8 @@ def tried(
         progress: called with (done, total) choices.
     """
     different = list(dict.fromkeys(regions))
-    alike, again = len(set(regions)) == 1, goal.twins
-    most = (_THROUGH_A_CYCLE if goal.states is None else _ALONG_ALL_BRANCHES) // goal.cells
+    alike, again = len(set(regions)) == 1, target.twins
+    most = (_THROUGH_A_CYCLE if target.states is None else _ALONG_ALL_BRANCHES) // target.cells
     found: list[Chain] = []
     left = done = unanswered = 0
     for rule in rules:
@@ -105,21 +105,21 @@ def tried(
             done += 1
             chain = Chain([way.cell for way in cells], actuator_stiffness)
             try:
-                seen = goal.look(chain)
+                seen = target.look(chain)
             except (StaticsError, ValueError):
                 unanswered += 1
                 continue
-            order = _as_wanted(goal, seen, alike)
+            order = _as_wanted(target, seen, alike)
             if order is None or seen.peak > rule.most_force * (1 + 1e-9):
                 continue
             mine_now = [cells[k].cell for k in order]
-            found.append(named(mine_now, actuator_stiffness, f"Designed for {goal.text}"))
+            found.append(named(mine_now, actuator_stiffness, f"Designed for {target.text}"))
     return Tried(tuple(found), left, done, unanswered)
 
 
-def _ways(rule: Rule, region: Region, holes: float) -> list[Way]:
+def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     """All ways to build a cell, those not proved concave first."""
-    found: list[Way] = []
+    found: list[Buildable] = []
     for x, y in region.clamped(lattice(region, holes)).tolist():
         for k in range(len(rule.kinds)):
             try:
@@ -127,11 +127,11 @@ def _ways(rule: Rule, region: Region, holes: float) -> list[Way]:
             except ValueError:
                 continue  # nobody can build it
             if max(abs(cell.force_0), abs(cell.force_1)) <= rule.most_force:
-                found.append(Way(cell, closed(cell) is not None))
+                found.append(Buildable(cell, closed(cell) is not None))
     return sorted(found, key=lambda way: way.concave)
 
 
-def _count(tables: list[list[Way]], alike: bool, again: bool, settled: bool) -> int:
+def _count(tables: list[list[Buildable]], alike: bool, again: bool, settled: bool) -> int:
     """How many choices there are; equal cells never part without a tie, `again` if they may."""
 
     def all_of(sizes: list[int]) -> int:
@@ -147,8 +147,8 @@ def _count(tables: list[list[Way]], alike: bool, again: bool, settled: bool) -> 
 
 
 def _every(
-    tables: list[list[Way]], alike: bool, again: bool, settled: bool
-) -> Iterator[tuple[Way, ...]]:
+    tables: list[list[Buildable]], alike: bool, again: bool, settled: bool
+) -> Iterator[tuple[Buildable, ...]]:
     """All choices, those of concave cells alone left out where they are settled."""
     n = len(tables)
     if alike:
@@ -174,8 +174,8 @@ def _every(
 
 
 def _some(
-    tables: list[list[Way]], settled: bool, most: int, rng: np.random.Generator
-) -> Iterator[tuple[Way, ...]]:
+    tables: list[list[Buildable]], settled: bool, most: int, rng: np.random.Generator
+) -> Iterator[tuple[Buildable, ...]]:
     """So many different choices at random."""
     seen: set[tuple[int, ...]] = set()
     for _ in range(20 * most):
@@ -189,7 +189,7 @@ def _some(
         yield cells
 
 
-def _as_wanted(goal: Goal, seen: Seen, alike: bool) -> tuple[int, ...] | None:
+def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | None:
     """Which cell of a chain has to be which wanted one; None where it does something else.
 
     The order of cells along a chain changes nothing but their names, so where all may be built
@@ -197,20 +197,22 @@ def _as_wanted(goal: Goal, seen: Seen, alike: bool) -> tuple[int, ...] | None:
     """
     if seen.tied:
         return None
-    n = goal.cells
+    n = target.cells
     same = tuple(range(n))
-    if goal.states is not None:
+    if target.states is not None:
         assert seen.states is not None
-        if Counter(s.count("1") for s in seen.states) != Counter(s.count("1") for s in goal.states):
+        if Counter(s.count("1") for s in seen.states) != Counter(
+            s.count("1") for s in target.states
+        ):
             return None
         for place in permutations(same) if alike else (same,):
-            if {"".join(s[k] for k in place) for s in seen.states} == goal.states:
+            if {"".join(s[k] for k in place) for s in seen.states} == target.states:
                 return place
         return None
     found = seen.sequence.orders
     if found is None:
         return None
-    for wanted in goal.wish.orders:
+    for wanted in target.wish.orders:
         place = same
         if alike:
             which = dict(zip(wanted.loading, found[0], strict=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stepwell.design.orders import Goal, short
+from stepwell.design.orders import Target
 from stepwell.design.placement import Region, Rule, all_proved, told
 from stepwell.design.synthesis.attempt import Attempt, look
 from stepwell.design.synthesis.impossible import Impossible, nothing_works
@@ -13,7 +13,6 @@ from stepwell.design.synthesis.others import another
 from stepwell.design.synthesis.remaining import tried
 from stepwell.design.tolerances import Tolerances, yields
 from stepwell.mechanism import Chain
-from stepwell.statics import StaticsError
 
 _REFINED = 3  # attempts
 # Of choices that do it, so many are made so often, to see which does it most surely.
@@ -27,7 +26,8 @@ class Placed:
     Attributes:
         found: the best attempt that does what is wanted by the engine; None if none does.
         attempts: all of them.
-        complete: whether no choice was left out, so that there is none where none was found.
+        complete: whether no choice was left out, so that none is better by the objective, and
+            there is none where none was found.
         missed: what the engine finds of a better one.
         others: how many random choices in the wanted orders were looked at.
     """
@@ -39,27 +39,17 @@ class Placed:
     others: int
 
     @property
-    def tried(self) -> int:
-        """How many combinations of orders and levers there were."""
-        return len(self.attempts)
-
-    @property
     def candidates(self) -> int:
         """How many ways to build a cell were looked at first."""
         return max((attempt.candidates for attempt in self.attempts), default=0)
 
-    @property
-    def best(self) -> bool:
-        """Whether it is proved that none of those choices is better by the objective."""
-        return self.complete and not self.missed
-
 
 @dataclass
 class Tries:
-    """The tries at one goal, with their progress.
+    """The tries at one target, with their progress.
 
     Args:
-        goal: what is wanted.
+        target: what is wanted.
         regions, holes: where anchors may be, pitch [m].
         actuator_stiffness: K [N/m].
         seed: of what is random.
@@ -67,7 +57,7 @@ class Tries:
         rules: how many sets of bands and levers there are.
     """
 
-    goal: Goal
+    target: Target
     regions: tuple[Region, ...]
     holes: float | None
     actuator_stiffness: float
@@ -78,7 +68,7 @@ class Tries:
 
     @property
     def _total(self) -> int:
-        once = self.rules * len(self.goal.wish.orders) + _REFINED
+        once = self.rules * len(self.target.wish.orders) + _REFINED
         # Among holes there may be a second round, and then the rest.
         return once + 1 if self.holes is None else 2 * once + 100 + 1
 
@@ -93,9 +83,9 @@ class Tries:
 
     def placed(self, rules: list[Rule]) -> Placed:
         """The best choice by the objective that does what is wanted."""
-        goal, attempts = self.goal, list[Attempt]()
+        target, attempts = self.target, list[Attempt]()
         for rule in rules:
-            for orders in goal.wish.orders:
+            for orders in target.wish.orders:
                 self._tell()
                 attempts.append(look(rule, orders, self.regions, self.holes))
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
@@ -103,29 +93,21 @@ class Tries:
             self._tell()
             attempts[k] = attempts[k].refined()
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
-        complete = goal.wish.complete and self.holes is not None
+        complete = target.wish.complete and self.holes is not None
         complete = complete and all(attempt.complete for attempt in attempts)
         missed = ""
         for attempt in attempts:
             if not attempt.works:
                 continue
-            fault = self._fault(attempt)
+            chain = attempt.chain(self.actuator_stiffness, "")
+            fault = target.fault(chain, attempt.orders)
             if not fault:
-                return Placed(attempt, attempts, complete, missed, 0)
+                return Placed(attempt, attempts, complete and not missed, missed, 0)
             missed = missed or fault
         found, others = None, 0
         if missed:
-            found, others = another(goal, attempts, self.actuator_stiffness, self.seed)
+            found, others = another(target, attempts, self.actuator_stiffness, self.seed)
         return Placed(found, attempts, complete and not missed, missed, others)
-
-    def _fault(self, attempt: Attempt) -> str:
-        """What the engine finds that is not as wanted; "" if it is."""
-        chain = attempt.chain(self.actuator_stiffness, "")
-        try:
-            seen = self.goal.look(chain)
-        except (StaticsError, ValueError) as failure:
-            return str(failure)
-        return short(self.goal.misses(seen, attempt.orders))
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that does it among what the closed form does not decide, and how it was found.
@@ -133,24 +115,24 @@ class Tries:
         Raises:
             Impossible: there is none, or none was found.
         """
-        goal = self.goal
+        target = self.target
         if self.holes is None:
-            concave = not goal.wish.stepwise and all(
+            concave = not target.wish.stepwise and all(
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
             looked = f"{placed.others} random choices in the wanted orders were looked at"
             raise self._refusal(
-                placed, looked * (placed.others > 0), proved=goal.wish.never or concave
+                placed, looked * (placed.others > 0), proved=target.wish.never or concave
             )
-        if goal.wish.never or (not goal.wish.orders and goal.states is None):
-            raise self._refusal(placed, "", proved=goal.wish.never)
+        if target.wish.never or (not target.wish.orders and target.states is None):
+            raise self._refusal(placed, "", proved=target.wish.never)
         before = self._done
         found = tried(
-            goal,
+            target,
             rules,
             self.regions,
             self.holes,
-            decided=placed.complete and goal.states is None,
+            decided=placed.complete and target.states is None,
             actuator_stiffness=self.actuator_stiffness,
             seed=self.seed,
             progress=lambda done, all_: self._tell(
@@ -167,11 +149,11 @@ class Tries:
         )
 
     def _share(self, chain: Chain, tolerances: Tolerances) -> float:
-        counted = None if self.goal.states is None or tolerances.friction else self.goal.states
+        counted = None if self.target.states is None or tolerances.friction else self.target.states
         return yields(chain, tolerances, n=_MADE, seed=self.seed, wanted=counted).share
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
         allowed = told(self.regions, self.holes)
         return nothing_works(
-            self.goal, placed.attempts, placed.missed, rest, allowed, proved=proved
+            self.target, placed.attempts, placed.missed, rest, allowed, proved=proved
         )

@@ -11,14 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
+from stepwell.base import Floats
 from stepwell.concave import in_disc
 from stepwell.design.tolerances.tolerances import Tolerances
 from stepwell.mechanism import Band, Chain
-
-Floats = NDArray[np.float64]
 
 _CUT = 4.0  # standard deviations at which the normal distribution ends
 _AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache

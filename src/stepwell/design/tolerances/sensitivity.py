@@ -6,13 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Floats, Ints
 from stepwell.design.tolerances.draws import Draws
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # 2^12 points in each of the two base samples, and 2^10 where each has to be built.
 _POWER, _POWER_BUILT = 12, 10

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
-from stepwell.base import ONE_BY_ONE, ByValue, InputError, require
+from stepwell.base import ONE_BY_ONE, InputError, require
+from stepwell.design.tolerances.counted import VARIED, Counted
 from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
 from stepwell.mechanism import Chain, SlipError, sizes
 from stepwell.sequences.branches import checked_state
@@ -17,7 +16,7 @@ from stepwell.statics import StaticsError
 
 
 @dataclass(frozen=True, eq=False)
-class Survival(ByValue):
+class Survival(Counted):
     """How many of n mechanisms, made at random within tolerances, a program brings to its end.
 
     Attributes:
@@ -26,36 +25,19 @@ class Survival(ByValue):
         start, ends: states at its beginning and at its end.
         tolerances: how far the parts may be from the drawing.
         n, seed: how many mechanisms, and which.
+        share, interval: successes over n, and the 95 % confidence interval of the probability
+            (Clopper & Pearson 1934).
         successes: how many end with every cell on the side that `ends` says.
     """
 
-    chain: Chain = field(repr=False)
     turning_points: tuple[float, ...]
     start: str
     ends: str
-    tolerances: Tolerances
-    n: int
-    seed: int
-    successes: int
-
-    @property
-    def share(self) -> float:
-        """Successes over n: the estimate of the probability."""
-        return self.successes / self.n
-
-    @cached_property
-    def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        return interval_95(self.successes, self.n)
 
     @property
     def assumptions(self) -> str:
         """Under which all this holds."""
-        assumed = (
-            "assumed: every part varies by itself, anchors, levers and friction evenly within "
-            "their tolerance, k and ℓ0 normally; quasi-static; a mechanism that cannot be built "
-            "or followed counts as a failure"
-        )
+        assumed = f"{VARIED}; a mechanism that cannot be built or followed counts as a failure"
         return "; ".join(filter(None, (assumed, frictionless(self.tolerances, self.chain))))
 
     def __repr__(self):
@@ -103,7 +85,8 @@ def survival(
             continue
     if progress is not None:
         progress(n, n)
-    return Survival(chain, points, start, ends, tolerances, n, seed, successes)
+    counted = {"chain": chain, "tolerances": tolerances, "n": n, "seed": seed}
+    return Survival(points, start, ends, successes=successes, **counted)
 
 
 def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:

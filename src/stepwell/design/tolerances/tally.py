@@ -1,19 +1,19 @@
-"""Counting what mechanism after mechanism does, in closed form or by the general engine."""
+"""Counting what mechanism after mechanism does, by closed form or engine, and why none does it."""
 
+import math
 from collections import Counter
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
-from stepwell.design.orders import numbered_cycle, orders_of, searched, unlike
+from stepwell.design.orders import numbered_cycle, orders_of, searched, short, unlike
 from stepwell.design.tolerances.draws import Draws
-from stepwell.sequences import cycle
+from stepwell.mechanism import Chain
+from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What a mechanism can do besides a sequence.
 TIED = "a tie"
@@ -94,7 +94,7 @@ class Tally:
             if progress is not None:
                 progress(done, n)
 
-    def _judged(self, drawn: Floats, judge: Judge) -> NDArray[np.bool_]:
+    def _judged(self, drawn: Floats, judge: Judge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
         found = judge(drawn)
         ask = found.verdict == ASK
@@ -143,3 +143,44 @@ class Tally:
         listed = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
         rest += sum(times for _, times in listed[_KEPT:])
         return dict(listed[:_KEPT]) | ({ANOTHER: rest} if rest else {})
+
+
+def why_none(chain: Chain, wanted: str, concave: bool) -> str:
+    """The reason in a sentence, and advice.
+
+    Args:
+        chain: the drawing.
+        wanted: the full cycle that none makes.
+        concave: whether all cells that were made are proved concave, and so go one after the
+            other.
+    """
+    states = Sequence.parse(wanted).states
+    strokes = [
+        math.fsum(c.full_travel for c, s in zip(chain.cells, state, strict=True) if s == "1")
+        for state in states
+    ]
+    top = states.index("1" * len(chain))
+    for k, (a, b) in enumerate(pairwise(strokes)):
+        if (b <= a) if k < top else (b >= a):
+            way = "rise" if k < top else "fall"
+            return (
+                f"one stroke out and back cannot do it: from {states[k]} to {states[k + 1]} the "
+                f"stroke does not {way}. A stroke program turns back early: ask `stepwell "
+                f"program`, in Python chain.program; and `stepwell yield --program` how surely it "
+                f"works"
+            )
+    for (a, b), flips in zip(pairwise(states), Sequence.parse(wanted).flips, strict=True):
+        if concave and len(flips) > 1:
+            return (
+                f"one stroke out and back cannot do it: {a}>{b} moves {len(flips)} cells at once, "
+                f"and cells of falling force go one after the other. Name every step, "
+                f"{_instead(chain)}; a program that ends in {b} is `stepwell program --to {b}`"
+            )
+    return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
+
+
+def _instead(chain: Chain) -> str:
+    try:
+        return f"such as {short(str(cycle(chain).sequence))}, which the drawing makes"
+    except StaticsError:
+        return "one with a step for each cell"

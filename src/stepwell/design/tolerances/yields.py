@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    Floats,
     InputError,
     Quantity,
     ReadOnly,
@@ -22,20 +21,18 @@ from stepwell.base import (
     require,
     write_csv,
 )
-from stepwell.design.orders import by_cells_at_1, full_cycle, reached, short, unsearchable
+from stepwell.design.orders import by_cells_at_1, checked_cycle, reached, short, unsearchable
+from stepwell.design.tolerances.counted import VARIED, Counted
 from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.interval import interval_95
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import Tally
+from stepwell.design.tolerances.tally import Tally, why_none
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
-from stepwell.design.tolerances.why_none import why_none
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = NDArray[np.float64]
 
 _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # mechanisms of which the gap is compared with what they do
@@ -69,13 +66,15 @@ class Critical(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Yield(ByValue):
+class Yield(Counted):
     """How many of n mechanisms, made at random within tolerances, do what is wanted.
 
     Attributes:
         chain: the drawing.
         tolerances: how far the parts may be from it.
         n, seed: how many mechanisms, and which.
+        share, interval: successes over n, and the 95 % confidence interval of the probability
+            (Clopper & Pearson 1934).
         wanted: the sequence of states of a full cycle; or "states", and those wanted.
         states: those that shall be in reach from all cells at 0 and no others; None where the
             cycle counts.
@@ -93,29 +92,14 @@ class Yield(ByValue):
         advice: where none does what is wanted, why, and what to ask for instead; else "".
     """
 
-    chain: Chain = field(repr=False)
-    tolerances: Tolerances
-    n: int
-    seed: int
     wanted: str
     states: tuple[str, ...] | None
-    successes: int
     outcomes: Mapping[str, int]
     critical: Critical | None
     by_engine: int
     assumptions: str
     sensitivities: Sensitivities | None
     advice: str = ""
-
-    @property
-    def share(self) -> float:
-        """Successes over n: the estimate of the probability."""
-        return self.successes / self.n
-
-    @cached_property
-    def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        return interval_95(self.successes, self.n)
 
     def mechanism(self, number: int) -> Chain:
         """One of the n mechanisms, from 0.
@@ -147,10 +131,9 @@ class Yield(ByValue):
         """Counts over "outcome", the wanted one first, and indices over "parameter"."""
         import xarray as xr
 
-        texts = [self.wanted, *self.outcomes]
-        counts = [self.successes, *self.outcomes.values()]
-        data = {"count": ("outcome", np.array(counts), {"units": "1"})}
-        coords = {"outcome": np.array(texts, str)}
+        counts = self._counts
+        data = {"count": ("outcome", np.array([*counts.values()]), {"units": "1"})}
+        coords = {"outcome": np.array([*counts], str)}
         table = self.sensitivities
         if table is not None:
             data["first_order"] = ("parameter", table.first_order, {"units": "1"})
@@ -179,10 +162,13 @@ class Yield(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        texts = [self.wanted, *self.outcomes]
-        counts = [self.successes, *self.outcomes.values()]
+        texts, counts = self._counts.keys(), self._counts.values()
         shares = Quantity("share", "1"), [count / self.n for count in counts]
         write_csv(path, [(Quantity("outcome"), texts), (Quantity("count"), counts), shares], 9)
+
+    @property
+    def _counts(self) -> dict[str, int]:
+        return {self.wanted: self.successes, **self.outcomes}
 
     def __str__(self):
         low, high = self.interval
@@ -227,7 +213,7 @@ def yields(
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
-    target = str(drawing.sequence) if drawing else full_cycle(str(wanted), len(chain))
+    target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), len(chain))
     tally = Tally(Draws(chain, tolerances, seed), target, states)
     if sensitivity and tally.orders is None:
         raise InputError(
@@ -237,20 +223,21 @@ def yields(
     if n is None:
         n = QUICKLY if states is None and tally.judge is not None else ONE_BY_ONE
     tally.count(n, progress)
+    listed = None if states is None else by_cells_at_1(states)
     return Yield(
-        chain,
-        tolerances,
-        n,
-        seed,
-        target if states is None else f"states {' '.join(by_cells_at_1(states))}",
-        None if states is None else by_cells_at_1(states),
-        tally.successes,
+        target if listed is None else f"states {' '.join(listed)}",
+        listed,
         ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
         "; ".join(filter(None, _assumptions(tally, n, drawing))),
         _sensitivities(tally, n) if sensitivity else None,
         _advice(tally, target),
+        chain=chain,
+        tolerances=tolerances,
+        n=n,
+        seed=seed,
+        successes=tally.successes,
     )
 
 
@@ -315,10 +302,6 @@ def _sensitivities(tally: Tally, n: int) -> Sensitivities:
     return replace(found, agreed=float(np.mean((gaps > 0) == some)))
 
 
-def _is_tie(drawing: Cycle | None) -> bool:
-    return drawing is not None and bool(drawing.degenerate)
-
-
 def _critical(tally: Tally) -> Critical | None:
     """The pair most often in the other order; of several, the one most often the nearest."""
     if not tally.judged or tally.orders is None or not tally.wrong.size:
@@ -356,12 +339,11 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
             f"force, and {tally.by_engine} followed by the general engine"
         )
     yield (
-        f"assumed: every part varies by itself, anchors, levers and friction evenly within their "
-        f"tolerance, k and ℓ0 normally; quasi-static{' full cycle' * (tally.states is None)}; a "
-        f"tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
+        f"{VARIED}{' full cycle' * (tally.states is None)}; a tie, or a mechanism that cannot be "
+        f"built or followed, counts as a failure; {how}"
     )
     yield frictionless(tally.draws.tolerances, tally.draws.chain)
-    yield "the drawing is a tie" * _is_tie(drawing)
+    yield "the drawing is a tie" if drawing and drawing.degenerate else ""
 
 
 def _percent(share: float) -> str:

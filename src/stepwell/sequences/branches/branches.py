@@ -25,6 +25,8 @@ _ROUNDING = 1e-14
 _BEYOND = 0.1
 
 Travels = tuple[float, ...]
+# The snap that ends a passage, and travels and drive after it; None where the drive ends.
+Landing = tuple[Segment, Travels, float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,11 +108,9 @@ class Branches:
         self.ties: dict[Tie, None] = {}
         self._full = tuple(cell.full_travel for cell in chain.cells)
         self._branches: list[Branch] = []
-        self._landings: dict[tuple[int, int], tuple[Segment, Travels, float] | None] = {}
+        self._landings: dict[tuple[int, int], Landing] = {}
         self._where: dict[str, list[int]] = {}
-        self._passages: dict[
-            tuple[int, ...], tuple[Passage, tuple[Segment, Travels, float] | None]
-        ] = {}
+        self._passages: dict[tuple[int, ...], tuple[Passage, Landing]] = {}
 
     def __getitem__(self, number: int) -> Branch:
         return self._branches[number]
@@ -228,9 +228,7 @@ class Branches:
         least = _SAME * self.chain.full_stroke
         return (*(round(s / least) for s in travels), round(drive / self.slip), direction)
 
-    def _passage(
-        self, travels: Travels, drive: float, direction: int
-    ) -> tuple[Passage, tuple[Segment, Travels, float] | None]:
+    def _passage(self, travels: Travels, drive: float, direction: int) -> tuple[Passage, Landing]:
         key = self._key(travels, drive, direction)
         if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]

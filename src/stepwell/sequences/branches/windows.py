@@ -30,11 +30,8 @@ def windows(
     found: list[tuple[float, float]] = []
     for before, point in pairwise(turning_points[:-1]):
         rises = point > before
-        whole = path(
-            chain,
-            [before, max(point, limits[1]) if rises else min(point, limits[0])],
-            start=travels,
-        )
+        end = max(point, limits[1]) if rises else min(point, limits[0])
+        whole = path(chain, [before, end], start=travels)
         snaps = [event.drive for event in whole.events if event.kind is EventKind.SNAP]
         done = [drive for drive in snaps if (drive <= point) == rises or drive == point]
         ahead = [drive for drive in snaps if drive not in done]

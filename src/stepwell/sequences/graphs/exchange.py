@@ -1,30 +1,32 @@
-"""Transition graphs as text that other programs read: JSON, GraphML."""
+"""Transition graphs as text that other programs read: JSON, GraphML, DOT, which Graphviz draws."""
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from typing import Any
 
 import networkx as nx
 
 from stepwell.base import InputError
+from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.rows import (
     Row,
-    edge_row,
+    drives_text,
     graph_of,
-    node_row,
+    row_of,
     suffix,
-    tie_row,
-    transitions,
 )
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
 
 _FORMAT = "stepwell transition graph 1"
+# What GraphML holds as JSON.
+_LISTS = ("cells", "ties", "switching_fields")
 
 
-def record(graph: TransitionGraph) -> Row:
-    """The graph as JSON can hold it; `to_json` tells what is in it."""
+def _rows(graph: TransitionGraph) -> Row:
+    """The graph as rows, with NaN for what is not known."""
     x = suffix(graph)
     found = {
         "format": _FORMAT,
@@ -33,13 +35,18 @@ def record(graph: TransitionGraph) -> Row:
         "drive_unit": graph.unit,
         "start": graph.graph["start"],
         "method": graph.method,
-        "ties": [tie_row(tie, x) for tie in graph.ties],
-        "nodes": [node_row(graph.node(label), x) for label in graph],
-        "edges": [edge_row(*edge, x) for edge in transitions(graph)],
+        "ties": [row_of(tie, x) for tie in graph.ties],
+        "nodes": [row_of(graph.node(label), x) for label in graph],
+        "edges": [{"from": a, "to": b, **row_of(t, x)} for a, b, t in transitions(graph)],
     }
     if "fields" in graph.graph:
         found["switching_fields"] = graph.graph["fields"].tolist()
-    return _without_nan(found)
+    return found
+
+
+def record(graph: TransitionGraph) -> Row:
+    """The graph as JSON can hold it; `to_json` tells what is in it."""
+    return _without_nan(_rows(graph))
 
 
 def to_json(graph: TransitionGraph) -> str:
@@ -76,19 +83,19 @@ def from_json(text: str) -> TransitionGraph:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise InputError(f"graph: is not JSON: {error}.") from None
-    return graph_of_record(data, "to_json")
+    return graph_of(ours(data, "to_json"))
 
 
-def graph_of_record(data: Any, writer: str) -> TransitionGraph:
-    """The graph of what `record` returned; `writer` is what wrote it, for messages.
+def ours(data: Any, writer: str) -> Row:
+    """What `record` returned; `writer` is what wrote it, for messages.
 
     Raises:
-        ValueError: something else, with what is wrong and where.
+        ValueError: something else.
     """
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
         raise InputError(f"graph: format = {given!r}: must be {_FORMAT!r}, as {writer} writes it.")
-    return graph_of(data)
+    return data
 
 
 def to_graphml(graph: TransitionGraph) -> str:
@@ -97,24 +104,15 @@ def to_graphml(graph: TransitionGraph) -> str:
     Keys are those of `to_json`, one edge for each transition. Lists are text: travels and cells
     with spaces between, names and ties as JSON.
     """
-    x = suffix(graph)
-    found = nx.MultiDiGraph(
-        format=_FORMAT,
-        cells=json.dumps(graph.names),
-        actuator=graph.actuator,
-        drive_unit=graph.unit,
-        start=graph.graph["start"] or "",
-        method=graph.method,
-        ties=json.dumps([tie_row(tie, x) for tie in graph.ties]),
-    )
-    if "fields" in graph.graph:
-        found.graph["switching_fields"] = json.dumps(graph.graph["fields"].tolist())
-    for label in graph:
-        row = node_row(graph.node(label), x)
-        found.add_node(row.pop("label"), **_flat(row))
-    for edge in transitions(graph):
-        row = edge_row(*edge, x)
-        found.add_edge(row.pop("from"), row.pop("to"), **_flat(row))
+    data = _rows(graph)
+    nodes, edges = data.pop("nodes"), data.pop("edges")
+    data["start"] = data["start"] or ""
+    found = nx.MultiDiGraph()
+    found.graph.update(data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
+    for row in map(_flat, nodes):
+        found.add_node(row.pop("label"), **row)
+    for row in map(_flat, edges):
+        found.add_edge(row.pop("from"), row.pop("to"), **row)
     return "\n".join(nx.generate_graphml(found)) + "\n"
 
 
@@ -128,15 +126,8 @@ def from_graphml(text: str) -> TransitionGraph:
         found = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
         raise InputError(f"graph: is not GraphML: {error}.") from None
-    if found.graph.get("format") != _FORMAT:
-        raise InputError(
-            f"graph: format = {found.graph.get('format')!r}: must be {_FORMAT!r}, as to_graphml "
-            f"writes it."
-        )
-    data: Row = dict(found.graph)
-    for key in ("cells", "ties", "switching_fields"):
-        if key in data:
-            data[key] = json.loads(data[key])
+    data = ours(dict(found.graph), "to_graphml")
+    data |= {key: json.loads(data[key]) for key in _LISTS if key in data}
     data["start"] = data.get("start") or None
     data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
     data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]
@@ -164,3 +155,76 @@ def _listed(row: Row) -> Row:
         key: [lists[key](word) for word in str(value).split()] if key in lists else value
         for key, value in row.items()
     }
+
+
+_KEPT = re.compile(r'stepwell="((?:[^"\\]|\\.)*)"')
+
+
+def to_dot(graph: TransitionGraph) -> str:
+    """The graph in the DOT language, for Graphviz.
+
+    Vertices with equally many cells at 1 stand in one row, all at 0 at the bottom. A rising drive
+    is drawn solid, a falling one dashed, a snap bold; every edge tells its drive in mm or N. What
+    `to_json` writes of the graph, of each node and of each edge stands in an attribute
+    `stepwell`, which Graphviz passes over and `from_dot` reads.
+    """
+    data = record(graph)
+    nodes, edges = data.pop("nodes"), data.pop("edges")
+    lines = [
+        "digraph stepwell {",
+        f"  graph [stepwell={_kept(data)}];",
+        "  rankdir=BT;",
+        '  node [shape=box, fontname="monospace"];',
+    ]
+    for label, row in zip(graph, nodes, strict=True):
+        node = graph.node(label)
+        style = "solid" if node.is_vertex else "dotted"
+        text = _quoted(f"{label}\n{drives_text(graph.unit, (node.low, node.high))}")
+        kept = _kept(row)
+        lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
+    rows: dict[int, list[str]] = {}
+    for label in graph.vertices:
+        rows.setdefault(graph.node(label).state.count("1"), []).append(_quoted(label))
+    lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
+    for (a, b, t), row in zip(transitions(graph), edges, strict=True):
+        style = "solid" if t.direction > 0 else "dashed"
+        if t.kind is TransitionKind.SNAP:
+            style += ",bold"
+        text = _quoted(drives_text(graph.unit, [t.drive]))
+        way = f"{_quoted(a)} -> {_quoted(b)}"
+        lines.append(f'  {way} [label={text}, style="{style}", stepwell={_kept(row)}];')
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def from_dot(text: str) -> TransitionGraph:
+    """The graph that `to_dot` wrote; it knows no chain.
+
+    Raises:
+        ValueError: other text, with what is wrong and where.
+    """
+    try:
+        rows = [json.loads(_unquoted(kept)) for kept in _KEPT.findall(text)]
+    except json.JSONDecodeError as error:
+        raise InputError(f"graph: is not DOT as to_dot writes it: {error}.") from None
+    if not rows:
+        raise InputError(
+            "graph: is not DOT as to_dot writes it, with an attribute `stepwell` on every node and "
+            "edge; DOT of other programs says nothing of drives and travels."
+        )
+    data, *others = rows
+    nodes = [row for row in others if "label" in row]
+    edges = [row for row in others if "label" not in row]
+    return graph_of(ours(data, "to_dot") | {"nodes": nodes, "edges": edges})
+
+
+def _kept(row: Row) -> str:
+    return _quoted(json.dumps(row, allow_nan=False))
+
+
+def _unquoted(text: str) -> str:
+    return re.sub(r"\\(.)", lambda found: {"n": "\n"}.get(found[1], found[1]), text)

@@ -7,15 +7,11 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats, Ints
 from stepwell.sequences.branches import drive_slip
 from stepwell.sequences.graphs.node import TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +54,7 @@ class Mesostates:
             at[move] = self.rise[at[move]]
         return at
 
-    def falls_to(self, at: Ints, goal: Ints) -> Mask:
+    def falls_to(self, at: Ints, goal: Ints) -> Bools:
         """Whether a falling drive leads from one branch to the other, at once or later."""
         at, found = np.array(at), np.zeros(len(at), bool)
         for _ in range(len(self)):
@@ -128,13 +124,12 @@ def atlas(graph: TransitionGraph) -> Atlas:
     down: dict[str, str] = {}
     above: dict[str, str] = {}
     snaps: list[tuple[str, str, int]] = []
-    for a, b, transitions in graph.edges(data="transitions"):
-        for transition in transitions:
-            (up if transition.direction > 0 else down)[a] = b
-            if transition.kind is TransitionKind.SNAP:
-                snaps.append((a, b, transition.direction))
-            elif transition.direction > 0:
-                above[a] = b
+    for a, b, transition in transitions(graph):
+        (up if transition.direction > 0 else down)[a] = b
+        if transition.kind is TransitionKind.SNAP:
+            snaps.append((a, b, transition.direction))
+        elif transition.direction > 0:
+            above[a] = b
     labels: list[list[str]] = []
     for label in graph.nodes.keys() - above.values():
         labels.append([label])
@@ -178,7 +173,7 @@ class Routes:
                     waiting.append(target)
 
     @property
-    def reached(self) -> Mask:
+    def reached(self) -> Bools:
         """(R,) whether each branch can be reached."""
         return self.depth >= 0
 

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import fields
+from functools import partial
 from typing import Any, TypeVar
 
 import networkx as nx
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import InputError, told_in
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph
+from stepwell.sequences.graphs.transition_graph import TransitionGraph, join
 from stepwell.statics import Tie
-
-_KINDS = {kind.name.lower(): kind for kind in TransitionKind}
 
 Row = dict[str, Any]
 Read = TypeVar("Read")
+Value = TypeVar("Value", Node, Transition, Tie)
 
 
 def suffix(graph: TransitionGraph) -> str:
@@ -25,45 +26,21 @@ def suffix(graph: TransitionGraph) -> str:
     return f"_{graph.unit}" if graph.unit else ""
 
 
-def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
-    """Every (from, to, transition)."""
-    for a, b, together in graph.edges(data="transitions"):
-        for transition in together:
-            yield a, b, transition
+def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> str:
+    """Drives as people read them, in mm, N or bare."""
+    shown, factor = told_in(unit)
+    return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {shown}".rstrip()
 
 
-def tie_row(tie: Tie, x: str) -> Row:
-    """A tie; x is the suffix."""
-    return {f"drive{x}": tie.drive, "cells": list(tie.cells), "advice": tie.advice}
-
-
-def node_row(node: Node, x: str) -> Row:
-    """A node."""
-    return {
-        "label": node.label,
-        "state": node.state,
-        f"low{x}": node.low,
-        f"high{x}": node.high,
-        "force_low_N": node.force_low,
-        "force_high_N": node.force_high,
-        "travel_low_m": list(node.travel_low),
-        "travel_high_m": list(node.travel_high),
-        "branch": node.branch,
-    }
-
-
-def edge_row(a: str, b: str, transition: Transition, x: str) -> Row:
-    """A transition."""
-    return {
-        "from": a,
-        "to": b,
-        "kind": transition.kind.name.lower(),
-        "direction": transition.direction,
-        f"drive{x}": transition.drive,
-        "cells": list(transition.cells),
-        "released_J": transition.released,
-        "tie": transition.tie,
-    }
+def row_of(value: Node | Transition | Tie, x: str) -> Row:
+    """A value as a row; x is the suffix."""
+    row: Row = {}
+    for part in fields(value):
+        held = getattr(value, part.name)
+        if isinstance(held, TransitionKind):
+            held = held.name.lower()
+        row[_key(part.name, x)] = list(held) if isinstance(held, tuple) else held
+    return row
 
 
 def graph_of(data: Row) -> TransitionGraph:
@@ -74,25 +51,24 @@ def graph_of(data: Row) -> TransitionGraph:
     """
     found = TransitionGraph()
     x = f"_{data['drive_unit']}" if data.get("drive_unit") else ""
-    for k, row in enumerate(_rows(data, "nodes")):
-        node = _read(_node_of, row, x, f"nodes[{k}]")
+    for node in _values(Node, data, "nodes", x):
         found.add_node(node.label, node=node)
-    for k, row in enumerate(_rows(data, "edges")):
-        a, b, transition = _read(_edge_of, row, x, f"edges[{k}]")
+    for k, transition in enumerate(_values(Transition, data, "edges", x)):
+        a, b = _read(lambda row, _: (row["from"], row["to"]), data["edges"][k], x, f"edges[{k}]")
         if a not in found or b not in found:
             raise InputError(f"edges[{k}]: leads from {a!r} to {b!r}; one of them is no node.")
-        others = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
-        found.add_edge(a, b, transitions=(*others, transition))
-    ties = (_read(_tie_of, row, x, f"ties[{k}]") for k, row in enumerate(_rows(data, "ties")))
-    found.graph.update(_read(_about, data, x, "graph"), ties=tuple(ties))
+        join(found, a, b, transition)
+    ties = tuple(_values(Tie, data, "ties", x))
+    found.graph.update(_read(_about, data, x, "graph"), ties=ties)
     return nx.freeze(found)
 
 
-def _rows(data: Row, key: str) -> list[Row]:
+def _values(kind: type[Value], data: Row, key: str, x: str) -> Iterator[Value]:
     rows = data.get(key)
     if not isinstance(rows, list):
         raise InputError(f"graph: {key}: must be a list, not {type(rows).__name__}.")
-    return rows
+    for k, row in enumerate(rows):
+        yield _read(partial(_value_of, kind), row, x, f"{key}[{k}]")
 
 
 def _read(how: Callable[[Row, str], Read], row: Row, x: str, place: str) -> Read:
@@ -112,36 +88,40 @@ def _about(data: Row, x: str) -> Row:
     return known
 
 
-def _tie_of(row: Row, x: str) -> Tie:
-    return Tie(_number(row[f"drive{x}"]), tuple(map(int, row["cells"])), row["advice"])
+def _value_of(kind: type[Value], row: Row, x: str) -> Value:
+    held: list[Any] = []
+    for part in fields(kind):
+        told = row[_key(part.name, x)]
+        held.append(_READ[part.name](told) if part.name in _READ else told)
+    return kind(*held)
 
 
-def _node_of(row: Row, x: str) -> Node:
-    return Node(
-        row["label"],
-        row["state"],
-        _number(row[f"low{x}"]),
-        _number(row[f"high{x}"]),
-        _number(row["force_low_N"]),
-        _number(row["force_high_N"]),
-        tuple(map(_number, row["travel_low_m"])),
-        tuple(map(_number, row["travel_high_m"])),
-        int(row["branch"]),
-    )
-
-
-def _edge_of(row: Row, x: str) -> tuple[str, str, Transition]:
-    transition = Transition(
-        _KINDS[row["kind"]],
-        int(row["direction"]),
-        _number(row[f"drive{x}"]),
-        tuple(map(int, row["cells"])),
-        _number(row["released_J"]),
-        bool(row["tie"]),
-    )
-    return row["from"], row["to"], transition
+def _key(name: str, x: str) -> str:
+    return name + (x if name in _DRIVES else _UNITS.get(name, ""))
 
 
 def _number(value: Any) -> float:
     """One NaN for all, so that values which hold it are equal."""
     return math.nan if value is None or math.isnan(value) else float(value)
+
+
+def _numbers(values: Any) -> tuple[float, ...]:
+    return tuple(map(_number, values))
+
+
+# Of the fields of nodes, transitions and ties: those in the unit of drives, the units of others,
+# and how all that are no words are read.
+_DRIVES, _FORCES, _TRAVELS = (
+    ("low", "high", "drive"),
+    ("force_low", "force_high"),
+    ("travel_low", "travel_high"),
+)
+_UNITS = dict.fromkeys(_FORCES, "_N") | dict.fromkeys(_TRAVELS, "_m") | {"released": "_J"}
+_READ: dict[str, Callable[[Any], Any]] = {
+    **dict.fromkeys((*_DRIVES, *_FORCES, "released"), _number),
+    **dict.fromkeys(_TRAVELS, _numbers),
+    **dict.fromkeys(("branch", "direction"), int),
+    "cells": lambda cells: tuple(map(int, cells)),
+    "kind": {kind.name.lower(): kind for kind in TransitionKind}.__getitem__,
+    "tie": bool,
+}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
@@ -25,7 +25,7 @@ from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.statics import Tie
 
 if TYPE_CHECKING:
-    from stepwell.sequences.memory import Reading
+    from stepwell.sequences.memory import MemoryReading
 
 
 class TransitionGraph(nx.DiGraph):
@@ -97,7 +97,7 @@ class TransitionGraph(nx.DiGraph):
         return self.graph["unit"]
 
     @cached_property
-    def reading(self) -> Reading:
+    def reading(self) -> MemoryReading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
         from stepwell.sequences.memory import read
 
@@ -145,15 +145,18 @@ class TransitionGraph(nx.DiGraph):
         return repr(self)
 
     def __repr__(self):
-        snaps = sum(
-            t.kind is TransitionKind.SNAP
-            for _, _, transitions in self.edges(data="transitions")
-            for t in transitions
-        )
+        snaps = sum(t.kind is TransitionKind.SNAP for _, _, t in transitions(self))
         return (
             f"TransitionGraph({self.cells} cells, {len(self.vertices)} vertices, "
             f"{len(self)} nodes, {snaps} snaps)"
         )
+
+
+def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
+    """Every (from, to, transition)."""
+    for a, b, together in graph.edges(data="transitions"):
+        for transition in together:
+            yield a, b, transition
 
 
 def graph(
@@ -169,7 +172,7 @@ def graph(
     fields = relays(chain)
     if fields is not None and chain.actuator_stiffness == 0 and start is None:
         _require("relays", chain)
-        from stepwell.sequences.graphs.preisach import preisach
+        from stepwell.sequences.graphs.fields import preisach
 
         return preisach(chain, fields)
     if start is None:
@@ -224,22 +227,15 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
                 at = lower.drive[1]
                 switch = Transition(TransitionKind.SWITCH, direction, at, cells)
-                _add(found, names[number, a], names[number, b], switch)
+                join(found, names[number, a], names[number, b], switch)
         for direction, k in ((+1, len(sections) - 1), (-1, 0)):
             exit_ = branches.exit(number, direction)
             if exit_ is None:
                 continue
-            at = exit_.snap.drive[0]
+            snap, at = exit_.snap, exit_.snap.drive[0]
             target = branches[exit_.branch].find(state_of(exit_.travel, full), at)
-            snap = Transition(
-                TransitionKind.SNAP,
-                direction,
-                at,
-                exit_.snap.cells,
-                exit_.snap.released,
-                exit_.snap.tie,
-            )
-            _add(found, names[number, k], names[exit_.branch, target], snap)
+            what = TransitionKind.SNAP, direction, at, snap.cells, snap.released, snap.tie
+            join(found, names[number, k], names[exit_.branch, target], Transition(*what))
     found.graph.update(
         **about(chain),
         ties=tuple(branches.ties),
@@ -274,6 +270,7 @@ def _unlike(a: str, b: str) -> tuple[int, ...]:
     return tuple(i for i, (x, y) in enumerate(zip(a, b, strict=True)) if x != y)
 
 
-def _add(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+def join(found: TransitionGraph, a: str, b: str, transition: Transition) -> None:
+    """Let a transition lead from a to b, beside those that do already."""
     before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
     found.add_edge(a, b, transitions=(*before, transition))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Floats, Ints, Mesostates, Routes
+from stepwell.base import ByValue, Floats, Ints
+from stepwell.sequences.graphs import Atlas, Mesostates, Routes
 
 # Numbers looked up in a search (extremes squared times branches): some seconds' worth.
 _BUDGET = 2e8

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import networkx as nx
 
 from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Transition, TransitionGraph
+from stepwell.sequences.graphs import Atlas, Transition, TransitionGraph, transitions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,9 +46,9 @@ def latches(drawn: Atlas, groups: dict[str, int]) -> tuple[Latch, ...]:
     for label, group in groups.items():
         left.setdefault(group, []).append(label)
     ways: dict[int, list[tuple[str, str, Transition]]] = {}
-    for a, b, together in drawn.graph.edges(data="transitions"):
+    for a, b, transition in transitions(drawn.graph):
         if groups[a] != groups[b]:
-            ways.setdefault(groups[a], []).extend((a, b, t) for t in together)
+            ways.setdefault(groups[a], []).append((a, b, transition))
     found = [Latch(tuple(sorted(left[group])), tuple(out)) for group, out in ways.items()]
     return tuple(sorted(found, key=lambda latch: latch.nodes))
 

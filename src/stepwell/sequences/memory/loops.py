@@ -7,8 +7,8 @@ from itertools import takewhile
 
 import numpy as np
 
-from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Ints
+from stepwell.base import ByValue, Ints
+from stepwell.sequences.graphs import Atlas
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,8 @@ def loop_pairs(atlas: Atlas, among: Ints) -> list[tuple[int, int]]:
         closed = branches.falls_to(high, low)
         found += zip(low[closed].tolist(), high[closed].tolist(), strict=True)
         high = branches.rise[high]
-    return sorted(pair for pair in found if not _is_main(atlas, pair))
+    main = {(atlas.bottom, top) for top in np.flatnonzero(branches.rise < 0).tolist()}
+    return sorted(pair for pair in found if pair not in main)
 
 
 def loop_of(atlas: Atlas, pair: tuple[int, int]) -> Loop:
@@ -80,11 +81,6 @@ def loop_of(atlas: Atlas, pair: tuple[int, int]) -> Loop:
     last_up = next(v for v in reversed(up) if branch_of[v] != high)
     last_down = next(v for v in reversed(down) if branch_of[v] != low)
     return Loop(node(last_down).low, node(last_up).high, tuple(up), tuple(down))
-
-
-def _is_main(atlas: Atlas, pair: tuple[int, int]) -> bool:
-    branches = atlas.mesostates
-    return pair[0] == atlas.bottom and branches.rise[pair[1]] < 0
 
 
 def _landing(atlas: Atlas, start: int, goal: int, direction: int) -> str:

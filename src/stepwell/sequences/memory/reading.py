@@ -1,13 +1,14 @@
-"""A transition graph put into the words of the field."""
+"""A transition graph put into the words of the field, and these on paper."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Routes, TransitionGraph, atlas
+from stepwell.sequences.graphs import Atlas, Routes, TransitionGraph, atlas, drives_text
 from stepwell.sequences.memory.counting import Counting, counting
 from stepwell.sequences.memory.latches import Latch, gardens, groups_of, latches
 from stepwell.sequences.memory.loops import Loop, loop_of, loop_pairs, main_loop
@@ -19,9 +20,12 @@ MOST_LOOPS = 2000
 # Of graphs with more branches, counting from states set by hand is not looked for.
 MOST_BY_HAND = 1000
 
+_SHOWN = 6  # items of a list
+_BY_HAND = " (set by hand)"
+
 
 @dataclass(frozen=True, eq=False)
-class Reading(ByValue):
+class MemoryReading(ByValue):
     """What a transition graph says about a machine, in terms that the literature uses.
 
     A *branch* here is all that the chain goes through to and fro without a snap; under force
@@ -67,19 +71,17 @@ class Reading(ByValue):
     def __repr__(self):
         memory = "return-point memory" if self.return_point_memory.holds else "forgets a turn"
         return (
-            f"Reading({self.graph.cells} cells, {self.branches} branches, {self.sub_loop_count} "
-            f"sub-loops, {len(self.unreachable)} unreachable, {memory}, "
+            f"MemoryReading({self.graph.cells} cells, {self.branches} branches, "
+            f"{self.sub_loop_count} sub-loops, {len(self.unreachable)} unreachable, {memory}, "
             f"{len(self.scrambling)} scrambled pairs, "
             f"{len(self.counting.accumulators)} accumulators, {len(self.latches)} latches)"
         )
 
     def __str__(self):
-        from stepwell.sequences.memory.report import report
-
-        return report(self)
+        return _report(self)
 
 
-def read(graph: TransitionGraph) -> Reading:
+def read(graph: TransitionGraph) -> MemoryReading:
     """Recognise in a graph what the field has names for.
 
     Args:
@@ -97,7 +99,7 @@ def read(graph: TransitionGraph) -> Reading:
     reachable = frozenset(label for number in reached.tolist() for label in drawn.labels[number])
     memory = return_point_memory(drawn, routes)
     groups = groups_of(graph)
-    return Reading(
+    return MemoryReading(
         graph,
         len(drawn.mesostates),
         main_loop(drawn),
@@ -120,3 +122,50 @@ def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
     if remembers and not by_hand:
         return Counting((), True)
     return counting(drawn, routes, by_hand=by_hand)
+
+
+def _report(reading: MemoryReading) -> str:
+    """One line for each thing that was looked for."""
+    graph, names, counted = reading.graph, reading.graph.names, reading.counting
+    loops, gardens = reading.sub_loops, reading.garden_of_eden
+    sub_loops = f"{reading.sub_loop_count}"
+    if loops is not None:
+        sub_loops = f"{sub_loops}: {_listed(map(str, loops))}" if loops else _listed([])
+    lapse, memory = reading.return_point_memory.witness, "holds"
+    if lapse is not None:
+        way = drives_text(graph.unit, lapse.turns, " → ")
+        memory = f"fails: {way} stands at {lapse.first} when first there and at {lapse.later} later"
+    scrambled = (
+        f"{names[s.cells[0]]} {'up' if s.direction > 0 else 'down'} before {names[s.cells[1]]} "
+        f"from {s.i_first}, after it from {s.j_first}{'' if s.reachable else _BY_HAND}"
+        for s in reading.scrambling
+    )
+    counts = (
+        f"{'>'.join(a.states)} in cycles of {drives_text(graph.unit, (a.low, a.high))}"
+        f"{_BY_HAND if a.by_hand else ''}"
+        for a in counted.accumulators
+    )
+    part = "" if counted.exhaustive else " (searched in part)"
+    eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
+    ways = (f"{a}>{b}" for latch in reading.latches for a, b, _ in latch.ways)
+    lines = [
+        f"{graph.cells} cells driven by {graph.actuator}: {len(graph.vertices)} vertices on "
+        f"{reading.branches} branches",
+        f"main loop            {reading.main_loop}",
+        f"sub-loops            {sub_loops}",
+        f"Garden of Eden       {eden}",
+        f"not from all at 0    {_listed(reading.unreachable)}",
+        f"return-point memory  {memory}",
+        f"scrambling           {_listed(scrambled)}",
+        f"accumulators         {_listed(counts)}{part}",
+        f"latches              {_listed(ways)}",
+    ]
+    if graph.ties:
+        lines.append(f"ties                 {len(graph.ties)}, so other ways are possible")
+    return "\n".join(lines)
+
+
+def _listed(items: Iterable[str]) -> str:
+    every = list(items)
+    more = f" and {len(every) - _SHOWN} more" if len(every) > _SHOWN else ""
+    return f"{', '.join(every[:_SHOWN])}{more}" or "none"

@@ -173,12 +173,6 @@ def _simplest(
             if branches.low[number] < lapse.entered - branches.slip:
                 begins.append((int(routes.depth[number]), number, lapse))
     _, start, lapse = min(begins)
-    return _forgetting(atlas, routes, branches, start, lapse, direction)
-
-
-def _forgetting(
-    atlas: Atlas, routes: Routes, branches: Mesostates, start: int, lapse: _Lapse, direction: int
-) -> Forgetting:
     low, high = branches.low, branches.high
     before = float(low[start])
     if branches.fall[start] >= 0:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue
-from stepwell.sequences.graphs import Atlas, Mask
+from stepwell.base import Bools, ByValue
+from stepwell.sequences.graphs import Atlas
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +62,7 @@ def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...
     return tuple(found)
 
 
-def _flips_and_waits(atlas: Atlas, vertices: Sequence[str], direction: int) -> tuple[Mask, Mask]:
+def _flips_and_waits(atlas: Atlas, vertices: Sequence[str], direction: int) -> tuple[Bools, Bools]:
     """(V, N) which cells flip on the way from each vertex to the next, and which could but wait."""
     steps = atlas.up if direction > 0 else atlas.down
     before, ahead = "01" if direction > 0 else "10"

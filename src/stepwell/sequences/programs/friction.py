@@ -15,17 +15,13 @@ from functools import partial
 from stepwell.base import bisected
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, Section, Travels, passages_of
-from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
 from stepwell.statics import StaticsError, path
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
 # Places closer than this share of all that can be travelled and driven are not both tried.
 _SAME = 1e-4
-_METHOD = (
-    "searched with friction, turning in the middle of every smooth part of every run; each window "
-    "was bisected with the other turns where they are, and a shorter program may exist"
-)
 
 
 def search_with_friction(
@@ -56,8 +52,8 @@ def search_with_friction(
                 return _widened(branches, start, to, origin, turns, (low, high))
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
                 middle = sum(section.drive) / 2
-                stopped = _stopped(chain, travels, drive, middle)
-                waiting.append((*stopped, -direction, (*turns, middle)))
+                stopped = tuple(path(chain, [drive, middle], start=travels).end.tolist())
+                waiting.append((stopped, middle, -direction, (*turns, middle)))
     raise Unreachable(
         f"no program from {start} to {to} was found: {len(seen)} places with up to {_MOST_TURNS} "
         f"turns were tried, turning in the middle of every smooth part. With friction that is a "
@@ -68,18 +64,11 @@ def search_with_friction(
 
 def _sections(chain: Chain, travels: Travels, drive: float, end: float) -> list[Section]:
     try:
-        return [
-            p
-            for passage in passages_of(path(chain, [drive, end], start=travels))
-            for p in passage.sections
-        ]
+        passages = passages_of(path(chain, [drive, end], start=travels))
+        return [section for passage in passages for section in passage.sections]
     except (StaticsError, ValueError):
         # A place between two events that balance to the last digit: others are near by.
         return []
-
-
-def _stopped(chain: Chain, travels: Travels, drive: float, at: float) -> tuple[Travels, float]:
-    return tuple(path(chain, [drive, at], start=travels).end.tolist()), at
 
 
 def _widened(
@@ -108,14 +97,12 @@ def _widened(
         rises = points[k] > points[k - 1]
         inner = max(points[k - 1], points[k + 1]) if rises else min(points[k - 1], points[k + 1])
         outer = branches.range[1] if rises else branches.range[0]
-        low, high = sorted(_last_good(k, points[k], far, works) for far in (inner, outer))
+        # The drive furthest towards each of the two at which the turn still works.
+        low, high = sorted(
+            far if works(k, far) else bisected(partial(works, k), points[k], far, 30)[0]
+            for far in (inner, outer)
+        )
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
-    return Program(
-        chain, start, to, origin[1], points[-1], tuple(windows), *ends, _METHOD, False, origin[0]
-    )
-
-
-def _last_good(k: int, good: float, bad: float, works: Callable[[int, float], bool]) -> float:
-    """The drive furthest from `good` towards `bad` at which a turn still works, by bisection."""
-    return bad if works(k, bad) else bisected(partial(works, k), good, bad, 30)[0]
+    method = ProgramMethod.FRICTION
+    return Program(chain, start, to, origin[1], tuple(windows), *ends, method, False, origin[0])

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 from stepwell.base import InputError
-from stepwell.concave import Relays, fewest_strokes, relays
+from stepwell.concave import fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
@@ -20,19 +20,13 @@ from stepwell.sequences.branches import (
     passages_of,
 )
 from stepwell.sequences.programs.friction import search_with_friction
-from stepwell.sequences.programs.program import Program, Turn, Unreachable
+from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
 from stepwell.statics import path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
 # Branches after which a search gives up without an answer.
 _MOST_BRANCHES = 20_000
-
-_BY_BRANCHES = (
-    "found among all branches that can be reached, in the order of the number of turns: none does "
-    "it with fewer"
-)
-_BY_FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
 
 Progress = Callable[[int, int], None]
 
@@ -98,20 +92,8 @@ def _by_fields(
     aimed = _aimed(branches, origin, plan.states)
     if aimed is None:
         return None
-    turns, low, high = aimed
-    return Program(
-        chain,
-        start,
-        to,
-        origin[1],
-        (low + high) / 2,
-        turns,
-        low,
-        high,
-        _BY_FIELDS,
-        order.leaders_win,
-        origin[0],
-    )
+    method, shortest = ProgramMethod.FIELDS, order.leaders_win
+    return Program(chain, start, to, origin[1], *aimed, method, shortest, origin[0])
 
 
 def _aimed(
@@ -122,12 +104,11 @@ def _aimed(
     turns: list[Turn] = []
     low = high = drive
     for state in states:
-        rises = _stroke(state) > _stroke_of(travels, branches.chain)
+        full = zip(travels, branches.chain.cells, strict=True)
+        rises = state.count("1") > sum(s > 0.5 * cell.full_travel for s, cell in full)
         end = branches.range[1] if rises else branches.range[0]
         for passage in passages_of(path(branches.chain, [drive, end], start=travels)):
-            section = next(
-                (section for section in passage.sections if section.state == state), None
-            )
+            section = next((one for one in passage.sections if one.state == state), None)
             if section is not None:
                 break
         else:
@@ -138,14 +119,6 @@ def _aimed(
         turns.append(Turn((first + last) / 2, first, last, vertices))
         travels, drive = section.travel[0], section.drive[0]
     return tuple(turns[:-1]), low, high
-
-
-def _stroke(state: str) -> int:
-    return state.count("1")
-
-
-def _stroke_of(travels: Travels, chain: Chain) -> int:
-    return sum(s > 0.5 * c.full_travel for s, c in zip(travels, chain.cells, strict=True))
 
 
 @dataclass(frozen=True)
@@ -184,12 +157,8 @@ def _by_branches(
     looked: set[int] = set()
     while heap:
         _, _, reached = heapq.heappop(heap)
-        key = (
-            reached.branch,
-            reached.direction,
-            reached.can_turn,
-            round(reached.entry / branches.slip),
-        )
+        entry = round(reached.entry / branches.slip)
+        key = reached.branch, reached.direction, reached.can_turn, entry
         if key in seen:
             continue
         seen.add(key)
@@ -198,11 +167,8 @@ def _by_branches(
             progress(len(looked), len(branches))
         end = _end(branches, reached, to)
         if end is not None:
-            low, high = end
-            return Program(
-                branches.chain, start, to, origin[1], (low + high) / 2, reached.turns, low, high,
-                _BY_BRANCHES, not branches.ties, origin[0],
-            )  # fmt: skip
+            found = branches.chain, start, to, origin[1], reached.turns, *end
+            return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0])
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
                 f"no program from {start} to {to} with {len(reached.turns)} turns or fewer, and "
@@ -213,15 +179,7 @@ def _by_branches(
             push(_turned(branches, reached))
         exit_ = branches.exit(reached.branch, reached.direction)
         if exit_ is not None:
-            push(
-                _Reached(
-                    exit_.branch,
-                    reached.direction,
-                    exit_.snap.drive[1],
-                    reached.turns,
-                    can_turn=True,
-                )
-            )
+            push(replace(reached, branch=exit_.branch, entry=exit_.snap.drive[1], can_turn=True))
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(
         f"no program leads from {start} to {to}: every branch that can be reached from {start} "
@@ -265,11 +223,9 @@ def _why(branches: Branches, to: str) -> str:
         tie = next(iter(branches.ties))
         return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
     chain = branches.chain
-    fields: Relays | None = relays(chain)
-    if fields is None:
+    fields = relays(chain)
+    blocked = fewest_strokes(fields, "0" * len(chain), to).blocked if fields else None
+    if blocked is None:
         return ""
-    plan = fewest_strokes(fields, "0" * len(chain), to)
-    if plan.blocked is None:
-        return ""
-    i, j = (chain.names[k] for k in plan.blocked)
+    i, j = (chain.names[k] for k in blocked)
     return f"{i} goes to 1 before {j} and back to 0 after it."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence as Drives
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
@@ -14,7 +15,20 @@ from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
 from stepwell.statics import Path
 
-_GIVEN = "as it was given"
+
+class ProgramMethod(StrEnum):
+    """How a program was found, and what that says of shorter ones."""
+
+    BRANCHES = (
+        "found among all branches that can be reached, in the order of the number of turns: none "
+        "does it with fewer"
+    )
+    FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
+    FRICTION = (
+        "searched with friction, turning in the middle of every smooth part of every run; each "
+        "window was bisected with the other turns where they are, and a shorter program may exist"
+    )
+    GIVEN = "as it was given"
 
 
 def turn_schema(unit: str) -> Schema:
@@ -57,11 +71,11 @@ class Program(ByValue):
     Attributes:
         chain: what is driven, with its actuator.
         start, to: the states, such as "10".
-        begin, end: drives at which they stand [m], or [N] under force control.
+        begin: drive at which it stands at the start [m], or [N] under force control.
         turns: what lies between; empty where one stroke does it.
         low, high: the drives between which the last stroke may end and the chain still stand at
             `to`: one stroke under a rigid actuator, which has a state at one stroke only.
-        method: how it was found and why there is none shorter, in words.
+        method: how it was found and why there is none shorter.
         shortest: whether that is proved.
     """
 
@@ -69,11 +83,10 @@ class Program(ByValue):
     start: str
     to: str
     begin: float
-    end: float
     turns: tuple[Turn, ...]
     low: float
     high: float
-    method: str
+    method: ProgramMethod
     shortest: bool
     _start_travel: tuple[float, ...] = field(repr=False)
 
@@ -108,11 +121,14 @@ class Program(ByValue):
             Turn(point, low, high, ())
             for point, (low, high) in zip(points[1:-1], windows(chain, start, points), strict=True)
         )
-        end = points[-1]
-        return cls(
-            chain, start, to or arrival(path), points[0], end, turns, end, end, _GIVEN, False,
-            path.start,
-        )  # fmt: skip
+        to, ends = to or arrival(path), (points[-1], points[-1])
+        method = ProgramMethod.GIVEN
+        return cls(chain, start, to, points[0], turns, *ends, method, False, path.start)
+
+    @property
+    def end(self) -> float:
+        """Drive at which the last stroke ends, the middle of its window [m], or [N]."""
+        return (self.low + self.high) / 2
 
     @property
     def turning_points(self) -> tuple[float, ...]:

@@ -19,7 +19,6 @@ from stepwell.statics.following.state import (
     DONE,
     FREE,
     GAVE_UP,
-    HELD,
     LOG_FULL,
     NOT_SETTLED,
     RUNS_AWAY,
@@ -28,4 +27,5 @@ from stepwell.statics.following.state import (
     State,
     drive_of,
     held_range,
+    hold,
 )

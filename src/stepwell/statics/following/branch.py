@@ -7,8 +7,9 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 
 import numpy as np
 
+from stepwell.base import Floats
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Floats, Laws, law
+from stepwell.mechanism import Laws, law
 from stepwell.statics.following.pieces import Pieces, invert
 from stepwell.statics.following.state import Movers, Problem
 

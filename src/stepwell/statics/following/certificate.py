@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from stepwell.base import Floats
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Floats, Laws, law, stored
+from stepwell.mechanism import Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,
@@ -100,7 +101,7 @@ def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
     now = start.copy()
     lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
     for i in range(n):
-        _stands(laws, pieces, i, -1, now[i], lowest, highest)
+        _stands(problem, i, -1, now[i], lowest, highest)
     size = np.max(laws.full)
     for k in range(log.used[0]):
         if overspent(problem.effort, 1):
@@ -113,7 +114,7 @@ def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
             mover = log.movers[j]
             i, piece = int(mover[CELL]), int(mover[PIECE])
             now[i] = mover[TRAVEL_1]
-            value = _stands(laws, pieces, i, piece, now[i], lowest, highest)
+            value = _stands(problem, i, piece, now[i], lowest, highest)
             if piece >= 0:
                 gap = max(gap, abs(value + mover[OFFSET] - force))
                 miss = _unbalanced(laws, pieces, i, piece, mover[TRAVEL_0], mover[TRAVEL_1])
@@ -149,15 +150,10 @@ def _snaps_again(log: Log, k: int) -> bool:
 
 @kernel
 def _stands(
-    laws: Laws,
-    pieces: Pieces,
-    cell: int,
-    piece: int,
-    travel: float,
-    lowest: Floats,
-    highest: Floats,
+    problem: Problem, cell: int, piece: int, travel: float, lowest: Floats, highest: Floats
 ) -> float:
     """Write down between which λ a cell stands; its force [N]."""
+    laws, pieces = problem.laws, problem.pieces
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
     lowest[cell] = value - laws.friction[cell] if travel > 0.0 else -np.inf

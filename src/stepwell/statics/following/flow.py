@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, summed
+from stepwell.mechanism import Laws, law, pick_rows, summed
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.state import Problem
 

@@ -6,8 +6,9 @@ two forces, so nothing here depends on a step size.
 
 import numpy as np
 
+from stepwell.base import Floats
 from stepwell.kernels import SPENT, STROKES, entry, kernel, overspent
-from stepwell.mechanism import Floats, summed
+from stepwell.mechanism import summed
 from stepwell.statics.following.log import FOLD
 from stepwell.statics.following.smooth import (
     FLAT,

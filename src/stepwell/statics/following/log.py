@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.mechanism import Floats, Ints
+from stepwell.base import Floats, Ints
 
 # What happens on a segment; on a drift, cells of constant force move.
 HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3

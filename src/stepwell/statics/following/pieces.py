@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, pick_rows, travel_of, turn_at
+from stepwell.mechanism import Laws, law, pick_rows, travel_of, turn_at
 
 _NODES = 13
 _DEPTH = 40
@@ -101,14 +102,20 @@ def cut_points(laws: Laws, cell: int) -> Floats:
     return points[:kept]
 
 
-@kernel
-def _verdict(
-    laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float, noise: float
-) -> int:
-    """0: no root of the order-th derivative of F in [a, b]; 1: monotone there; 2: unknown.
+class Derivative(NamedTuple):
+    """The force of a cell by its travel on fixed rows, or a derivative of it."""
 
-    A derivative that is nowhere above `noise` is taken for zero, which has no sign to change.
-    """
+    laws: Laws
+    cell: int
+    picked: Ints
+    order: int  # 0 for F, 1 for κ, 2 for dκ/ds
+    noise: float  # where it is nowhere larger than this it is zero, which has no sign to change
+
+
+@kernel
+def _verdict(of: Derivative, a: float, b: float) -> int:
+    """0: no root of the derivative in [a, b]; 1: monotone there; 2: unknown."""
+    laws, cell, picked, order, noise = of
     values = np.empty(_NODES)
     for i in range(_NODES):
         values[i] = law(laws, cell, picked, 0.5 * (a + b) + 0.5 * (b - a) * _POINTS[i])[order]
@@ -153,8 +160,9 @@ def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[f
 
 
 @kernel
-def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -> float:
+def _root(of: Derivative, a: float, b: float) -> float:
     """The sign change in [a, b], by bisection with a secant guess each time."""
+    laws, cell, picked, order, _ = of
     fa = law(laws, cell, picked, a)[order]
     fb = law(laws, cell, picked, b)[order]
     for step in range(200):
@@ -175,18 +183,9 @@ def _root(laws: Laws, cell: int, picked: Ints, order: int, a: float, b: float) -
 
 
 @kernel
-def _roots(
-    laws: Laws,
-    cell: int,
-    picked: Ints,
-    order: int,
-    a: float,
-    b: float,
-    noise: float,
-    out: Floats,
-    used: int,
-) -> int:
+def _roots(of: Derivative, a: float, b: float, out: Floats, used: int) -> int:
     """Append to `out` every root in (a, b), and any place where a root cannot be ruled out."""
+    laws, cell, picked, order, _ = of
     left = np.empty(4 * _DEPTH)
     right = np.empty(4 * _DEPTH)
     depth = np.empty(4 * _DEPTH, np.int64)
@@ -195,7 +194,7 @@ def _roots(
     while waiting > 0 and used < len(out):
         waiting -= 1
         lo, hi, level = left[waiting], right[waiting], depth[waiting]
-        verdict = _verdict(laws, cell, picked, order, lo, hi, noise)
+        verdict = _verdict(of, lo, hi)
         if verdict == 0:
             continue
         at_lo = law(laws, cell, picked, lo)[order]
@@ -203,7 +202,7 @@ def _roots(
         if verdict == 1 and (at_lo < 0.0) == (at_hi < 0.0):
             continue
         if verdict == 1:
-            out[used] = _root(laws, cell, picked, order, lo, hi)
+            out[used] = _root(of, lo, hi)
             used += 1
         elif level >= _DEPTH or hi - lo < 1e-10 * (b - a):
             # A needless cut costs nothing; a missed one would cost the proof.
@@ -223,36 +222,18 @@ def cut(laws: Laws) -> Pieces:
     slots = int(np.max(np.diff(laws.band_first))) + 1
     room = 16 * cells + 64
     while True:
-        first = np.zeros(cells + 1, np.int64)
-        left, right, force_left, force_right = np.empty((4, room))
-        sign = np.empty(room, np.int64)
-        picked = np.full((room, slots), -1, np.int64)
-        total = _cut(laws, first, left, right, force_left, force_right, sign, picked)
+        columns = np.zeros(cells + 1, np.int64), *np.empty((4, room)), np.empty(room, np.int64)
+        pieces = Pieces._make((*columns, np.full((room, slots), -1, np.int64)))
+        total = _cut(laws, pieces)
         if total >= 0:
-            return Pieces(
-                first,
-                left[:total].copy(),
-                right[:total].copy(),
-                force_left[:total].copy(),
-                force_right[:total].copy(),
-                sign[:total].copy(),
-                picked[:total].copy(),
-            )
+            return Pieces._make((pieces.first, *(column[:total].copy() for column in pieces[1:])))
         room *= 2
 
 
 @entry(6e-3, "laws.lever")
-def _cut(
-    laws: Laws,
-    first: Ints,
-    left: Floats,
-    right: Floats,
-    force_left: Floats,
-    force_right: Floats,
-    sign: Ints,
-    picked: Ints,
-) -> int:
-    """Fill the fields of `Pieces`; how many there are, or -1 where they are more than fit in."""
+def _cut(laws: Laws, out: Pieces) -> int:
+    """Fill the pieces; how many there are, or -1 where they are more than fit in."""
+    first, left, right, force_left, force_right, sign, picked = out
     cells = len(laws.lever)
     found = np.empty(4 * MOST_PIECES)
     rows = np.full(picked.shape[1], -1, np.int64)
@@ -279,9 +260,9 @@ def _cut(
                 force, slope = _largest(laws, i, rows, a, b)
                 flat = slope * (b - a) <= _FLAT * force
                 if not flat:
-                    used = _roots(laws, i, rows, 1, a, b, 0.0, found, used)
+                    used = _roots(Derivative(laws, i, rows, 1, 0.0), a, b, found, used)
                     steady = _FLAT * slope / (b - a)
-                    used = _roots(laws, i, rows, 2, a, b, steady, found, used)
+                    used = _roots(Derivative(laws, i, rows, 2, steady), a, b, found, used)
             cuts = np.empty(used + 2)
             cuts[0], cuts[1] = a, b
             cuts[2:] = found[:used]

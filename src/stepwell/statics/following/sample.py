@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Floats, Ints, law, summed
+from stepwell.mechanism import law, summed
 from stepwell.statics.following.branch import point_at
 from stepwell.statics.following.certificate import certify
 from stepwell.statics.following.log import (

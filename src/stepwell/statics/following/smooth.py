@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.mechanism import Laws, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert
@@ -45,7 +46,7 @@ BLUNT = 1e-7
 _NOTHING = 0
 
 
-class Event(NamedTuple):
+class BranchEnd(NamedTuple):
     """What comes first on a branch."""
 
     why: int  # RELEASE, KINK (the end of a piece), FOLD or _NOTHING
@@ -310,7 +311,7 @@ def _first_to_arrive(
 @kernel
 def _first_event(
     problem: Problem, state: State, movers: Movers, toward: int, direction: int
-) -> Event:
+) -> BranchEnd:
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
     laws, pieces = problem.laws, problem.pieces
     force, tie_force = state.force[0], TIE * problem.scale
@@ -318,9 +319,9 @@ def _first_event(
     release, cell = _first_to_let_go(problem, state, toward)
     releases = release < arrival - tie_force
     if releases:
-        return Event(RELEASE, force + toward * release, cell, toward, -1, -1.0)
+        return BranchEnd(RELEASE, force + toward * release, cell, toward, -1, -1.0)
     if who < 0:
-        return Event(_NOTHING, force, -1, toward, -1, -1.0)
+        return BranchEnd(_NOTHING, force, -1, toward, -1, -1.0)
     arrives, on = movers.cell[who], movers.piece[who]
     heading = toward * int(pieces.sign[on])
     if release <= arrival + tie_force:
@@ -331,11 +332,13 @@ def _first_event(
             set_tie(state.tie, arrives, cell)
     end = pieces.force_right[on] if heading > 0 else pieces.force_left[on]
     level = end + movers.offset[who] if arrival > 0.0 else force
-    return Event(KINK, level, arrives, heading, who, arrival if company else -1.0)
+    return BranchEnd(KINK, level, arrives, heading, who, arrival if company else -1.0)
 
 
 @kernel
-def _or_fold(problem: Problem, state: State, movers: Movers, event: Event, toward: int) -> Event:
+def _or_fold(
+    problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int
+) -> BranchEnd:
     """The event, or the fold that comes before it."""
     blunt = toward * BLUNT * problem.scale
     begins, ends = state.force[0], event.level
@@ -346,13 +349,13 @@ def _or_fold(problem: Problem, state: State, movers: Movers, event: Event, towar
     if toward * (ends - begins) > 0.0:
         fold = first_fold(problem, movers, begins, ends)
         if not np.isnan(fold) and abs(fold - event.level) > 1e-12 * problem.scale:
-            return Event(FOLD, fold, _leader(problem.pieces, movers), -toward, -1, -1.0)
+            return BranchEnd(FOLD, fold, _leader(problem.pieces, movers), -toward, -1, -1.0)
     return event
 
 
 @kernel
 def _places_at(
-    problem: Problem, state: State, movers: Movers, event: Event, toward: int, out: Floats
+    problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int, out: Floats
 ) -> None:
     """Travels of the movers at an event, into `out`; those that come to an end are there."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]

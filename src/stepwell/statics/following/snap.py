@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from stepwell.base import Floats
 from stepwell.kernels import kernel
-from stepwell.mechanism import Floats, law, stored, summed
+from stepwell.mechanism import law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import JOINED, STOPPED, UNDECIDED, Line, land

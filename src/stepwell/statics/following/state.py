@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Floats, Ints, Laws, law, summed
+from stepwell.mechanism import Laws, law, summed
 from stepwell.statics.following.log import (
     CAUSE,
     CELL,

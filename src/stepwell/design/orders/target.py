@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from stepwell.design.orders.orders import Orders, Wish
+from stepwell.design.orders.orders import Orders, Wish, short
 from stepwell.design.orders.reached import MOST_CELLS, searched, unlike
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
+from stepwell.statics import StaticsError
 
 
 class Seen(NamedTuple):
@@ -29,7 +30,7 @@ class Seen(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Goal:
+class Target:
     """A cycle, or a set of states that shall be in reach and no others.
 
     Attributes:
@@ -72,6 +73,13 @@ class Goal:
         return Seen(
             result.sequence, states, bool(result.degenerate or ties), abs(result.peak_force)
         )
+
+    def fault(self, chain: Chain, orders: Orders | None) -> str:
+        """What is wrong with a chain, by the engine; "" where it does what is wanted."""
+        try:
+            return short(self.misses(self.look(chain), orders))
+        except (StaticsError, ValueError) as failure:
+            return str(failure)
 
     def misses(self, seen: Seen, orders: Orders | None) -> str:
         """What is wrong with what a chain does; "" where it is as wanted.

@@ -1,0 +1,39 @@
+"""Mechanisms made at random and counted: the share that works, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from stepwell.base import ByValue
+from stepwell.design.tolerances.tolerances import Tolerances
+from stepwell.mechanism import Chain
+
+VARIED = (
+    "assumed: every part varies by itself, anchors, levers and friction evenly within their "
+    "tolerance, k and ℓ0 normally; quasi-static"
+)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Counted(ByValue):
+    """How many of n mechanisms, made at random after a drawing, do something."""
+
+    chain: Chain = field(repr=False)
+    tolerances: Tolerances
+    n: int
+    seed: int
+    successes: int
+
+    @property
+    def share(self) -> float:
+        """Successes over n: the estimate of the probability."""
+        return self.successes / self.n
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
+        from scipy.stats import binomtest
+
+        found = binomtest(self.successes, self.n).proportion_ci(0.95, "exact")
+        return float(found.low), float(found.high)
