@@ -1,11 +1,9 @@
 """Where a cell stops having two stable states, in the plane of two parameters."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats, Ints
 from stepwell.design.maps.outcomes import IMPOSSIBLE, Outcomes
-
-Floats = NDArray[np.float64]
 
 
 class Stability:
@@ -41,7 +39,7 @@ class Stability:
         across, along = dy * cosine, dx * sine
         return np.stack([along + across, along - across, lever + np.hypot(dx, dy) - rest], axis=1)
 
-    def __call__(self, values: Floats) -> NDArray[np.int64]:
+    def __call__(self, values: Floats) -> Ints:
         """The number of states; `IMPOSSIBLE` where there is no such cell."""
         if self.words:
             return 1 + np.all(self.limits(values) > 0, axis=1).astype(np.int64)

@@ -7,9 +7,9 @@ from itertools import combinations
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stepwell.base import InputError
+from stepwell.base import Bools, Floats, InputError, Ints
 from stepwell.concave import Simple, end_forces
 from stepwell.design.maps.between import between
 from stepwell.design.maps.bistable import Stability
@@ -28,9 +28,6 @@ from stepwell.design.plane import (
 )
 from stepwell.mechanism import Chain
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 K = TypeVar("K")
 Place = Callable[[Floats], Floats]
 

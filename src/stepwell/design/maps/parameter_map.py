@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import InputError, __version__, require
+from stepwell.base import Floats, InputError, __version__, require
 from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
@@ -19,7 +19,6 @@ from stepwell.sequences import Pathway
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = NDArray[np.float64]
 Axis = tuple[str | Parameter, ArrayLike]
 Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
 Progress = Callable[[int, int], None]

@@ -6,12 +6,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stepwell.base import bisected
+from stepwell.base import Bools, Floats, bisected
 from stepwell.design.margins.displacements import Displacements
 
-Floats = NDArray[np.float64]
 Does = Callable[[Floats], bool]
 
 # Rings around the start for what lies nearly everywhere beyond some boundary: each half as wide
@@ -111,9 +109,7 @@ def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def _behind(
-    does: Does, ring: Floats, hits: NDArray[np.bool_], best: Floats | None
-) -> Floats | None:
+def _behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Floats | None:
     """The nearest place behind the places of a ring that do it, or `best` if that is nearer."""
     plane = ring.shape[1] == 2
     for arc in _arcs(hits) if plane else np.flatnonzero(hits)[:, None].tolist():
@@ -133,7 +129,7 @@ def _behind(
     return best
 
 
-def _arcs(hits: NDArray[np.bool_]) -> list[list[int]]:
+def _arcs(hits: Bools) -> list[list[int]]:
     """Numbers of neighbouring places around a ring that do it, side by side."""
     size = len(hits)
     if hits.all():

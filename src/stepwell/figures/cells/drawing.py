@@ -8,12 +8,10 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.cells.linkage import LinkageDrawing, Pose
 from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours, hollow
-
-Array = NDArray[np.float64]
 
 THINNEST, THICKEST = 0.7, 3.0
 SLACK_DASHES = (0, (2.0, 1.6))
@@ -71,7 +69,7 @@ class Drawing:
         """From the lowest to the topmost."""
         return (self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors)
 
-    def move(self, travels: Sequence[float] | Array) -> Pose:
+    def move(self, travels: Sequence[float] | Floats) -> Pose:
         """Put every part where it is at these travels (N,) [m]."""
         pose = self.linkage.pose(travels)
         left, bottom, right, top = pose.blocks.T
@@ -89,5 +87,5 @@ class Drawing:
         self.anchors.set_offsets(bands.reshape(-1, 2))
         return pose
 
-    def _page(self, xy: Array) -> Array:
+    def _page(self, xy: Floats) -> Floats:
         return self.origin + self.scale * xy

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
@@ -32,8 +32,6 @@ from stepwell.figures.common import (
     text_at,
 )
 from stepwell.mechanism import Chain
-
-Array = NDArray[np.float64]
 
 MOST_CELLS = 16
 _WIDE = 130.0
@@ -163,7 +161,7 @@ def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tu
     return order
 
 
-def _narrowest(forces: Array, orders: tuple[Sequence[int], Sequence[int]]) -> _Gap | None:
+def _narrowest(forces: Floats, orders: tuple[Sequence[int], Sequence[int]]) -> _Gap | None:
     """The step between neighbours that is smallest, or farthest the wrong way."""
     gaps = [
         _Gap(i, j, side, sign * float(forces[j, side] - forces[i, side]))
@@ -179,7 +177,7 @@ def _name(chain: Chain, side: int) -> str:
     return f"${symbol}$, {('at 0', 'at 1')[side]} [N]"
 
 
-def _draw_cloud(ax: Axes, points: Array, colour: str) -> None:
+def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
     """Single mechanisms as dots, and the ellipse that holds most of them."""
     points = points[np.isfinite(points).all(axis=1)]
     ax.scatter(*points.T, s=0.8, color=colour, alpha=0.35, linewidth=0, zorder=2, rasterized=True)
@@ -193,12 +191,12 @@ def _draw_cloud(ax: Axes, points: Array, colour: str) -> None:
 
 
 def _draw_order(
-    ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Array, cloud: Array | None
+    ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Floats, cloud: Floats | None
 ) -> None:
     """A row for every cell, at its force or over the range of it, the first to move on top."""
     colours = cell_colours(len(order))
 
-    def turned(values: Sequence[float], rows: Sequence[float]) -> Array:
+    def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:
         return np.array([values, rows] if side == 0 else [rows, values])
 
     for row, cell in enumerate(order):

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.mechanism import Chain
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,15 +26,15 @@ class Pose:
         slack: (B,) whether the band is slack.
     """
 
-    blocks: Array
-    levers: Array
-    bands: Array
-    posts: Array
-    tension: Array
-    slack: NDArray[np.bool_]
+    blocks: Floats
+    levers: Floats
+    bands: Floats
+    posts: Floats
+    tension: Floats
+    slack: Bools
 
     @property
-    def points(self) -> Array:
+    def points(self) -> Floats:
         """(n, 2) corners of the blocks and ends of all else but the posts [m]."""
         parts = (self.blocks, self.bands, self.levers)
         return np.concatenate([part.reshape(-1, 2) for part in parts])
@@ -65,15 +63,15 @@ class LinkageDrawing:
         self.spans = [a + b + room for a, b in pairwise(halves)]
         self.owner = np.array([i for i, cell in enumerate(cells) for _ in cell.bands])
 
-    def pose(self, travels: Sequence[float] | Array) -> Pose:
+    def pose(self, travels: Sequence[float] | Floats) -> Pose:
         """Everything in its place at these travels (N,) [m]."""
         reach, half = self.reach, self.half_block
         inner = np.zeros(2)
         left = -reach
         blocks: list[list[float]] = []
-        levers: list[Array] = []
-        bands: list[Array] = []
-        posts: list[Array] = []
+        levers: list[Floats] = []
+        bands: list[Floats] = []
+        posts: list[Floats] = []
         tension: list[float] = []
         slack: list[bool] = []
         for i, cell in enumerate(self.chain.cells):
@@ -109,7 +107,7 @@ class LinkageDrawing:
         )
 
     def bounds(
-        self, states: Iterable[Sequence[float] | Array], room: float = 0.0
+        self, states: Iterable[Sequence[float] | Floats], room: float = 0.0
     ) -> tuple[float, float, float, float]:
         """left, bottom, right, top [m] of the chain at all these travels (N,), with room around."""
         points = np.concatenate([self.pose(travels).points for travels in states])
@@ -127,5 +125,5 @@ class LinkageDrawing:
         return found
 
 
-def _xy(x: float, y: float) -> Array:
+def _xy(x: float, y: float) -> Floats:
     return np.array([x, y])

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     COLUMN,
     INK,
@@ -27,8 +26,7 @@ from stepwell.figures.common import (
 )
 from stepwell.mechanism import Cell
 
-Array = NDArray[np.float64]
-Curve = Callable[[Cell, Array], Array]
+Curve = Callable[[Cell, Floats], Floats]
 
 _SAMPLES = 181
 _END_0, _END_1, _PEAK = "<", ">", "D"
@@ -48,7 +46,7 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
     Source: Kamp et al. 2024, Fig. 1D.
     """
 
-    def scaled(cell: Cell, theta: Array) -> Array:
+    def scaled(cell: Cell, theta: Floats) -> Floats:
         return cell.force(theta) / (_stiffness(cell) * cell.lever)
 
     return _curves(cells, scaled, ax, "Force $F/(kr)$", ends=True)
@@ -67,7 +65,7 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
     Source: Kamp et al. 2024, Fig. 1E.
     """
 
-    def scaled(cell: Cell, theta: Array) -> Array:
+    def scaled(cell: Cell, theta: Floats) -> Floats:
         return cell.energy(theta) / (_stiffness(cell) * cell.lever**2)
 
     return _curves(cells, scaled, ax, "Energy $E/(kr^2)$", ends=False)

@@ -9,11 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common.style import INK, root
-
-Array = NDArray[np.float64]
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
 _DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0)
@@ -79,7 +77,7 @@ def inside(frame: Bbox, box: Bbox) -> bool:
     return wide and frame.y0 <= box.y0 and box.y1 <= frame.y1
 
 
-def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Array) -> float:
+def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Floats) -> float:
     covered = np.count_nonzero(
         (curves[:, 0] > box.x0)
         & (curves[:, 0] < box.x1)
@@ -89,7 +87,7 @@ def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Array) -> float
     return 1000.0 * (not inside(frame, box)) + 100.0 * sum(box.overlaps(b) for b in taken) + covered
 
 
-def _curves(ax: Axes, step: float) -> Array:
+def _curves(ax: Axes, step: float) -> Floats:
     """Points every `step` pixels along every line of the axes, (n, 2)."""
     found = [np.empty((0, 2))]
     for line in ax.get_lines():

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from stepwell.base import Bools, Floats
 
 _SWEEPS = 12
 # Length counts too, but a crossing is worse than any.
@@ -101,7 +100,7 @@ class _Crossings:
         near = apart & (np.minimum(high_a, high_b) > np.maximum(low_a, low_b))
         self.pairs = a[near], b[near]
 
-    def _y(self, slots: Mapping[str, float]) -> Array:
+    def _y(self, slots: Mapping[str, float]) -> Floats:
         own = np.array([slots[name] for name in self.fixed])
         return np.concatenate([own, self.follow @ own])
 
@@ -121,7 +120,7 @@ class _Crossings:
         return dict(zip(self.names, self._y(slots).tolist(), strict=True))
 
 
-def _side(p: Array, q: Array, r: Array) -> NDArray[np.bool_]:
+def _side(p: Floats, q: Floats, r: Floats) -> Bools:
     """Whether r lies left of the line from p to q."""
     (ux, uy), (vx, vy) = (q - p).T, (r - p).T
     return ux * vy > uy * vx

@@ -6,13 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common import COLUMN, PAGE
 from stepwell.figures.graphs.columns import heights
 from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition
-
-Array = NDArray[np.float64]
 
 # Up to this many cells there is room for the names of half-way states.
 NAMED = 3
@@ -86,7 +84,7 @@ class Layout:
             return wide + 0.9, high + 0.7
         return (wide + 0.7, high + 0.2) if self._cells <= NAMED else (DOT, DOT)
 
-    def curve(self, way: FoldedTransition) -> Array:
+    def curve(self, way: FoldedTransition) -> Floats:
         """(n, 2) from the side of one node to the side of the next [mm]."""
         (x0, y0), (x1, y1) = self.at[way.source], self.at[way.target]
         shift = way.direction * _APART / 2
@@ -101,7 +99,7 @@ class Layout:
         # The flattest of those that run through the fewest other nodes.
         return min(curves, key=lambda curve: sum(self._meets(curve, v) for v in others))
 
-    def _meets(self, curve: Array, label: str) -> bool:
+    def _meets(self, curve: Floats, label: str) -> bool:
         """Whether a curve runs through a node."""
         return bool(np.any(np.all(np.abs(curve - self.at[label]) < self.half(label), axis=1)))
 
@@ -121,7 +119,7 @@ def apart(values: Sequence[float], gap: float) -> list[float]:
     return [value - shift for value in moved]
 
 
-def head(curve: Array, size: float) -> Array:
+def head(curve: Floats, size: float) -> Floats:
     """(3, 2) an arrow head at the end of a curve [mm]."""
     tip = curve[-1]
     far = np.hypot(*(curve - tip).T)
@@ -132,6 +130,6 @@ def head(curve: Array, size: float) -> Array:
     return np.array([tip, back + across, back - across])
 
 
-def _bezier(a: Array, b: Array, c: Array, d: Array) -> Array:
+def _bezier(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d

@@ -11,8 +11,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
-from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.figures.common import (
     BLACK,
     BLUE,
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 
     from stepwell.design import Boundary
 
-Array = NDArray[np.float64]
 
 _SIDE = 70.0
 # Characters that a row of the key has room for.
@@ -89,7 +88,7 @@ _DESIGN |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
 class _Axis(NamedTuple):
     """Values in drawn units, and what to write beside them."""
 
-    values: Array
+    values: Floats
     scale: float
     name: str
     is_log: bool
@@ -100,7 +99,7 @@ class _Region(NamedTuple):
 
     name: str
     sequence: str
-    inside: NDArray[np.bool_]
+    inside: Bools
     shade: ColorType
 
 
@@ -165,7 +164,7 @@ class _Curves(NamedTuple):
     number: str
     words: str
     line: tuple[str, LineStyleType]
-    points: list[Array]
+    points: list[Floats]
 
 
 def _axis(dataset: Dataset, name: str) -> _Axis:
@@ -177,7 +176,7 @@ def _axis(dataset: Dataset, name: str) -> _Axis:
     return _Axis(values * scale, scale, f"{words} [{unit}]", _is_geometric(values))
 
 
-def _is_geometric(values: Array) -> bool:
+def _is_geometric(values: Floats) -> bool:
     """Whether values grow by one factor from each to the next, as those of np.geomspace."""
     if len(values) < 3 or values[0] <= 0:
         return False
@@ -193,7 +192,7 @@ def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
     return float(np.clip(ratio, 0.6, 1.5))
 
 
-def _nodes(dataset: Dataset) -> list[tuple[str, NDArray[np.bool_]]]:
+def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
     """Every sequence, or lack of one, that occurs, and (ny, nx) at which nodes."""
     codes, notes = dataset["sequence"].to_numpy(), dataset["sequence"].attrs
     names = str(notes["flag_meanings"]).split()
@@ -218,7 +217,7 @@ def _regions(dataset: Dataset) -> list[_Region]:
     return found
 
 
-def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[ColorType]:
+def _shades(names: Sequence[str], parts: Sequence[Bools]) -> list[ColorType]:
     """A pale colour for each region, no two neighbours with the same one if that can be."""
     from scipy import ndimage
 
@@ -235,7 +234,7 @@ def _shades(names: Sequence[str], parts: Sequence[NDArray[np.bool_]]) -> list[Co
 
 def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
     """Boundaries by what changes across them; sequences on both sides are left to the regions."""
-    found: dict[tuple[str, str], list[Array]] = {}
+    found: dict[tuple[str, str], list[Floats]] = {}
     for boundary in boundaries:
         words = boundary.changes.partition(": ")[0]
         if boundary.kind.name == "BISTABLE":
@@ -287,7 +286,7 @@ def _draw_shades(ax: Axes, x: _Axis, y: _Axis, regions: Sequence[_Region]) -> No
         ax.set(**{f"{name}scale": scale, f"{name}lim": axis.values[[0, -1]]})
 
 
-def _draw_hatches(ax: Axes, x: _Axis, y: _Axis, monostable: NDArray[np.bool_]) -> None:
+def _draw_hatches(ax: Axes, x: _Axis, y: _Axis, monostable: Bools) -> None:
     if np.any(monostable) and min(monostable.shape) > 1:
         look = {"colors": "none", "hatches": ["////"]}
         hatches = ax.contourf(x.values, y.values, monostable.astype(float), [0.5, 1.5], **look)
@@ -315,7 +314,7 @@ def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]
     return taken
 
 
-def _middle(ax: Axes, points: Array) -> tuple[float, float, float]:
+def _middle(ax: Axes, points: Floats) -> tuple[float, float, float]:
     """Length of a curve on the page [pixels], and the point half-way along it."""
     on_page = ax.transData.transform(points)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
@@ -324,7 +323,7 @@ def _middle(ax: Axes, points: Array) -> tuple[float, float, float]:
     return float(along[-1]), float(x), float(y)
 
 
-def _free(ax: Axes, x: Array, y: Array, taken: Sequence[Bbox]) -> NDArray[np.bool_]:
+def _free(ax: Axes, x: Floats, y: Floats, taken: Sequence[Bbox]) -> Bools:
     """(ny, nx) which nodes lie outside these boxes."""
     nodes = np.stack(np.meshgrid(x, y), axis=-1)
     at = ax.transData.transform(nodes.reshape(-1, 2)).reshape(nodes.shape)

@@ -11,9 +11,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -37,7 +36,6 @@ from stepwell.figures.common import (
 )
 from stepwell.lab import CellTest, PairTest
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _POINTS = 16
@@ -64,10 +62,10 @@ def measured_forces(tests: Sequence[CellTest]) -> Figure:
     Source: after Kamp et al. 2024, Fig. 1D.
     """
 
-    def measured(test: CellTest) -> Array:
+    def measured(test: CellTest) -> Floats:
         return test.plain.force / test.series.scale
 
-    def model(test: CellTest) -> Array:
+    def model(test: CellTest) -> Floats:
         return test.model / test.series.scale
 
     return _cells(tests, measured, model, "Force $F/(kr)$")
@@ -89,10 +87,10 @@ def measured_energies(tests: Sequence[CellTest]) -> Figure:
     Source: after Kamp et al. 2024, Fig. 1E.
     """
 
-    def measured(test: CellTest) -> Array:
+    def measured(test: CellTest) -> Floats:
         return test.plain.energy / (test.series.scale * test.cell.lever)
 
-    def model(test: CellTest) -> Array:
+    def model(test: CellTest) -> Floats:
         energy = test.cell.energy(test.plain.theta)
         return (energy - energy[0]) / (test.series.scale * test.cell.lever)
 
@@ -133,8 +131,8 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
 
 def _cells(
     tests: Sequence[CellTest],
-    measured: Callable[[CellTest], Array],
-    model: Callable[[CellTest], Array],
+    measured: Callable[[CellTest], Floats],
+    model: Callable[[CellTest], Floats],
     label: str,
 ) -> Figure:
     if not tests:
@@ -192,8 +190,8 @@ def _panels(
 def _cell(
     ax: Axes,
     group: list[CellTest],
-    measured: Callable[[CellTest], Array],
-    model: Callable[[CellTest], Array],
+    measured: Callable[[CellTest], Floats],
+    model: Callable[[CellTest], Floats],
 ) -> None:
     marks.zero_line(ax)
     for test in group:

@@ -14,9 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from numpy.typing import NDArray
 
-from stepwell.base import InputError, require, write_atomic
+from stepwell.base import Floats, InputError, require, write_atomic
 from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
     from stepwell.statics import Path
 
-Array = NDArray[np.float64]
 
 # A snap takes milliseconds; shown, it has to last long enough to be seen.
 _SNAP_SECONDS = 0.5
@@ -133,7 +131,7 @@ def animation(
 
 
 class _Frame(NamedTuple):
-    travels: Array
+    travels: Floats
     force: float
     snap: bool
     drive: float
@@ -258,7 +256,7 @@ class _Scene:
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, travels: Array) -> str:
+    def _state(self, travels: Floats) -> str:
         share = travels / [cell.full_travel for cell in self.chain.cells]
         return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
 

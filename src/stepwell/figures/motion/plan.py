@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common import (
     INK,
     MM,
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from stepwell.sequences import Program
     from stepwell.statics import Path
 
-Array = NDArray[np.float64]
 
 _BAR: dict[str, Any] = {"color": "#BDBDBD", "linewidth": 5.0}
 
@@ -42,8 +41,8 @@ class StrokePlan(NamedTuple):
     """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
 
     path: Path
-    way: Array
-    drive: Array
+    way: Floats
+    drive: Floats
     unit: str
 
     @property
@@ -76,7 +75,7 @@ def windows_of(program: Program) -> list[Window]:
     ]
 
 
-def limits(values: Array, margin: float) -> tuple[float, float]:
+def limits(values: Floats, margin: float) -> tuple[float, float]:
     """From below the lowest to above the highest value, by a share of their range."""
     low, high = float(np.min(values)), float(np.max(values))
     more = margin * (high - low) or 1.0

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from stepwell.sequences.programs import Program
     from stepwell.statics import Path
 
-Array = NDArray[np.float64]
 
 # Past this many lanes, travels are shown as shades.
 MOST_LANES = 12
@@ -156,7 +155,7 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
                 text.remove()
 
 
-def _draw_lanes(ax: Axes, path: Path, way: Array, names: Sequence[str]) -> None:
+def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None:
     """Travel of every cell, innermost on top."""
     longest = max(cell.full_travel for cell in path.chain.cells) * MM
     jumps = snaps_of(path)
@@ -175,7 +174,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Array, names: Sequence[str]) -> None:
     ax.set(ylabel="Travel $s$ [mm]", ylim=(base - 0.15 * longest, 1.15 * longest))
 
 
-def _draw_shades(ax: Axes, path: Path, way: Array) -> None:
+def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:
     """Travel of every cell of a long chain as a shade, innermost on top."""
     full = np.array([cell.full_travel for cell in path.chain.cells])
     look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}

@@ -6,12 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle
     from stepwell.statics import Path
 
-Array = NDArray[np.float64]
 
 MOST_LANES = 60
 _WIDTHS = (2.0, 1.3)
@@ -97,7 +94,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     return figure
 
 
-def lanes(ax: Axes, path: Path, gap: float) -> Iterator[tuple[float, float, Array, str]]:
+def lanes(ax: Axes, path: Path, gap: float) -> Iterator[tuple[float, float, Floats, str]]:
     """Lines for both stops of every cell, innermost on top.
 
     Args:

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common import FIXED_BLOCK, GREEN, INK, MM, pale
 from stepwell.robot import Arena, Wall
-
-Array = NDArray[np.float64]
 
 OBSTACLE, TOUCHED = FIXED_BLOCK, INK
 
@@ -39,7 +37,7 @@ def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
         ax.add_patch(disc)
 
 
-def outlines(arena: Arena) -> list[Array]:
+def outlines(arena: Arena) -> list[Floats]:
     """Points (n, 2) that enclose every obstacle and the goal [m]."""
     discs = [(one.at, one.radius) for one in arena.cylinders]
     if arena.goal is not None:
@@ -48,7 +46,7 @@ def outlines(arena: Arena) -> list[Array]:
     return [*map(_wall, arena.walls), *(np.array(at) + radius * corners for at, radius in discs)]
 
 
-def _wall(wall: Wall) -> Array:
+def _wall(wall: Wall) -> Floats:
     """(4, 2) corners [m]."""
     a, b = np.array(wall.start), np.array(wall.end)
     across = np.array([a[1] - b[1], b[0] - a[0]]) / wall.length * wall.thickness / 2

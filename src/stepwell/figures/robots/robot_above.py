@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
-from numpy.typing import NDArray
 
 from stepwell.figures.common import (
     BLOCK,
@@ -43,8 +42,6 @@ from stepwell.figures.robots.robot_parts import (
     rest_states,
 )
 from stepwell.robot import Antenna, Leg, Robot
-
-Array = NDArray[np.float64]
 
 FOOT, SUPPORT, ANTENNA = BLUE, VERMILLION, ORANGE
 _HOLDER: dict[str, Any] = {"color": FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.robot import Antenna, Leg, Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,15 +26,15 @@ class LegParts:
         tip: (x, z) of the foot's lowest point.
     """
 
-    blocks: Array
-    levers: Array
-    bands: Array
+    blocks: Floats
+    levers: Floats
+    bands: Floats
     owner: NDArray[np.intp]
-    pivots: Array
+    pivots: Floats
     tip: tuple[float, float]
 
 
-def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Array) -> LegParts:
+def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegParts:
     """Everything of a leg in its place at these travels (cells,) [m]."""
     cells, half_span = leg.chain.cells, robot.foot.span / 2
     full = np.array([cell.full_travel for cell in cells])
@@ -46,8 +45,8 @@ def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Array) -> LegPa
     x = [leg.at[0] + half_span + clear[i] - s[: i + 1].sum() for i in range(len(cells) - 1)]
     x.append(leg.at[0] - half_span - s.sum())
     inner = np.array([leg.at[0] + half_span + clear[0] - full[0] / 2, leg.at[1]])
-    levers: list[Array] = []
-    bands: list[Array] = []
+    levers: list[Floats] = []
+    bands: list[Floats] = []
     owner: list[int] = []
     for i, cell in enumerate(cells):
         theta = float(cell.angle(s[i]))
@@ -75,12 +74,12 @@ def rest_states(leg: Leg) -> tuple[Sequence[float], Sequence[float]]:
     return [0.0] * len(cells), [cell.full_travel for cell in cells]
 
 
-def in_body(leg: Leg, anchor: Sequence[float]) -> Array:
+def in_body(leg: Leg, anchor: Sequence[float]) -> Floats:
     """(x, y) of an offset in a cell's frame [m]: along the chain is backwards."""
     return np.array([-anchor[1], leg.side * anchor[0]])
 
 
-def antenna_line(antenna: Antenna, swing: float = 0.0) -> Array:
+def antenna_line(antenna: Antenna, swing: float = 0.0) -> Floats:
     """(2 or 3, 2) pivot, end of the rod and, if it has one, end of the hook [m]."""
     angle = abs(antenna.angle) + swing
     points = [np.array(antenna.pivot)]
@@ -90,14 +89,14 @@ def antenna_line(antenna: Antenna, swing: float = 0.0) -> Array:
     return np.array(points)
 
 
-def bracket(robot: Robot, antenna: Antenna) -> Array:
+def bracket(robot: Robot, antenna: Antenna) -> Floats:
     """(2, 2) from the body to an antenna's hinge [m]; what holds it has no values of its own."""
     half = robot.body.length / 2, robot.body.width / 2
     corner = [float(np.clip(antenna.pivot[k], -half[k], half[k])) for k in (0, 1)]
     return np.array([corner, antenna.pivot])
 
 
-def anchor_moves(robot: Robot, antenna: Antenna) -> Array:
+def anchor_moves(robot: Robot, antenna: Antenna) -> Floats:
     """(2, 2) where the anchor p that an antenna moves is at rest and at full swing [m]."""
     leg = robot.leg(antenna.leg)
     cell = leg.cell_index(antenna.cell)
@@ -106,7 +105,7 @@ def anchor_moves(robot: Robot, antenna: Antenna) -> Array:
     return np.array([at, at + in_body(leg, antenna.moves)])
 
 
-def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Array]:
+def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Floats]:
     """The outline from above as lines [m]: body, moving blocks of every leg at 0, antennas last.
 
     Args:
@@ -124,17 +123,17 @@ def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Array]:
     return [*lines, *(antenna_line(antenna, swing) for antenna, swing in pairs)]
 
 
-def rectangle(middle: Sequence[float] | Array, length: float, width: float) -> Array:
+def rectangle(middle: Sequence[float] | Floats, length: float, width: float) -> Floats:
     """(5, 2) a closed rectangle, `length` along x and `width` along y."""
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) / 2
     return np.asarray(middle, float) + corners * (length, width)
 
 
-def in_world(points: Array, x: float, y: float, yaw: float) -> Array:
+def in_world(points: Floats, x: float, y: float, yaw: float) -> Floats:
     """(n, 2) points of the body's frame [m] where the body is at (x, y) [m] and yaw [rad]."""
     c, s = math.cos(yaw), math.sin(yaw)
     return points @ np.array([[c, s], [-s, c]]) + (x, y)
 
 
-def _towards(antenna: Antenna, angle: float) -> Array:
+def _towards(antenna: Antenna, angle: float) -> Floats:
     return np.array([math.cos(angle), antenna.side * math.sin(angle)])

@@ -10,8 +10,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
-from numpy.typing import NDArray
 
+from stepwell.base import Floats
 from stepwell.figures.common import (
     BLOCK,
     FAINT,
@@ -51,7 +51,6 @@ from stepwell.figures.runs.walk_reading import MOTION, PRESSED, cycle_samples, m
 if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
-Array = NDArray[np.float64]
 
 _TALLEST, _WIDEST, _TITLE, _KEY = 170.0, PAGE - 4.0, 7.0, 13.0
 _HALO = pale(PRESSED, 0.25)
@@ -201,7 +200,7 @@ def _robot(ax: Axes, maze: Maze, sample: int) -> None:
         ax.plot(*(_placed(line, walk, sample) * MM).T, **look, zorder=5.5)
 
 
-def _placed(line: Array, walk: Walk, sample: int) -> Array:
+def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
     return in_world(line, walk.x[sample], walk.y[sample], walk.yaw[sample])
 
 

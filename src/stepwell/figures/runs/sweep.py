@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -32,7 +32,6 @@ from stepwell.figures.common import (
 if TYPE_CHECKING:
     from stepwell.simulation import Sweep
 
-Array = NDArray[np.float64]
 Colour = str | tuple[float, float, float]
 
 MOST_KEYS = 8
@@ -72,9 +71,9 @@ def sweep(found: Sweep) -> Figure:
 class _Shown(NamedTuple):
     """Robots by number: what was varied, what came of it (n,), and the gaits with their colours."""
 
-    values: dict[str, Array]
-    advance: Array
-    turn: Array
+    values: dict[str, Floats]
+    advance: Floats
+    turn: Floats
     gaits: NDArray[np.str_]
     colours: dict[str, Colour]
 
@@ -137,7 +136,7 @@ def _over_many(shown: _Shown, foot: float) -> Figure:
     return figure
 
 
-def _points(ax: Axes, x: Array, y: Array, shown: _Shown, least: float) -> None:
+def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None:
     marks.zero_line(ax)
     _discs(ax, x, y, shown, 4.5 if len(x) <= 100 else 2.5)
     low, high = float(x.min()), float(x.max())
@@ -148,7 +147,7 @@ def _points(ax: Axes, x: Array, y: Array, shown: _Shown, least: float) -> None:
     ax.set_ylim(min(low, -least), max(high, least))
 
 
-def _discs(ax: Axes, x: Array, y: Array, shown: _Shown, size: float) -> None:
+def _discs(ax: Axes, x: Floats, y: Floats, shown: _Shown, size: float) -> None:
     look = {"markersize": size, "markeredgewidth": 0, "zorder": 3, "gid": "robots"}
     for gait, colour in shown.colours.items():
         some = shown.gaits == gait

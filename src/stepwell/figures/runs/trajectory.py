@@ -10,9 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -37,7 +36,6 @@ from stepwell.figures.runs.walk_reading import cycle_samples
 if TYPE_CHECKING:
     from stepwell.simulation import Walk
 
-Array = NDArray[np.float64]
 
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
@@ -128,7 +126,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     return figure
 
 
-def _outline(walk: Walk, sample: int) -> list[Array]:
+def _outline(walk: Walk, sample: int) -> list[Floats]:
     where = (walk.x[sample], walk.y[sample], walk.yaw[sample])
     return [in_world(line, *where) * MM for line in frame(walk.robot)]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stepwell.base import Bools, Floats
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from stepwell.robot import Robot
     from stepwell.simulation import Walk
 
-Array = NDArray[np.float64]
 
 # How the whole robot moves in a cycle, in the order of legends.
 FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
@@ -59,13 +59,13 @@ def cycle_samples(walk: Walk) -> NDArray[np.intp]:
     return np.minimum(np.searchsorted(walk.time, walk.starts - 1e-9), len(walk.time) - 1)
 
 
-def intervals(time: Array, held: NDArray[np.bool_]) -> list[tuple[float, float]]:
+def intervals(time: Floats, held: Bools) -> list[tuple[float, float]]:
     """The first and the last time of every stretch of samples in which `held` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]])))
     return [(float(time[first]), float(time[end - 1])) for first, end in edges.reshape(-1, 2)]
 
 
-def standing(force: Array) -> NDArray[np.bool_]:
+def standing(force: Floats) -> Bools:
     """Whether a foot or support that carries these forces [N] stands, of the same shape."""
     from stepwell.simulation import LOADED
 
