@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.base.outcome import Outcome
+from stepwell.base.advised import Advised
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads
@@ -173,7 +173,7 @@ ERRORS = {
 }
 
 
-@pytest.mark.parametrize("kind", [one for one in CLASSES if issubclass(one, Outcome)])
+@pytest.mark.parametrize("kind", [one for one in CLASSES if issubclass(one, Advised)])
 def test_an_outcome_is_its_word_everywhere_and_has_advice(kind):
     for one in kind:
         assert one == one.value == json.loads(json.dumps(one)) == f"{one}"

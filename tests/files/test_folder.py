@@ -91,10 +91,10 @@ def test_a_kill_at_any_step_leaves_one_result_or_a_folder_called_incomplete(
             seen.add("incomplete" if "was stopped" in str(error) else "nothing")
             if "was stopped" in str(error):
                 # What both results have in common may be read, what differs may not.
-                assert files.read(out / "same") == "same"
+                assert files.text_of(out / "same") == "same"
                 if (out / "design.toml").exists():
                     with pytest.raises(DesignError, match="is incomplete"):
-                        files.read(out / "design.toml")
+                        files.text_of(out / "design.toml")
         # The same command mends it, without being forced, and leaves nothing behind.
         write(out, NEW)
         mine = {"mine": "mine"} if before else {}

@@ -17,7 +17,7 @@ from stepwell.sequences.graphs.fields import from_switching_fields
 from stepwell.sequences.graphs.mesostates import Routes, atlas
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, graph
 from stepwell.sequences.memory import counting as counting_module, reading as reading_module
-from stepwell.sequences.memory.reading import read
+from stepwell.sequences.memory.reading import read_memory
 from stepwell.statics import StaticsError
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -128,7 +128,7 @@ def test_all_that_relays_reach_lies_on_the_main_loop_and_its_sub_loops(seed, n):
 
 def test_more_loops_than_anyone_reads_are_counted_only(monkeypatch):
     monkeypatch.setattr(reading_module, "MOST_LOOPS", 5)
-    found = read(graph(NESTED, "force"))
+    found = read_memory(graph(NESTED, "force"))
     assert found.sub_loops is None and found.sub_loop_count == 6
     assert "sub-loops            6\n" in str(found)
 

@@ -3,12 +3,12 @@ quantities with their units.
 """
 
 from stepwell.base import check, limits, usual
+from stepwell.base.advised import Advised
 from stepwell.base.arrays import Bools, Floats, Ints
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
 from stepwell.base.limits import content_of, most, problem, require
-from stepwell.base.outcome import Outcome
 from stepwell.base.quantities import (
     Column,
     Columns,

@@ -189,7 +189,7 @@ def compare(
 
     free(out, "lab compare", force)
     given = _recordings([data])
-    designed = {design: files.read(design) for design in designs or ()}
+    designed = {design: files.text_of(design) for design in designs or ()}
     comparison = measured.compare(
         given,
         [files.loads(text, design) for design, text in designed.items()],

@@ -14,7 +14,7 @@ from stepwell.files.design import (
     preset,
     preset_text,
     presets,
-    read,
+    text_of,
 )
 from stepwell.files.folder import (
     IncompleteError,
@@ -60,7 +60,7 @@ __all__ = [
     "preset_text",
     "presets",
     "provenance",
-    "read",
+    "text_of",
     "save",
     "slips_text",
     "staged_folder",

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepwell.files.design import read
+from stepwell.files.design import text_of
 from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
 from stepwell.files.tables import drawn, part_of
 from stepwell.files.text import DesignError, did_you_mean, parsed
@@ -45,7 +45,7 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
         advice = did_you_mean(name, _texts())
         problem = f"no such arena, and no file that ends in .toml or .txt. {advice}"
         raise DesignError(f"arena {name}", [problem])
-    return loads_arena(read(arena), name)
+    return loads_arena(text_of(arena), name)
 
 
 def arena_text(name: str) -> str:

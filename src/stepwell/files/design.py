@@ -103,7 +103,7 @@ def load(design: str | os.PathLike[str]) -> Any:
         DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
             be; its text has one line for every problem.
     """
-    return loads(read(design), os.fspath(design))
+    return loads(text_of(design), os.fspath(design))
 
 
 def load_chain(design: str | os.PathLike[str]) -> Chain:
@@ -115,7 +115,7 @@ def load_chain(design: str | os.PathLike[str]) -> Chain:
     Raises:
         DesignError: as for `load`, or the file describes a robot.
     """
-    return loads_chain(read(design), os.fspath(design))
+    return loads_chain(text_of(design), os.fspath(design))
 
 
 def load_program(design: str | os.PathLike[str]) -> WrittenProgram | None:
@@ -127,7 +127,7 @@ def load_program(design: str | os.PathLike[str]) -> WrittenProgram | None:
     Raises:
         DesignError: as for `load`, or the file describes a robot.
     """
-    return loads_program(read(design), os.fspath(design))
+    return loads_program(text_of(design), os.fspath(design))
 
 
 def load_robot(design: str | os.PathLike[str]) -> Robot:
@@ -139,10 +139,10 @@ def load_robot(design: str | os.PathLike[str]) -> Robot:
     Raises:
         DesignError: as for `load`, or the file describes a chain.
     """
-    return loads_robot(read(design), os.fspath(design))
+    return loads_robot(text_of(design), os.fspath(design))
 
 
-def read(design: str | os.PathLike[str]) -> str:
+def text_of(design: str | os.PathLike[str]) -> str:
     """The text of a design file, whatever it says.
 
     Args:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         MemoryReading,
         ReturnPointMemory,
         Scrambling,
-        read,
+        read_memory,
     )
 
 __all__ = [
@@ -64,7 +64,7 @@ __all__ = [
     "from_switching_fields",
     "graph",
     "program",
-    "read",
+    "read_memory",
     "switching_fields",
     "to_dot",
     "to_graphml",

@@ -204,7 +204,7 @@ def yield_(
     spread = given.tolerances(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
-    text = files.read(design)
+    text = files.text_of(design)
     free(out, "yield", force, design=text)
     if program and (wanted or sensitivity):
         option = "--wanted" if wanted else "--sensitivity"

@@ -175,4 +175,4 @@ def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cy
         return files.load_chain(design).cycle()
     if start or to:
         return planned(files.load_chain(design), start, to)
-    return own(files.read(design), design)
+    return own(files.text_of(design), design)

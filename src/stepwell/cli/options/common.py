@@ -49,7 +49,7 @@ def read_chain(design: str) -> tuple[str, Chain]:
     """The text of a design file, and the chain that it describes."""
     from stepwell import files
 
-    text = files.read(design)
+    text = files.text_of(design)
     return text, files.loads_chain(text, design)
 
 
@@ -59,7 +59,7 @@ def read_robot(robot: str) -> tuple[str, values.Robot]:
 
     if robot in files.presets() and not Path(robot).exists():
         robot = f"preset:{robot}"
-    text = files.read(robot)
+    text = files.text_of(robot)
     return text, files.loads_robot(text, robot)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, Outcome, bisected
+from stepwell.base import Advised, ByValue, InputError, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
 from stepwell.mechanism import Chain
@@ -25,7 +25,7 @@ METHOD = (
 )
 
 
-class RobustnessLimit(Outcome):
+class RobustnessLimit(Advised):
     """What ends the distance within which anchors may be off."""
 
     ORDER = (

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell.base import ByValue, Floats, Outcome
+from stepwell.base import Advised, ByValue, Floats
 
 # Part of the axes at which a search stops.
 RESOLVED = 1e-8
@@ -18,7 +18,7 @@ class BoundaryKind(Enum):
     BISTABLE = "a cell has two stable states on one side and one on the other"
 
 
-class Method(Outcome):
+class Method(Advised):
     """How a boundary, or the nearest change of a chain, was found."""
 
     EXACT = (

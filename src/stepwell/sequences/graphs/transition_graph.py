@@ -99,9 +99,9 @@ class TransitionGraph(nx.DiGraph):
     @cached_property
     def reading(self) -> MemoryReading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
-        from stepwell.sequences.memory import read
+        from stepwell.sequences.memory import read_memory
 
-        return read(self)
+        return read_memory(self)
 
     def node(self, label: str) -> Node:
         """The node of that label."""

@@ -81,7 +81,7 @@ class MemoryReading(ByValue):
         return _report(self)
 
 
-def read(graph: TransitionGraph) -> MemoryReading:
+def read_memory(graph: TransitionGraph) -> MemoryReading:
     """Recognise in a graph what the field has names for.
 
     Args:

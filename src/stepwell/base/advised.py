@@ -1,10 +1,10 @@
-"""Outcomes: the words that results hold, each with what it means and what to do."""
+"""The words that results hold, each with what it means and what to do."""
 
 from enum import StrEnum
 from typing import Self
 
 
-class Outcome(StrEnum):
+class Advised(StrEnum):
     """A word, as JSON and comparisons have it, and a text that says more.
 
     Attributes:
