@@ -35,7 +35,7 @@ def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
 
 @kernel
 def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
-    """Cell i as one draw makes it, and its friction [N]; the columns are those of `_draws`."""
+    """Cell i as one draw makes it, and its friction [N]; the columns are those of `Draws`."""
     n = len(cells)
     dx, dy = cells[i, 0], cells[i, 1]
     if spread[0] > 0.0:
@@ -114,7 +114,7 @@ def judged(
     neither, because no cell feels another.
 
     Args:
-        draws: (m, 8 N) one sample a row, as `_draws` lays them out.
+        draws: (m, 8 N) one sample a row, as `Draws` lays them out.
         cells: (N, 7) d_x, d_y, k, ℓ0, r, sin θc, friction of the drawing, SI.
         spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
         wanted: (2, N) cells in order of loading and of unloading.
