@@ -1,6 +1,4 @@
-"""What every room stands on: equality and checks of values, limits, text, files written whole,
-quantities with their units.
-"""
+"""What every room stands on: values, checks, errors, limits, units, files written whole."""
 
 from stepwell.base import check, limits, usual
 from stepwell.base.advised import Advised
