@@ -18,3 +18,6 @@ class Advised(StrEnum):
         member = str.__new__(cls, word)
         member._value_, member.advice = word, advice
         return member
+
+    def __repr__(self):
+        return f"{type(self).__name__}.{self.name}"
