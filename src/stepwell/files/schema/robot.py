@@ -21,7 +21,7 @@ from stepwell.files.schema.chain import (
     refuse,
 )
 from stepwell.files.text import did_you_mean
-from stepwell.robot import Profile
+from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
 
 
 def _positive(least: str, most: str) -> PlainValidator:
@@ -148,6 +148,16 @@ class DriveKeys(Keys):
     stiffness_N_per_m: Stiffness | None = None
 
 
+# The parts that a robot has once: the table of each and the value that it makes.
+PARTS = {
+    "body": (BodyKeys, Body),
+    "foot": (FootKeys, Foot),
+    "blocks": (BlocksKeys, Blocks),
+    "floor": (FloorKeys, Floor),
+    "drive": (DriveKeys, Drive),
+}
+
+
 class LegKeys(Keys):
     """A leg."""
 
@@ -217,11 +227,7 @@ TABLES: schema.Tables = {
     "": RobotKeys,
     "chain": LegChainKeys,
     **schema.CHAIN_TABLES,
-    "body": BodyKeys,
-    "foot": FootKeys,
-    "blocks": BlocksKeys,
-    "floor": FloorKeys,
-    "drive": DriveKeys,
+    **{name: keys for name, (keys, _) in PARTS.items()},
     "leg": LegKeys,
     "leg.chain": LegChainKeys,
     **{f"leg.{path}": table for path, table in schema.CHAIN_TABLES.items()},

@@ -10,7 +10,7 @@ from stepwell.files.tables.cells import Shared, cell, merged
 from stepwell.files.tables.sources import sources
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain, SlipError
-from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
+from stepwell.robot import Antenna, Leg, Robot
 
 T = TypeVar("T")
 
@@ -19,11 +19,8 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     """The robot, with every check; DesignError where that is none, with every reason found."""
     problems: list[str] = []
     parts = {
-        "body": _made("body", Body, fields(keys.body), problems),
-        "foot": _made("foot", Foot, fields(keys.foot), problems),
-        "blocks": _made("blocks", Blocks, fields(keys.blocks), problems),
-        "floor": _made("floor", Floor, fields(keys.floor), problems),
-        "drive": _made("drive", Drive, fields(keys.drive), problems),
+        name: _made(name, make, fields(getattr(keys, name)), problems)
+        for name, (_, make) in schema.PARTS.items()
     }
     legs = [_leg(keys, i, problems) for i in range(len(keys.leg))]
     antennas = [

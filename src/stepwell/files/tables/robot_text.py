@@ -30,13 +30,7 @@ def _text(robot: Robot, chain: list[str], shared: Shared, *, own_chains: bool) -
     odd = robot.unusual or any(of_robot(robot))
     head = _title(robot.title) + (["unusual = true"] if odd else [])
     text = [*head, *([""] if head else []), *chain]
-    for name, table in (
-        ("body", schema.BodyKeys),
-        ("foot", schema.FootKeys),
-        ("blocks", schema.BlocksKeys),
-        ("floor", schema.FloorKeys),
-        ("drive", schema.DriveKeys),
-    ):
+    for name, (table, _) in schema.PARTS.items():
         text += [f"[{name}]", *table_lines(table, getattr(robot, name)), ""]
     for leg in robot.legs:
         text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]
