@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from stepwell.files.schema import chain as schema
 from stepwell.files.text import Written, array, inline, lines, mm, number, quoted, units
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 
@@ -72,8 +73,8 @@ def _shared(tables: list[Written], names: tuple[str, ...]) -> Written:
 
 
 def _shared_law(bands: list[Written]) -> Written:
-    names = ("quadratic_per_mm", "cubic_per_mm2", "table_mm_N", "shape_mm")
-    laws = [{name: band[name] for name in names if name in band} for band in bands]
+    names = set[str]().union(*schema.LAWS.values())
+    laws = [{name: band[name] for name in band if name in names} for band in bands]
     return laws[0] if all(law == laws[0] for law in laws) else {}
 
 
