@@ -13,7 +13,10 @@ CLAIMS = ROOT / "docs" / "claims.json"
 def committed() -> tuple[Verdict, ...]:
     """A verdict for each claim, in the order of the claims, without computing any."""
     found = {one["id"]: one for one in json.loads(CLAIMS.read_text("utf-8"))["claims"]}
-    told = [(claim, found[claim.id]) for claim in paper.claims()]
+    claims = paper.claims()
+    new = [claim.id for claim in claims if claim.id not in found]
+    assert not new, f"{new}: run `python -m stepwell.paper docs/claims.json docs/claims.md`"
+    told = [(claim, found[claim.id]) for claim in claims]
     return tuple(
         Verdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"]) for claim, one in told
     )

@@ -216,7 +216,7 @@ def test_a_map_tells_the_memory_that_it_would_take():
         ("cells=many", r"'cells=many': must be cells and a whole number"),
         ("cells=0", r"'cells=0': must be cells and a whole number of 1 or more"),
         ("cells=-5, bands=3", r"'cells=-5': must be"),
-        ("cells=1e4", r"'cells=1e4': must be .* as in cells=10000"),
+        ("cells=1e4", r"'cells=1e4': must be .* as in cells=\d+0000"),
     ],
 )
 def test_what_raises_nothing_is_told(text, message, monkeypatch):
@@ -236,9 +236,11 @@ def test_several_limits_are_raised_at_once(monkeypatch):
 def test_the_page_has_every_limit_and_its_number():
     page = (Path(__file__).resolve().parents[1] / "docs" / "limits.md").read_text("utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (\d+) \|", page, re.MULTILINE)
-    assert rows == [(name, limit.of, str(limit.most)) for name, limit in LIMITS.items()]
+    held = [(name, limit.of, str(limit.most)) for name, limit in LIMITS.items()]
+    assert rows == held, "say it in the table of docs/limits.md"
     tested = {name for name, _, _ in CASES.values()}
-    assert LIMITS.keys() - tested == {"design_bytes", "recording_bytes", "readings"}
+    elsewhere = {"design_bytes", "recording_bytes", "readings"}
+    assert LIMITS.keys() - tested == elsewhere, "give the limit a case above"
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def test_every_key_of_a_design_file_is_documented():
     text = page("design-files")
     for keys in (*TABLES.values(), *ROBOT_TABLES.values(), *ARENA_TABLES.values()):
         for key in keys.names():
-            assert f"`{key}`" in text or f"[{key}]" in text, key
+            assert f"`{key}`" in text or f"[{key}]" in text, f"docs/design-files.md lacks `{key}`"
 
 
 def test_the_documented_defaults_of_a_robot_are_the_ones_that_hold():
@@ -128,14 +128,14 @@ def test_every_command_and_option_is_documented():
     commands = dict(group.commands)  # type: ignore[attr-defined]
     commands |= {f"lab {name}": command for name, command in commands["lab"].commands.items()}
     for name, command in commands.items():
-        assert f"stepwell {name}" in text, name
         mark = "\n### " if " " in name else "\n## "
-        section = text.split(f"{mark}{'new, presets' if name in ('new', 'presets') else name}\n")[1]
-        section = section.split(mark)[0]
+        head = f"{mark}{'new, presets' if name in ('new', 'presets') else name}\n"
+        assert f"stepwell {name}" in text and head in text, f"docs/commands.md lacks{head}"
+        section = text.split(head)[1].split(mark)[0]
         for parameter in command.params:
             for option in parameter.opts:
                 if option.startswith("--") and option != "--help":
-                    assert f"`{option}" in section, (name, option)
+                    assert f"`{option}" in section, f"docs/commands.md, {name}: lacks {option}"
 
 
 def lab_records() -> list[dict[str, Any]]:
@@ -250,7 +250,7 @@ def test_the_everything_example_uses_every_kind_of_key():
     left_out = {"bands", "band", "cell", "chain", "shape_mm", "turning_points_N"}
     for keys in TABLES.values():
         for key in set(keys.model_fields) - left_out:
-            assert key in body, key
+            assert key in body, f"docs/design-files.md: everything.toml has no {key}"
 
 
 def test_copying_a_design_through_python_keeps_it(stepwell, tmp_path):

@@ -91,7 +91,7 @@ def test_every_public_name_has_a_place_in_the_reference(room):
     module = importlib.import_module(f"stepwell.{room}")
     for name in module.__all__:
         found = re.search(rf"^::: stepwell\.{room}\.(\w+\.)?{name}$|`{name}`", text, re.M)
-        assert found, name
+        assert found, f"docs/api.md has no line `::: stepwell.{room}.{name}`"
 
 
 @pytest.mark.parametrize("page", ["README.md", *PAGES[1:], *HOW_TO])
@@ -104,7 +104,7 @@ def test_every_link_to_a_file_leads_somewhere(page):
 def test_the_readmes_claims_are_those_of_the_claims_file():
     claims = json.loads(read("docs/claims.json"))
     text = read("README.md")
-    assert replaced(text, short(claims)) == text
+    assert replaced(text, short(claims)) == text, "run `python tests/docs/short_claims.py`"
     # Nothing that differs is left out.
     for claim in claims["claims"]:
         if claim["verdict"] == "differs":
@@ -134,6 +134,24 @@ def test_the_page_of_the_house_names_files_that_exist():
     assert len(named) > 20
     roots = (ROOT, ROOT / "src" / "stepwell")
     assert [name for name in named if not any((root / name).exists() for root in roots)] == []
+
+
+def test_what_the_page_of_the_house_names_in_a_row_stands_in_the_files_of_that_row():
+    text = read("docs/house.md").partition("## To change something")[2]
+    roots = (ROOT, ROOT / "src" / "stepwell")
+    lost, looked = [], 0
+    for row in re.findall(r"^\| (?!to change)\w.* \|$", text, re.M):
+        terms = re.findall(r"`([^`]+)`", row)
+        places = [root / term for root in roots for term in terms if "/" in term]
+        files = {file for place in places for file in [place, *place.glob("*.*")] if file.is_file()}
+        held = "".join(file.read_text("utf-8") for file in files)
+        for term in terms:
+            if re.fullmatch(r"@?\w+(\(\))?", term):
+                looked += 1
+                name = term.strip("@()")
+                lost += [] if re.search(rf"\b{name}\b", held) else [(term, row[:40])]
+    assert lost == []
+    assert looked > 15
 
 
 def difference(one: Path, other: Path) -> float:

@@ -143,7 +143,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # Below.
         "animation", "measured_forces", "measured_energies", "measured_pairs",
     }  # fmt: skip
-    assert tried | elsewhere == set(figures.__all__)
+    assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
     figures.animation(cycle, tmp_path / "a.gif", seconds=0.5, fps=2)
     runs = [unit("friction_1.txt", None), pair("2unit_friction_1.txt", None)]

@@ -6,6 +6,7 @@ import textwrap
 import pytest
 
 from stepwell.files import load, loads
+from stepwell.files.schema.chain import LAWS, BandKeys
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
 
 FORWARD = """
@@ -125,6 +126,12 @@ def test_a_shape_is_scaled_by_the_stiffness():
     band = placed("band = { stiffness_N_per_m = 30, shape_mm = [[0, 0], [10, 12], [30, 28]] }").band
     law = Table((0.0, 0.01, 0.03), (0.0, 0.012, 0.028))
     assert band == Band((-0.01, 0), (0.01, 0), 30.0, law=law)
+
+
+def test_every_key_of_a_band_belongs_to_a_law_or_to_every_band():
+    of_laws = set().union(*LAWS.values())
+    of_all = {"stiffness_N_per_m", "rest_length_mm", "two_sided"}
+    assert set(BandKeys.model_fields) == of_laws | of_all, "name the keys of a law in LAWS"
 
 
 def test_a_law_of_its_own_replaces_the_shared_law_whole():

@@ -52,7 +52,8 @@ def test_every_preset_is_promised_something_here():
     cells = {name for name in NAMES if name.startswith("paper-cell-")}
     chains = cells | {"paper-identical"} | PATHWAYS.keys() | SEQUENCES.keys()
     # What the machines promise is held in tests/design/test_gallery.py.
-    assert set(NAMES) == chains | set(ROBOTS) | set(MACHINES)
+    promised = chains | set(ROBOTS) | set(MACHINES)
+    assert set(NAMES) == promised, "say above what the preset promises"
 
 
 @pytest.mark.parametrize("name", PATHWAYS)

@@ -86,6 +86,12 @@ def _():
     return [*INNER.force(np.array([-0.7, 0.1, 0.6])), *np.ravel(rubber)]
 
 
+@route("energy of a cell", FORCE)
+def _():
+    rubber = [c.energy(np.array([-0.5, 0.2])) for c in RUBBER.cells]
+    return [*INNER.energy(np.array([-0.7, 0.1, 0.6])), *np.ravel(rubber)]
+
+
 @route("force of a path that is followed", FORCE)
 def _():
     path = RUBBER.path([0.0, RUBBER.full_stroke, 0.0])

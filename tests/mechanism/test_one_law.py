@@ -29,13 +29,8 @@ OFF_PLANE = {
 STRONGER = {
     "mechanism/geometry.py": {
         "return tension * first": "return 1.25 * tension * first",
-        "return t1 * by * first + t0 * first_by": "return 1.25 * (t1 * by * first + t0 * first_by)",
-        "t2 * first * first * first + 3.0 * t1 * first * second + t0 * third": (
-            "1.25 * (t2 * first * first * first + 3.0 * t1 * first * second + t0 * third)"
-        ),
+        "return tension * extension": "return 1.25 * tension * extension",
     },
-    "mechanism/curves.py": {"0.5 * stiffness * extension": "0.625 * stiffness * extension"},
-    "mechanism/law.py": {"energy += k * cubic_area(": "energy += 1.25 * k * cubic_area("},
 }
 # What else only the law may write: a length from its two sides, g, and travel from a sine.
 TELL_TALES = [

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.mechanism import curves
 from stepwell.mechanism.curves import Law, Linear, Table
-from stepwell.mechanism.geometry import band_force, band_length, length_slopes
+from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slopes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +98,7 @@ class Band(ByValue):
     def energy(self, length: ArrayLike) -> Floats:
         """Stored energy [J] at band lengths [m] of any shape (Kamp et al. 2024, Eq. 1)."""
         extension = np.asarray(length, float) - self.rest_length
-        energy = self.stiffness * curves.integral(self.law.pieces(), extension)
+        energy = band_energy(self.stiffness, curves.integral(self.law.pieces(), extension))
         return energy if self.two_sided else np.where(extension > 0, energy, 0.0)
 
     def force(self, theta: ArrayLike, lever: float) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, check
 from stepwell.kernels import kernel
+from stepwell.mechanism.geometry import band_energy
 
 # Columns of a piece: where it starts x0, then c0..c3 of c0 + c1 x + c2 x² + c3 x³ with
 # x measured from x0, then the integral from the curve's origin to x0.
@@ -38,7 +39,8 @@ def cubic_area(x: Any, c0: Any, c1: Any, c2: Any, c3: Any, area: Any) -> Any:
 @kernel
 def hooke(stiffness: Any, extension: Any) -> tuple[Any, Any, Any]:
     """Tension k e of a linear band that is taut, its slope k, and the energy k e²/2 it stores."""
-    return stiffness * extension, stiffness, 0.5 * stiffness * extension * extension
+    energy = band_energy(0.5 * stiffness * extension, extension)
+    return stiffness * extension, stiffness, energy
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -98,6 +98,12 @@ def band_force(tension: Any, first: Any) -> Any:
 
 
 @kernel
+def band_energy(tension: Any, extension: Any) -> Any:
+    """E, of which `band_force` is the slope: a mean tension over an extension."""
+    return tension * extension
+
+
+@kernel
 def force_by(t0: Any, t1: Any, first: Any, by: Any, first_by: Any) -> Any:
     """∂F/∂p = T' ∂ℓ/∂p ℓ' + T ∂ℓ'/∂p, by anything p that changes a band's length.
 
@@ -106,7 +112,7 @@ def force_by(t0: Any, t1: Any, first: Any, by: Any, first_by: Any) -> Any:
         first: ℓ', the slope of ℓ by travel.
         by, first_by: slopes of ℓ and of ℓ' by p.
     """
-    return t1 * by * first + t0 * first_by
+    return band_force(t1 * by, first) + band_force(t0, first_by)
 
 
 @kernel
@@ -117,5 +123,7 @@ def force_slopes(
     return (
         band_force(t0, first),
         force_by(t0, t1, first, first, second),
-        t2 * first * first * first + 3.0 * t1 * first * second + t0 * third,
+        band_force(t2 * first * first, first)
+        + band_force(3.0 * t1 * first, second)
+        + band_force(t0, third),
     )

@@ -10,7 +10,14 @@ from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.curves import cubic, cubic_area
-from stepwell.mechanism.geometry import band_length, force_slopes, length_slopes, sine_at, travel_of
+from stepwell.mechanism.geometry import (
+    band_energy,
+    band_length,
+    force_slopes,
+    length_slopes,
+    sine_at,
+    travel_of,
+)
 
 
 class Laws(NamedTuple):
@@ -116,7 +123,7 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
         dx, dy, k, rest = band[b, 0], band[b, 1], band[b, 2], band[b, 3]
         x = band_length(sin, cos, dx, dy, r) - rest - rows[row, 0]
         c0, c1, c2, c3 = rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4]
-        energy += k * cubic_area(x, c0, c1, c2, c3, rows[row, 5])
+        energy += band_energy(k, cubic_area(x, c0, c1, c2, c3, rows[row, 5]))
     row = picked[slot]
     if row >= 0:
         x = travel - rows[row, 0]

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program, TransitionGraph
 
 FIGURES = (".svg", ".png", ".pdf")
-EXPORTS = (".graphml", ".dot", ".json")
+# What writes a graph for other programs, by the end of the file's name.
+EXPORTS = {".graphml": "to_graphml", ".dot": "to_dot", ".json": "to_json"}
 _CAPTIONS = {
     "mechanism": "The mechanism in the states of its cycle",
     "landscape": "The energy landscape and the way through it",
@@ -135,7 +136,7 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
         ValueError: an end that means nothing.
     """
     suffix = Path(file).suffix.lower()
-    if suffix not in FIGURES + EXPORTS:
+    if suffix not in (*FIGURES, *EXPORTS):
         raise InputError(
             f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
             f"{', '.join(EXPORTS)} for other programs."
@@ -161,7 +162,6 @@ def write_graph(graph: TransitionGraph, file: str | os.PathLike[str]) -> None:
 
         figures.save(figures.transition_graph(graph), file)
     else:
-        from stepwell.sequences import to_dot, to_graphml, to_json
+        from stepwell import sequences
 
-        written = {".graphml": to_graphml, ".dot": to_dot, ".json": to_json}
-        write_atomic(file, written[suffix](graph))
+        write_atomic(file, getattr(sequences, EXPORTS[suffix])(graph))

@@ -210,6 +210,7 @@ class BandKeys(Keys):
         return self
 
 
+# The keys of each law, of which a band has one.
 LAWS = {
     "quadratic_per_mm or cubic_per_mm2": {"quadratic_per_mm", "cubic_per_mm2"},
     "table_mm_N": {"table_mm_N"},

@@ -22,7 +22,7 @@ from stepwell.files.schema.chain import (
     refuse,
 )
 from stepwell.files.text import did_you_mean
-from stepwell.robot import Profile
+from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
 
 
 def _centre(value: Any) -> tuple[Decimal, ...]:
@@ -138,6 +138,10 @@ class DriveKeys(Keys):
     period_s: Time | None = None
     profile: ProfileName | None = None
     stiffness_N_per_m: Stiffness | None = None
+
+
+# What a robot has one of, under the name of its table.
+PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
 
 
 class LegKeys(Keys):

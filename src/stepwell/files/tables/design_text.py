@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from stepwell.files.schema import robot as schema, table_lines, written
+from stepwell.files.schema import chain as chain_schema, robot as schema, table_lines, written
 from stepwell.files.text import Written, array, inline, lines, quoted
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
 from stepwell.robot import Robot
@@ -72,8 +72,8 @@ def _shared(tables: list[Written], names: tuple[str, ...]) -> Written:
 
 
 def _shared_law(bands: list[Written]) -> Written:
-    names = ("quadratic_per_mm", "cubic_per_mm2", "table_mm_N", "shape_mm")
-    laws = [{name: band[name] for name in names if name in band} for band in bands]
+    names = set[str]().union(*chain_schema.LAWS.values())
+    laws = [{name: band[name] for name in band if name in names} for band in bands]
     return laws[0] if all(law == laws[0] for law in laws) else {}
 
 
@@ -148,7 +148,7 @@ def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -
     odd = robot.unusual or any(of_robot(robot))
     head = _title(robot.title) + (["unusual = true"] if odd else [])
     text = [*head, *([""] if head else []), *chain]
-    for name in ("body", "foot", "blocks", "floor", "drive"):
+    for name in schema.PARTS:
         text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
     for leg in robot.legs:
         text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]

@@ -10,12 +10,9 @@ from stepwell.files.tables.cells import Shared, cells_of, merged
 from stepwell.files.tables.tree import sources
 from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain, SlipError
-from stepwell.robot import Antenna, Blocks, Body, Drive, Floor, Foot, Leg, Robot
+from stepwell.robot import Antenna, Leg, Robot
 
 T = TypeVar("T")
-
-# What a robot has one of, under the name of its table.
-PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
 
 
 def robot(keys: schema.RobotKeys, name: str) -> Robot:
@@ -23,7 +20,7 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
     problems: list[str] = []
     parts: dict[str, Any] = {
         name: part_of(name, make, fields(getattr(keys, name)), problems)
-        for name, make in PARTS.items()
+        for name, make in schema.PARTS.items()
     }
     legs = [_leg(keys.chain, one, f"leg[{i}]", problems) for i, one in enumerate(keys.leg)]
     antennas: list[Any] = [

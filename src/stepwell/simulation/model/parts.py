@@ -147,8 +147,8 @@ def stretch(band: Band) -> dict[str, Any]:
         stiffness = tuple(band.stiffness * np.array([1.0, law.a2, law.a3]))
     else:
         raise InputError(
-            "law = Table: the simulation takes linear and cubic bands; fit a cubic to the table "
-            "(quadratic_per_mm, cubic_per_mm2)."
+            f"law = {type(law).__name__}: the simulation takes linear and cubic bands; fit a cubic "
+            "to it (quadratic_per_mm, cubic_per_mm2)."
         )
     least = band.rest_length if band.two_sided else 0.0
     return {"stiffness": stiffness, "springlength": (least, band.rest_length)}
