@@ -3,10 +3,8 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import __version__
-
 if TYPE_CHECKING:
-    from stepwell.base import InputError, StepwellError
+    from stepwell.base import InputError, StepwellError, __version__
     from stepwell.design import (
         Margin,
         Tolerances,
@@ -59,6 +57,7 @@ _DOORS = {
     "TransitionGraph": "sequences",
     "Unreachable": "sequences",
     "Yield": "design",
+    "__version__": "base",
     "boundaries": "design",
     "load": "files",
     "load_arena": "files",

@@ -132,11 +132,11 @@ def test_the_travel_at_a_force_is_exact_to_rounding():
             else:
                 high = middle
         rounding = 4e-16 * (abs(f0) + abs(f1)) / abs(force_at(s, float(low))[1])
-        assert abs(travel_at(s, force) - float(low)) <= rounding + 4e-16 * float(2 * r)
+        assert abs(travel_at(s, force, f0, f1) - float(low)) <= rounding + 4e-16 * float(2 * r)
 
 
 def test_a_force_beyond_the_end_forces_gives_the_stop():
     s = numbers(simple_cell((10, 0)))
     f0, f1 = end_forces(s)
-    assert travel_at(s, f0 + 1.0) == 0.0
-    assert travel_at(s, f1 - 1.0) == 2 * s.lever * s.sin_limit
+    assert travel_at(s, f0 + 1.0, f0, f1) == 0.0
+    assert travel_at(s, f1 - 1.0, f0, f1) == 2 * s.lever * s.sin_limit

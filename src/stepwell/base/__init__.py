@@ -1,8 +1,9 @@
 """What every room stands on: values, checks, errors, limits, units, files written whole."""
 
+from typing import TYPE_CHECKING, Any
+
 from stepwell.base import check, limits, usual
 from stepwell.base.advised import Advised
-from stepwell.base.arrays import Bools, Floats, Ints
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
@@ -34,3 +35,15 @@ from stepwell.base.write import (
     write_atomic,
     write_netcdf,
 )
+
+if TYPE_CHECKING:
+    from stepwell.base.arrays import Bools, Floats, Ints
+
+
+# With NumPy, which takes longer to open than `stepwell --help` to answer.
+def __getattr__(name: str) -> Any:
+    if name in ("Bools", "Floats", "Ints"):
+        from stepwell.base import arrays
+
+        return getattr(arrays, name)
+    raise AttributeError(f"module 'stepwell.base' has no attribute {name!r}")

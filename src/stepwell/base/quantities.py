@@ -10,8 +10,7 @@ from enum import Enum
 from operator import attrgetter
 from typing import Any
 
-import numpy as np
-
+from stepwell.base.value import is_array
 from stepwell.base.write import csv_text, write_atomic
 
 # Units in which people are told what is in SI inside: the SI unit, and how many make one of it.
@@ -144,7 +143,7 @@ def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
 
 def plain(value: Any, factor: float = 1.0) -> Any:
     """What JSON can hold of a value: numbers in another unit, None where they are not finite."""
-    if isinstance(value, np.generic):
+    if type(value).__module__ == "numpy" and not is_array(value):
         value = value.item()
     if value is None or isinstance(value, str | bool):
         return value
@@ -189,8 +188,10 @@ def write_csv(
 
 def _texts(quantity: Quantity, values: Any, digits: int) -> list[str]:
     if quantity.factor != 1.0:
+        import numpy as np
+
         values = np.asarray(values, float) * quantity.factor
-    rows = values.tolist() if isinstance(values, np.ndarray) else values
+    rows = values.tolist() if is_array(values) else values
     return [f"{value:.{digits}g}" if isinstance(value, float) else str(value) for value in rows]
 
 

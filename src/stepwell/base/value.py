@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class ByValue:
@@ -54,7 +56,7 @@ def same(a: Any, b: Any) -> bool:
     """Whether two values of any kind are equal, arrays and what holds them included."""
     if a is b:
         return True
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+    if is_array(a) or is_array(b):
         return _same_arrays(a, b)
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
@@ -67,13 +69,21 @@ def same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+def is_array(value: Any) -> TypeGuard[np.ndarray[Any, Any]]:
+    """Whether it is an array of NumPy, which is not opened for that: it takes its time."""
+    numpy = sys.modules.get("numpy")
+    return numpy is not None and isinstance(value, numpy.ndarray)
+
+
 def _same_arrays(a: Any, b: Any) -> bool:
-    if not (isinstance(a, np.ndarray) and isinstance(b, np.ndarray)):
+    if not (is_array(a) and is_array(b)):
         return False
     if a.shape != b.shape or a.dtype.kind != b.dtype.kind:
         return False
     if a.dtype.kind == "O":
         return all(map(same, a.ravel(), b.ravel()))
+    import numpy as np
+
     return np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
 
 
@@ -92,7 +102,7 @@ def _digest(value: Any) -> Any:
     """Something with a hash that is equal for all values that are the same."""
     if isinstance(value, float):
         return "nan" if math.isnan(value) else value
-    if isinstance(value, np.ndarray):
+    if is_array(value):
         return value.shape
     if isinstance(value, Mapping):
         return len(value)

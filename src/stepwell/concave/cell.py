@@ -99,14 +99,14 @@ def energy_at(cell: Simple, travel: float) -> float:
 
 
 @kernel
-def travel_at(cell: Simple, force: float) -> float:
+def travel_at(cell: Simple, force: float, f_low: float, f_high: float) -> float:
     """The one travel [m] at which a certified cell pushes back with `force` [N].
 
-    Forces beyond F0 and F1 give the stops. Newton inside a bracket that shrinks at every step.
+    Forces beyond F0 and F1, `f_low` and `f_high`, give the stops. Newton inside a bracket that
+    shrinks at every step.
     """
     low, high = 0.0, full_travel(cell)
     # F falls: above `force` at low, below it at high.
-    f_low, f_high = force_of(cell, -cell.sin_limit)[0], force_of(cell, cell.sin_limit)[0]
     if force >= f_low:
         return low
     if force <= f_high:

@@ -114,7 +114,7 @@ def load_sorted(
             continue
         # j weakens to the force at which the strongest full cell lets go: a snap.
         leader = of_row(table[top])
-        at = travel_at(cell, top_force)
+        at = travel_at(cell, top_force, f0, f1)
         lack = full - at
         # Other full cells may give travel back too while j runs. The leader had a head start
         # and keeps it as long as no curve crosses its own within half of what j takes.

@@ -238,8 +238,8 @@ class _Exact(Generic[K]):
                 smooth = smoothed(line, level.project, _SMOOTH)
 
                 def sides(t: Floats, level: Level = level) -> Ints:
+                    codes, t = self._sides(level, t)
                     # Where a curve before this one runs along with it, there it is told already.
-                    codes = self._sides(level, t)
                     for other in self._levels:
                         codes[other.distance(t) < _ASIDE] = -1
                     return codes
@@ -256,16 +256,19 @@ class _Exact(Generic[K]):
         on = np.zeros(len(t), np.bool_)
         for level in self._levels:
             near = np.flatnonzero(level.distance(t) < 10 * RESOLVED)
-            on[near] |= self._sides(level, t[near]) >= 0
+            on[near] |= self._sides(level, t[near])[0] >= 0
         return on
 
-    def _sides(self, level: Level, t: Floats) -> Ints:
-        """The labels on both sides of a level as one number; -1 where they do not differ."""
-        _, slope = level.look(t)
+    def _sides(self, level: Level, t: Floats) -> tuple[Ints, Floats]:
+        """The labels on both sides of a level as one number, -1 where they do not differ.
+
+        At the points of the level (m, 2) beside t, which come with them.
+        """
+        t, slope = level.projected(t)
         aside = _ASIDE * slope / np.linalg.norm(slope, axis=1, keepdims=True)
         both = self._label(np.concatenate([t + aside, t - aside])).reshape(2, -1)
         low, high = np.min(both, axis=0), np.max(both, axis=0)
-        return np.where((low >= 0) & (low < high), (low << 32) + high, -1)
+        return np.where((low >= 0) & (low < high), (low << 32) + high, -1), t
 
 
 def _extended(values: Floats) -> tuple[Floats, Floats]:

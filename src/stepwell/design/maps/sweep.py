@@ -100,7 +100,9 @@ def sweep(values, base, rows, columns, turned, run, orders, strokes, snaps, gap,
                 back = -force[1 - side, c]
                 if back < pull:
                     if count == 0:
-                        stroke = travel_at(simple_of(cells, c), pull if side == 0 else -pull)
+                        level = pull if side == 0 else -pull
+                        cell = simple_of(cells, c)
+                        stroke = travel_at(cell, level, force[0, c], -force[1, c])
                         gives = full[c] - stroke if side == 0 else stroke
                         holds = holds and (equal or gives < full[order[side, 0]])
                         # The other cells that are full meanwhile.

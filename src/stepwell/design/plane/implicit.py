@@ -30,6 +30,11 @@ class Level:
 
     def project(self, t: Floats) -> Floats:
         """The (m, 2) points moved onto the curve by Newton's method along the gradient."""
+        return self.projected(t)[0]
+
+    def projected(self, t: Floats) -> tuple[Floats, Floats]:
+        """The same, and the gradients (m, 2) beside them, no farther than the last step."""
+        slope = t
         for _ in range(20):
             value, slope = self.look(t)
             step = (value / np.sum(slope**2, axis=1))[:, None] * slope
@@ -37,7 +42,7 @@ class Level:
             # What is left is of the order of the step's square.
             if np.max(np.abs(step), initial=0.0) <= _LAST_STEP:
                 break
-        return t
+        return t, slope
 
     def distance(self, t: Floats) -> Floats:
         """Distance of (m, 2) places from the curve, to first order; (m,)."""

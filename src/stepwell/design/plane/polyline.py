@@ -64,7 +64,7 @@ def parted(
 
     Args:
         points: (m, 2) on the curve.
-        ask: labels of (n, 2) points on it.
+        ask: labels of the curve's points beside (n, 2) points.
         project: moves (n, 2) points onto the curve.
         steps: how often the way to each cut is halved.
 
@@ -75,9 +75,7 @@ def parted(
     turns = np.flatnonzero(label[1:] != label[:-1])
     # From both sides: a third label may lie between.
     near, far = np.append(turns, turns + 1), np.append(turns + 1, turns)
-    ends, _, _ = narrowed(
-        lambda t: ask(project(t)), points[near], points[far], label[near], label[far], steps
-    )
+    ends, _, _ = narrowed(ask, points[near], points[far], label[near], label[far], steps)
     before, after = np.split(project(ends), 2)
     bounds = [0, *(turns + 1).tolist(), len(points)]
     found: list[tuple[int, Floats]] = []
