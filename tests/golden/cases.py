@@ -224,7 +224,12 @@ ROBOTS = [
         within=SIMULATED,
         slow=True,
     ),
-    Case("walk/video", ("walk robot-forward --cycles 0.01 --out out",), within=SIMULATED),
+    Case(
+        "walk/video",
+        ("walk robot-forward --cycles 0.01 --out out",),
+        within=SIMULATED,
+        slow=True,
+    ),
     Case(
         "robot/show",
         ("robot show robot-forward --out out", "robot show robot-forward --json"),
