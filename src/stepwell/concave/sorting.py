@@ -28,7 +28,7 @@ def same_travel(longest: Any, shortest: Any) -> Any:
 
 def one_travel(chain: Chain) -> bool:
     """Whether all cells share one full travel."""
-    full = [cell.full_travel for cell in chain.cells]
+    full = chain.full_travels
     return bool(same_travel(max(full), min(full)))
 
 

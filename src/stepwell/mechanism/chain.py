@@ -63,7 +63,12 @@ class Chain(ByValue):
     @property
     def full_stroke(self) -> float:
         """Σ S_i [m]: the stroke with every cell at 1."""
-        return math.fsum(cell.full_travel for cell in self.cells)
+        return math.fsum(self.full_travels)
+
+    @property
+    def full_travels(self) -> tuple[float, ...]:
+        """S_i [m] of every cell."""
+        return tuple(cell.full_travel for cell in self.cells)
 
     @property
     def drive_unit(self) -> str:

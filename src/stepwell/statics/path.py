@@ -173,7 +173,7 @@ class Path(ByValue):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        stops = np.array([cell.full_travel for cell in self.chain.cells])
+        stops = np.array(self.chain.full_travels)
         return tuple(events_of(self.segments(), np.array(self.start), stops))
 
     @cached_property

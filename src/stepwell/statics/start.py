@@ -30,7 +30,7 @@ def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
     Raises:
         ValueError: a state of another length or with other characters, a travel past a stop.
     """
-    full = np.array([cell.full_travel for cell in chain.cells])
+    full = np.array(chain.full_travels)
     if start is None:
         return np.zeros(len(full))
     if isinstance(start, str):

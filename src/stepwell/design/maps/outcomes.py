@@ -277,7 +277,7 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
 
     A step in which the snap is handed on to another cell, and a second one follows, counts once.
     """
-    full = [cell.full_travel for cell in result.chain.cells]
+    full = result.chain.full_travels
     between: set[int] = set()
     counts = {1: 0, -1: 0}
     snapped = 0

@@ -78,7 +78,7 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
 def meet(tolerances: Tolerances, chain: Chain) -> None:
     """Raise SlipError for tolerances that are probably in another unit for this chain."""
     if not chain.unusual:
-        travel = max(cell.full_travel for cell in chain.cells)
+        travel = max(chain.full_travels)
         refuse_slips(tolerances, travel, max(sizes.own_force(c, c.lever) for c in chain.cells))
 
 

@@ -40,7 +40,7 @@ def path_of(result: Cycle | Path | Program) -> Path:
 
 def snaps_of(path: Path) -> list[SnapSamples]:
     """Every snap of the path as the samples on either side of it."""
-    full = np.array([cell.full_travel for cell in path.chain.cells])
+    full = np.array(path.chain.full_travels)
     found: list[SnapSamples] = []
     for i in np.flatnonzero(path.snap_after[:-1]):
         moved = np.abs(path.travel[i + 1] - path.travel[i]) > 1e-9 * full
@@ -108,7 +108,7 @@ def vertices(path: Path) -> list[Vertex]:
 
 def _resting(path: Path) -> NDArray[np.bool_]:
     """(2, n, N) whether a cell is at its stop 0, at its stop 1."""
-    full = np.array([cell.full_travel for cell in path.chain.cells])
+    full = np.array(path.chain.full_travels)
     return np.stack([path.travel <= 1e-7 * full, path.travel >= (1 - 1e-7) * full])
 
 

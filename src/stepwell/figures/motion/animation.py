@@ -257,7 +257,7 @@ class _Scene:
         return ax
 
     def _state(self, travels: Floats) -> str:
-        share = travels / [cell.full_travel for cell in self.chain.cells]
+        share = travels / self.chain.full_travels
         return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
 
     def shoot(self, frame: _Frame) -> Picture:

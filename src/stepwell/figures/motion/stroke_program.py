@@ -157,7 +157,7 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
 
 def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None:
     """Travel of every cell, innermost on top."""
-    longest = max(cell.full_travel for cell in path.chain.cells) * MM
+    longest = max(path.chain.full_travels) * MM
     jumps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
     look: dict[str, Any] = {"linestyle": marks.SNAP_DASHES, "linewidth": 0.9, "gid": "jumps"}
@@ -176,7 +176,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None
 
 def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:
     """Travel of every cell of a long chain as a shade, innermost on top."""
-    full = np.array([cell.full_travel for cell in path.chain.cells])
+    full = np.array(path.chain.full_travels)
     look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}
     x, y = np.concatenate([way, way[-1:]]), np.arange(len(full) + 1) + 0.5
     ax.pcolormesh(x, y, (path.travel / full).T, **look)

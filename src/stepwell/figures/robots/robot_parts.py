@@ -116,7 +116,7 @@ def frame(robot: Robot, antenna_swings: Sequence[float] = ()) -> list[Floats]:
     lines = [rectangle((0.0, 0.0), robot.body.length, robot.body.width)]
     for leg in robot.legs:
         front = leg_parts(robot, leg, [0.0] * len(leg.chain)).blocks[0, 0]
-        back = leg_parts(robot, leg, [c.full_travel for c in leg.chain.cells]).blocks[-1, 0]
+        back = leg_parts(robot, leg, leg.chain.full_travels).blocks[-1, 0]
         length = front - back + robot.blocks.length
         lines.append(rectangle(((front + back) / 2, leg.at[1]), length, robot.blocks.width))
     pairs = zip(robot.antennas, swings, strict=True)

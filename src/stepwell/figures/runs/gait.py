@@ -73,7 +73,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         axes.append(ax)
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
-        full = max(cell.full_travel for cell in leg.chain.cells) * MM
+        full = max(leg.chain.full_travels) * MM
         for j, colour in enumerate(cell_colours(len(leg.chain))):
             travel = walk.travel[some, i, j] * MM
             ax.plot(time, travel, color=colour, linewidth=1.4, gid=f"{leg.name} cell {j}")

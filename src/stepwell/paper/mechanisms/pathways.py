@@ -37,7 +37,7 @@ def sequential() -> Finding:
 
 def _in_transit(cycle: Cycle) -> np.ndarray:
     """(n,) how many cells are between their stops."""
-    full = np.array([cell.full_travel for cell in cycle.chain.cells])
+    full = np.array(cycle.chain.full_travels)
     travel = cycle.path.travel
     return np.sum((travel > _STILL * full) & (travel < (1 - _STILL) * full), axis=1)
 

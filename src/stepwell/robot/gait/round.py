@@ -106,7 +106,7 @@ class Round:
 
     def gait(self, tolerance: float = TOLERANCE) -> str:
         """The states visited, as "00>10>11>01>00"."""
-        full = np.array([cell.full_travel for cell in self.leg.chain.cells])
+        full = np.array(self.leg.chain.full_travels)
         return gait(np.concatenate([half.travel for half in self.halves]) / full, tolerance)
 
 

@@ -106,7 +106,7 @@ class Branches:
         stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
         self.slip = drive_slip(self.range[1] - self.range[0], stroke)
         self.ties: dict[Tie, None] = {}
-        self._full = tuple(cell.full_travel for cell in chain.cells)
+        self._full = chain.full_travels
         self._branches: list[Branch] = []
         self._landings: dict[tuple[int, int], Landing] = {}
         self._where: dict[str, list[int]] = {}

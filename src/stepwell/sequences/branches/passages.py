@@ -47,7 +47,7 @@ def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
 
 def passages_of(path: Path) -> list[Passage]:
     """The passages of a path between its snaps."""
-    full = tuple(cell.full_travel for cell in path.chain.cells)
+    full = path.chain.full_travels
     travels = path.start
     passages: list[Passage] = []
 

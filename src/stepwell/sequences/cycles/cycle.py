@@ -30,7 +30,7 @@ def sequence_of(path: Path) -> Sequence:
 
     A path that starts between the stops begins with the first vertex it reaches.
     """
-    full = [cell.full_travel for cell in path.chain.cells]
+    full = path.chain.full_travels
     at = [0 if s == 0 else 1 if s == f else -1 for s, f in zip(path.start, full, strict=True)]
     between = sum(a < 0 for a in at)
     vertex = at.copy()

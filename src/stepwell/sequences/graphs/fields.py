@@ -38,7 +38,7 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     Source: Preisach 1935; Terzi and Mungan 2020; that concave cells are relays under a prescribed
     force: theory page, "Preisach limit".
     """
-    full = np.array([cell.full_travel for cell in chain.cells])
+    full = np.array(chain.full_travels)
     at_1 = every_state(len(chain))
     opens = np.where(at_1, np.inf, fields.up)
     shuts = np.where(at_1, fields.down, -np.inf)
@@ -176,7 +176,7 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     let_go = np.where(at_1, forces[:, 1], forces[:, 0])
     if stiffness == 0:
         return let_go
-    full = np.array([cell.full_travel for cell in chain.cells])
+    full = np.array(chain.full_travels)
     return (at_1 @ full)[:, None] + let_go / stiffness
 
 

@@ -210,7 +210,7 @@ def _require(limit: str, chain: Chain) -> None:
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
     """The branches as a graph."""
     chain = branches.chain
-    full = tuple(cell.full_travel for cell in chain.cells)
+    full = chain.full_travels
     names = _labels(branches, numbers)
     found = TransitionGraph()
     for place, number in enumerate(numbers):

@@ -81,7 +81,7 @@ def _widened(
 ) -> Program:
     """The program, each window bisected with the other turns where they are."""
     chain = branches.chain
-    full = [cell.full_travel for cell in chain.cells]
+    full = chain.full_travels
     wanted = [f if c == "1" else 0.0 for f, c in zip(full, to, strict=True)]
     points = [origin[1], *turns, sum(ends) / 2]
 

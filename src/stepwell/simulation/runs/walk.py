@@ -237,7 +237,7 @@ class Walk(ByValue):
     def _share(self, name: str) -> Floats:
         """(n, cells) travel of each cell of a leg over its full travel [1]."""
         leg = self.robot.leg(name)
-        full = [cell.full_travel for cell in leg.chain.cells]
+        full = leg.chain.full_travels
         return self.travel[:, self.robot.legs.index(leg), : len(full)] / np.array(full)
 
     @property
