@@ -5,6 +5,7 @@ import inspect
 import re
 import subprocess
 import sys
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -52,6 +53,12 @@ def mentions(pattern: re.Pattern[str], files: list[Path]) -> list[str]:
     return found
 
 
+@cache
+def tree_of(file: Path) -> ast.Module:
+    """What Python reads in a file."""
+    return ast.parse(file.read_text("utf-8"))
+
+
 def loaded_by(code: str) -> set[str]:
     """Heavy packages in memory after a fresh interpreter has run the code."""
     script = f"import sys\n{code}\nprint(*{{m.partition('.')[0] for m in sys.modules}})"
@@ -89,7 +96,7 @@ def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
     """What files take from other folders: the file, from where, the names, and whether at once."""
     found = []
     for file in SOURCE.rglob("*.py"):
-        tree = ast.parse(file.read_text("utf-8"))
+        tree = tree_of(file)
         at_once = set(map(id, tree.body))
         for node in ast.walk(tree):
             if not isinstance(node, ast.ImportFrom) or not node.module or node.level:
@@ -107,7 +114,7 @@ def imports_between_folders() -> list[tuple[Path, str, tuple[str, ...], bool]]:
 
 def offers(folder: Path) -> set[str]:
     """What a folder's `__init__` imports or lists; the house itself offers its rooms."""
-    tree = ast.parse((folder / "__init__.py").read_text("utf-8"))
+    tree = tree_of(folder / "__init__.py")
     house = folder_of(folder / "__init__.py")
     names = {
         alias.asname or alias.name
@@ -138,7 +145,7 @@ def test_folders_offer_only_what_others_take():
     """The rooms offer to users; a folder in a room, and the rooms below, to other folders."""
     taken = {(module, name) for _, module, names, _ in imports_between_folders() for name in names}
     for file in SOURCE.rglob("__init__.py"):
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        for node in ast.walk(tree_of(file)):
             if isinstance(node, ast.ImportFrom) and node.module:
                 taken |= {(node.module, alias.name) for alias in node.names}
     unwanted = [
@@ -189,7 +196,7 @@ def test_what_is_refused_is_refused_by_an_error_of_ours():
     bare = [
         f"{file.relative_to(SOURCE)}:{node.lineno}"
         for file in SOURCE.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        for node in ast.walk(tree_of(file))
         if isinstance(node, ast.Raise)
         and isinstance(node.exc, ast.Call)
         and ast.unparse(node.exc.func) in ("ValueError", "RuntimeError", "Exception")
@@ -201,7 +208,7 @@ def test_every_module_says_what_a_reader_finds_there():
     silent = [
         str(file.relative_to(ROOT))
         for file in SOURCE.rglob("*.py")
-        if not ast.get_docstring(ast.parse(file.read_text("utf-8")))
+        if not ast.get_docstring(tree_of(file))
     ]
     assert silent == []
 

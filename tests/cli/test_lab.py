@@ -106,6 +106,7 @@ def test_wrong_options_get_advice(stepwell, data, options, words):
     assert words in result.stderr.replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell, data, tmp_path):
     result = stepwell("lab", "compare", "data", "--out", "seen")
     assert result.exit_code == 0, result.stderr

@@ -66,6 +66,7 @@ def test_the_installed_command_runs_a_design_to_a_folder(tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_wrong_file_goes_to_standard_error_and_nothing_to_standard_output(tmp_path):
     result = installed("run", "leg.toml", "--json", cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")

@@ -216,6 +216,7 @@ def test_results_from_python_are_written_with_a_design_file_made_for_them(tmp_pa
     assert sw.load(tmp_path / "out" / "design.toml") == chain
 
 
+@pytest.mark.slow
 def test_a_chain_too_long_for_lanes_is_written_without_them(tmp_path):
     cell = sw.preset("paper-cell-10-0").cells[0]
     chain = sw.Chain([cell.with_anchors(q=(0.01 + 1e-4 * k, 0.0)) for k in range(61)])

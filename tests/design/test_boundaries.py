@@ -111,7 +111,13 @@ def test_chords_of_an_exact_boundary_stay_close_to_the_curve():
             assert abs(gap) / (28.5 / 2) < 1e-4 * diagonal
 
 
-@pytest.mark.parametrize("chain", [PAPER, SHORT], ids=["concave", "partly concave"])
+@pytest.mark.parametrize(
+    "chain",
+    [
+        pytest.param(PAPER, id="concave"),
+        pytest.param(SHORT, id="partly concave", marks=pytest.mark.slow),
+    ],
+)
 def test_wherever_neighbours_on_a_map_differ_a_boundary_passes_between(chain):
     box_x, box_y = (X, Y) if chain is PAPER else (SHORT_X, SHORT_Y)
     x, y = np.linspace(*box_x, 31), np.linspace(*box_y, 31)

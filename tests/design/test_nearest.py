@@ -88,7 +88,7 @@ def compliant(rng: np.random.Generator) -> sw.Chain:
     ("some", "method"),
     [
         (lambda rng: concave_chain(rng, int(rng.integers(3, 6))), "exact"),
-        (rubbing, "search"),
+        pytest.param(rubbing, "search", marks=pytest.mark.slow),
         (compliant, "search"),
         (lambda rng: any_chain(rng, 2), "search"),
     ],

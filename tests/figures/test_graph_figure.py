@@ -161,7 +161,10 @@ def test_where_all_is_reached_nothing_is_set_apart():
     assert legend_of(figure) == ["loading", "unloading", "main loop", "snap", "cell half-way"]
 
 
-@pytest.mark.parametrize("name", ["forward", "wave", "shuffle", "nested 6", "force 3"])
+@pytest.mark.parametrize(
+    "name",
+    ["forward", "wave", "shuffle", pytest.param("nested 6", marks=pytest.mark.slow), "force 3"],
+)
 def test_the_main_loop_is_the_cycle_and_bold(name):
     chain = CHAINS[name]
     figure = figures.transition_graph(graph_of(name))

@@ -177,6 +177,7 @@ def test_the_table_can_be_pasted_into_a_design_file_and_gives_the_fitted_tension
     assert band.tension(0.0213 + stroke) == pytest.approx(fitted, abs=0.006)
 
 
+@pytest.mark.slow
 def test_a_law_that_is_not_known_is_refused():
     test = softened()
     with pytest.raises(ValueError, match="law = 'quartic': must be one of linear, "):
