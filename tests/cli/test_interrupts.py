@@ -86,6 +86,35 @@ def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
         assert "nothing was written" in told and left == set()
 
 
+SWALLOWS = """
+import os, signal
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+    for _ in range(1000): pass
+except BaseException:
+    pass
+"""
+OPENS = """
+import signal, time
+from stepwell.cli.screen.outcomes import _interrupt
+signal.signal(signal.SIGINT, _interrupt)
+import swallows
+try:
+    time.sleep(30)
+except KeyboardInterrupt:
+    print("heard")
+"""
+
+
+def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_path):
+    (tmp_path / "swallows.py").write_text(SWALLOWS)
+    (tmp_path / "opens.py").write_text(OPENS)
+    done = subprocess.run(
+        [sys.executable, "opens.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "heard\n"
+
+
 @pytest.mark.parametrize("after", [0.05, 0.1, 0.15, 0.25, 0.4, 0.7])
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     (tmp_path / "slack.toml").write_text(SLACK)

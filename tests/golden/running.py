@@ -1,6 +1,7 @@
 """A case run in this process, and everything that it shows and writes as one text."""
 
 import json
+import re
 import shlex
 from collections.abc import Iterator
 from contextlib import chdir, contextmanager
@@ -26,6 +27,7 @@ _SLOW_CLAIMS = frozenset({
     "antennas-turn-away", "more-cells-sequenced", "more-cells-programmable", "directed-snaps",
     "robot-15-in-the-air", "robot-states", "antennas-bench-20", "antennas-bench-14",
 })  # fmt: skip
+_COMPILING = re.compile(r"stepwell: compiling \w+, once")
 _commands = cache(typer.main.get_command)
 # No colours, and always the same width.
 _TERMINAL = {"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
@@ -84,9 +86,11 @@ def _shown(result: Result, folder: Path) -> Iterator[str]:
     if result.stdout:
         yield "--- shown"
         yield from _output(result.stdout, folder)
-    if result.stderr:
+    # Whether a kernel is compiled meanwhile hangs on what ran before.
+    said = [line for line in telling.text_lines(result.stderr) if not _COMPILING.match(line)]
+    if any(said):
         yield "--- standard error"
-        yield from telling.text_lines(result.stderr)
+        yield from said
 
 
 def _output(text: str, folder: Path) -> list[str]:

@@ -71,7 +71,9 @@ def main() -> None:
         app(prog_name="stepwell")
     finally:
         # What is left to do is to leave.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for name in ("SIGINT", "SIGALRM"):
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), signal.SIG_IGN)
         _flush()
 
 

@@ -4,6 +4,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any, cast
 
 import typer
@@ -15,6 +16,7 @@ from stepwell.cli.screen.show import escaped, warn
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
 # Wrong usage of any kind, which Typer does not export.
 _USAGE = cast("type[Exception]", typer.BadParameter.__base__)
+_LOOK_AGAIN = 0.005  # s
 EXIT_CODES = (
     "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
     "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
@@ -30,7 +32,7 @@ class Commands(TyperGroup):
         try:
             # From here on there is something to tidy up, and to tell, after Ctrl-C.
             if threading.current_thread() is threading.main_thread():
-                signal.signal(signal.SIGINT, signal.default_int_handler)
+                signal.signal(signal.SIGINT, _interrupt)
             return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise
@@ -50,6 +52,26 @@ class Commands(TyperGroup):
             code, message = known
             warn(message)
             raise typer.Exit(code) from None
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """What Ctrl-C does while a command runs: a KeyboardInterrupt, once no module is being opened.
+
+    Modules of others call Python out of C as they open, and some of that drops any exception.
+    """
+    if _opening(frame) and hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, _interrupt)
+        signal.setitimer(signal.ITIMER_REAL, _LOOK_AGAIN)
+    else:
+        raise KeyboardInterrupt
+
+
+def _opening(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
