@@ -106,6 +106,14 @@ except KeyboardInterrupt:
 """
 
 
+RUNS = """
+import sys
+from stepwell.cli import main
+sys.argv = ["stepwell", "run", "long.toml"]
+main()
+"""
+
+
 def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_path):
     (tmp_path / "swallows.py").write_text(SWALLOWS)
     (tmp_path / "opens.py").write_text(OPENS)
@@ -113,6 +121,20 @@ def test_ctrl_c_is_heard_though_a_module_that_opens_drops_all_exceptions(tmp_pat
         [sys.executable, "opens.py"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert done.stdout == "heard\n"
+
+
+@pytest.mark.slow
+def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
+    (tmp_path / "long.toml").write_text(long_chain())
+    (tmp_path / "runs.py").write_text(RUNS)
+    process = subprocess.Popen(
+        [sys.executable, "-c", "import runs"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+    )
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(2.5)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=30)
+    assert process.returncode == 130 and told.startswith("Interrupted"), told
 
 
 @pytest.mark.parametrize("after", [0.05, 0.1, 0.15, 0.25, 0.4, 0.7])

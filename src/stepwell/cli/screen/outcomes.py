@@ -67,7 +67,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _opening(frame: FrameType | None) -> bool:
-    while frame is not None:
+    """Whether a command, which may itself run while a module opens, is opening one."""
+    while frame is not None and frame.f_code is not Commands.invoke.__code__:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             return True
         frame = frame.f_back
