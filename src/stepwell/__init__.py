@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stepwell.base import InputError, StepwellError, __version__
+    from stepwell.base import InputError, Measure, StepwellError, __version__
     from stepwell.design import (
         Margin,
         Tolerances,
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         yields,
     )
     from stepwell.files import load, load_arena, load_chain, load_robot, preset, presets, save
-    from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
+    from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Linear, Load, Phase, Table
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
@@ -40,13 +40,16 @@ _DOORS = {
     "Chain": "mechanism",
     "Cubic": "mechanism",
     "Cycle": "sequences",
+    "Element": "mechanism",
     "Event": "statics",
     "EventKind": "statics",
     "InputError": "base",
     "Linear": "mechanism",
     "Load": "mechanism",
     "Margin": "design",
+    "Measure": "base",
     "Path": "statics",
+    "Phase": "mechanism",
     "Pathway": "sequences",
     "Program": "sequences",
     "Robot": "robot",
@@ -82,13 +85,16 @@ __all__ = [
     "Chain",
     "Cubic",
     "Cycle",
+    "Element",
     "Event",
     "EventKind",
     "InputError",
     "Linear",
     "Load",
     "Margin",
+    "Measure",
     "Path",
+    "Phase",
     "Pathway",
     "Program",
     "Robot",

@@ -11,6 +11,7 @@ from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
     Column,
     Columns,
+    Measure,
     Quantity,
     Schema,
     number,

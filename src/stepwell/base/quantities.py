@@ -23,11 +23,59 @@ _UNITS = {
     "ms": ("s", 1e3),
     "g": ("kg", 1e3),
     "deg": ("rad", 180.0 / math.pi),
+    "mL": ("m³", 1e6),
+    "kPa": ("Pa", 1e-3),
+    "mNm": ("N m", 1e3),
+    "kPa_per_mL": ("Pa/m³", 1e-9),
     "percent": ("1", 1e2),
 }
-_TOLD = {_UNITS[unit][0]: unit for unit in ("mm", "mJ", "g", "deg")}
-_SIGNS = {"percent": "%", "mm_s": "mm/s"}
+_TOLD = {
+    _UNITS[unit][0]: unit for unit in ("mm", "mJ", "g", "deg", "mL", "kPa", "mNm", "kPa_per_mL")
+}
+_SIGNS = {"percent": "%", "mm_s": "mm/s", "mNm": "mN m", "kPa_per_mL": "kPa/mL"}
 _RATIO = "over_"
+
+
+class Measure(Enum):
+    """What travel and force are in a chain: the words and SI units of a conjugate pair.
+
+    Everything said of travel and force holds for the other pairs too; `Quantity` and `told_in` say
+    in which units people are told.
+    """
+
+    TRAVEL = "travel", "m", "force", "N", "N/m"
+    VOLUME = "volume", "m³", "pressure", "Pa", "Pa/m³"
+    ANGLE = "angle", "rad", "torque", "N m", "N m/rad"
+
+    @property
+    def travel(self) -> str:
+        """What a cell gives, in a word."""
+        return self.value[0]
+
+    @property
+    def travel_unit(self) -> str:
+        """Its SI unit."""
+        return self.value[1]
+
+    @property
+    def force(self) -> str:
+        """What it resists with, in a word."""
+        return self.value[2]
+
+    @property
+    def force_unit(self) -> str:
+        """Its SI unit."""
+        return self.value[3]
+
+    @property
+    def stiffness_unit(self) -> str:
+        """SI unit of force by travel."""
+        return self.value[4]
+
+    @property
+    def stroke(self) -> str:
+        """What the actuator gives to the whole chain, in a word."""
+        return "stroke" if self is Measure.TRAVEL else self.travel
 
 
 def told_in(unit: str) -> tuple[str, float]:

@@ -2,11 +2,13 @@
 
 # pyright: reportUnusedImport=false
 
-from stepwell.mechanism import curves, sizes
+from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
-from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, cubic, hooke
+from stepwell.mechanism.cubics import cubic, value
+from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
+from stepwell.mechanism.elements import Element, Phase, Sheet, phase_at
 from stepwell.mechanism.geometry import (
     band_direction,
     band_force,
@@ -21,7 +23,16 @@ from stepwell.mechanism.geometry import (
     travel_of,
     turn_at,
 )
-from stepwell.mechanism.law import Laws, law, pack, pick_rows, stored, summed
+from stepwell.mechanism.law import (
+    Laws,
+    beyond,
+    change_sheet,
+    law,
+    pack,
+    pick_rows,
+    stored,
+    summed,
+)
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [
@@ -32,9 +43,12 @@ __all__ = [
     "Cell",
     "Chain",
     "Cubic",
+    "Element",
     "Law",
     "Linear",
     "Load",
+    "Phase",
+    "Sheet",
     "Slip",
     "SlipError",
     "Table",

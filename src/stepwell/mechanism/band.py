@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Floats, InputError, Vec2, check
-from stepwell.mechanism import curves
+from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Law, Linear, Table
 from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slopes
 
@@ -92,13 +92,13 @@ class Band(ByValue):
     def tension(self, length: ArrayLike) -> Floats:
         """Tension [N] at band lengths [m] of any shape; zero where slack."""
         extension = np.asarray(length, float) - self.rest_length
-        tension = self.stiffness * curves.value(self.law.pieces(), extension)
+        tension = self.stiffness * value(self.law.pieces(), extension)
         return tension if self.two_sided else np.where(extension > 0, tension, 0.0)
 
     def energy(self, length: ArrayLike) -> Floats:
         """Stored energy [J] at band lengths [m] of any shape (Kamp et al. 2024, Eq. 1)."""
         extension = np.asarray(length, float) - self.rest_length
-        energy = band_energy(self.stiffness, curves.integral(self.law.pieces(), extension))
+        energy = band_energy(self.stiffness, integral(self.law.pieces(), extension))
         return energy if self.two_sided else np.where(extension > 0, energy, 0.0)
 
     def force(self, theta: ArrayLike, lever: float) -> Floats:

@@ -8,10 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Vec2, check, require
-from stepwell.mechanism import curves, sizes
+from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, check, require
+from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
+from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Load
+from stepwell.mechanism.elements import Phase
 from stepwell.mechanism.geometry import sine_at, travel_of
 from stepwell.mechanism.sizes import SlipError
 
@@ -153,7 +155,7 @@ class Cell(ByValue):
         theta = self._within(theta)
         energy = sum(band.energy(band.length(theta, self.lever)) for band in self.bands)
         if self.load is not None:
-            energy = energy + curves.integral(self.load.pieces(), self.travel(theta))
+            energy = energy + integral(self.load.pieces(), self.travel(theta))
         return np.asarray(energy)
 
     def force(self, theta: ArrayLike) -> Floats:
@@ -165,7 +167,7 @@ class Cell(ByValue):
         theta = self._within(theta)
         force = sum(band.force(theta, self.lever) for band in self.bands)
         if self.load is not None:
-            force = force + curves.value(self.load.pieces(), self.travel(theta))
+            force = force + value(self.load.pieces(), self.travel(theta))
         return np.asarray(force)
 
     @property
@@ -177,6 +179,56 @@ class Cell(ByValue):
     def force_1(self) -> float:
         """F1 [N], the force at state 1: below it, the cell leaves state 1."""
         return float(self.force(self.limit))
+
+    def force_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
+        """Force F [N] at travels s [m] of any shape, without friction; a cell has one sheet.
+
+        Raises:
+            ValueError: a travel outside 0..`full_travel`.
+        """
+        return self.force(self.angle(travel))
+
+    def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
+        """Energy [J] of bands and load at travels s [m] of any shape; a cell has one sheet.
+
+        Raises:
+            ValueError: a travel outside 0..`full_travel`.
+        """
+        return self.energy(self.angle(travel))
+
+    @property
+    def low(self) -> float:
+        """Travel at state 0 [m]."""
+        return 0.0
+
+    @property
+    def high(self) -> float:
+        """Travel at state 1, S [m]."""
+        return self.full_travel
+
+    @property
+    def stopped(self) -> tuple[bool, bool]:
+        """Whether it is stopped at either end: its blocks touch there."""
+        return True, True
+
+    @property
+    def measure(self) -> Measure:
+        """What its travel and force are: a travel and a force."""
+        return Measure.TRAVEL
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """Its two states, at the stops."""
+        full = self.full_travel
+        return (
+            Phase(0, 0.0, 0.0, -math.inf, self.force_0),
+            Phase(0, full, full, self.force_1, math.inf),
+        )
+
+    @property
+    def largest_force(self) -> float:
+        """Largest force in size on its way [N], as far as a table of it shows."""
+        return float(np.max(np.abs(self.force(np.linspace(-self.limit, self.limit, _LOOKS)))))
 
     @property
     def peak_angle(self) -> float:
@@ -274,14 +326,3 @@ def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
             f"meet at θ = {math.degrees(theta):.4g}°, where its force has no direction: move an "
             f"anchor, or give the band a rest length and let it go slack (two_sided=False)."
         )
-
-
-def as_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
-    """The cells as a tuple; raises ValueError when there are none or one is not a Cell."""
-    checked = tuple(cells)
-    for i, cell in enumerate(checked):
-        if type(cell) is not Cell:
-            raise InputError(f"cells[{i}] = {cell!r}: must be a Cell.")
-    if not checked:
-        raise InputError("cells is empty: a chain has one cell or more, inner first.")
-    return checked

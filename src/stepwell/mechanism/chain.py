@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.base import REACH, ByValue, InputError, finite, require, short
+from stepwell.base import REACH, ByValue, InputError, Measure, finite, require, short
 from stepwell.mechanism import sizes
-from stepwell.mechanism.cell import Cell, as_cells
+from stepwell.mechanism.cell import Cell
+from stepwell.mechanism.elements import Element, Phase
 from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
@@ -27,32 +28,37 @@ class Chain(ByValue):
     """Cells in series: the innermost block is fixed, the outermost is displaced.
 
     Args:
-        cells: (N,) cells, inner first.
+        cells: (N,) cells and elements, inner first, all of one measure.
         actuator_stiffness: K [N/m] of the spring between the actuator and the outermost
             block, 1e-6 to 1e12; or infinite for a prescribed stroke (the paper), or 0 for a
             prescribed force.
         title: what reports call the chain.
 
     Raises:
-        ValueError: no cells, or a stiffness out of range.
+        ValueError: no cells, cells of unlike measure, or a stiffness out of range.
 
     Source: Kamp et al. 2024, Fig. 2.
     """
 
-    cells: Sequence[Cell]
+    cells: Sequence[Cell | Element]
     actuator_stiffness: float = math.inf
     title: str = ""
 
     def __post_init__(self):
-        object.__setattr__(self, "cells", as_cells(self.cells))
+        object.__setattr__(self, "cells", _as_cells(self.cells))
         require("cells", len(self.cells), "the chain has")
-        stiffness = self.actuator_stiffness
+        stiffness, unit = self.actuator_stiffness, self.measure.stiffness_unit
+        softest, stiffest = SOFTEST, STIFFEST
+        if self.measure is not Measure.TRAVEL:
+            # What is soft and what is stiff there, the cells themselves tell.
+            size = max(c.largest_force for c in self.elements) / self.full_stroke
+            softest, stiffest = 1e-8 * size, 1e10 * size
         if stiffness != math.inf:
-            stiffness = finite("actuator_stiffness", stiffness, "N/m")
-        if stiffness not in (0.0, math.inf) and not SOFTEST <= stiffness <= STIFFEST:
+            stiffness = finite("actuator_stiffness", stiffness, unit)
+        if stiffness not in (0.0, math.inf) and not softest <= stiffness <= stiffest:
             raise InputError(
-                f"actuator_stiffness = {stiffness:g} N/m: must be from {short(SOFTEST)} to "
-                f"{short(STIFFEST)}; use math.inf for a prescribed stroke and 0 for a prescribed "
+                f"actuator_stiffness = {stiffness:g} {unit}: must be from {short(softest)} to "
+                f"{short(stiffest)}; use math.inf for a prescribed stroke and 0 for a prescribed "
                 f"force."
             )
         object.__setattr__(self, "actuator_stiffness", float(stiffness))
@@ -72,8 +78,34 @@ class Chain(ByValue):
 
     @property
     def drive_unit(self) -> str:
-        """Unit of what the actuator prescribes: "m", or "N" under force control."""
-        return "N" if self.actuator_stiffness == 0 else "m"
+        """SI unit of what the actuator prescribes: that of travel, or of force."""
+        measure = self.measure
+        return measure.force_unit if self.actuator_stiffness == 0 else measure.travel_unit
+
+    @property
+    def measure(self) -> Measure:
+        """What travel and force are in this chain."""
+        return self.cells[0].measure
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """Those of its cells that are elements."""
+        return tuple(cell for cell in self.cells if isinstance(cell, Element))
+
+    @property
+    def phases(self) -> tuple[tuple[Phase, ...], ...]:
+        """The phases of every cell: digit k of a state stands for phase k of its cell."""
+        return tuple(cell.phases for cell in self.cells)
+
+    @property
+    def first_state(self) -> str:
+        """The state with every cell in its first phase, such as "000"."""
+        return "0" * len(self.cells)
+
+    @property
+    def last_state(self) -> str:
+        """The state with every cell in its last phase, such as "111"."""
+        return "".join(str(len(phases) - 1) for phases in self.phases)
 
     @property
     def unusual(self) -> bool:
@@ -408,3 +440,21 @@ class Chain(ByValue):
             else f", actuator {self.actuator_stiffness:.4g} N/m"
         )
         return f"Chain({title}{list(self.cells)!r}{actuator})"
+
+
+def _as_cells(cells: Sequence[Cell | Element]) -> tuple[Cell | Element, ...]:
+    checked = tuple(cells)
+    for i, cell in enumerate(checked):
+        if type(cell) not in (Cell, Element):
+            raise InputError(f"cells[{i}] = {cell!r}: must be a Cell or an Element.")
+    if not checked:
+        raise InputError("cells is empty: a chain has one cell or more, inner first.")
+    first = checked[0].measure
+    for i, cell in enumerate(checked):
+        if cell.measure is not first:
+            raise InputError(
+                f"cells[{i}] has {cell.measure.travel} and {cell.measure.force}, cells[0] has "
+                f"{first.travel} and {first.force}: the cells of a chain share one force and their "
+                f"travels add up, so all must be of one kind."
+            )
+    return checked

@@ -1,6 +1,6 @@
 """Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate, chain as flatten
 from typing import NamedTuple
 
@@ -9,19 +9,23 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.mechanism.cell import Cell
-from stepwell.mechanism.curves import cubic, cubic_area
+from stepwell.mechanism.cubics import cubic, cubic_area
+from stepwell.mechanism.elements import Element
 from stepwell.mechanism.geometry import (
     band_energy,
     band_length,
     force_slopes,
     length_slopes,
     sine_at,
-    travel_of,
 )
 
 
 class Laws(NamedTuple):
-    """The cells of a chain as flat arrays; N cells, B bands, M curve rows."""
+    """The cells of a chain as flat arrays; N cells, B bands, M curve rows, T sheets.
+
+    A cell has one sheet, but for elements whose curve folds back. `sheet`, `low`, `high` and
+    `load_rows` are those on which it stands now: the follower writes them as cells jump.
+    """
 
     lever: Floats  # (N,)
     sin_limit: Floats  # (N,)
@@ -31,8 +35,15 @@ class Laws(NamedTuple):
     band: Floats  # (B, 4) d_x, d_y, k, ℓ0
     two_sided: Ints  # (B,)
     band_rows: Ints  # (B + 1,) rows of band b
-    load_rows: Ints  # (N, 2) rows of the load of cell i
-    rows: Floats  # (M, 6) piecewise cubics, see mechanism/curves.py
+    load_rows: Ints  # (N, 2) rows of the load of cell i, or of the element's sheet
+    rows: Floats  # (M, 6) piecewise cubics, see mechanism/cubics
+    sheet: Ints  # (N,)
+    low: Floats  # (N,) travels between which cell i can go
+    high: Floats  # (N,)
+    sheet_first: Ints  # (N + 1,) sheets of cell i are sheet_first[i] .. sheet_first[i + 1]
+    sheet_ends: Floats  # (T, 2) low, high
+    sheet_rows: Ints  # (T, 2)
+    sheet_next: Ints  # (T, 2) where it jumps to from below and above, by number in its cell; or -1
 
 
 @kernel
@@ -42,6 +53,27 @@ def summed(values: Floats) -> float:
     for value in values:
         total += value
     return total
+
+
+@kernel
+def change_sheet(laws: Laws, cell: int, sheet: int) -> None:
+    """Let a cell stand on another sheet of its curve."""
+    at = laws.sheet_first[cell] + sheet
+    laws.sheet[cell] = sheet
+    laws.low[cell], laws.high[cell] = laws.sheet_ends[at, 0], laws.sheet_ends[at, 1]
+    laws.load_rows[cell, 0], laws.load_rows[cell, 1] = (
+        laws.sheet_rows[at, 0],
+        laws.sheet_rows[at, 1],
+    )
+
+
+@kernel
+def beyond(laws: Laws, cell: int, travel: float) -> int:
+    """The sheet that a cell jumps to where it stands; -1 where it does not."""
+    at = laws.sheet_first[cell] + laws.sheet[cell]
+    if travel <= laws.low[cell]:
+        return laws.sheet_next[at, 0]
+    return laws.sheet_next[at, 1] if travel >= laws.high[cell] else -1
 
 
 @kernel
@@ -132,25 +164,66 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     return energy
 
 
-def pack(cells: Sequence[Cell]) -> Laws:
-    """The laws of the cells, inner first."""
-    bands = [cell.bands for cell in cells]
+def pack(cells: Sequence[Cell | Element]) -> Laws:
+    """The laws of the cells, inner first, each on its first sheet."""
+    bands = [() if isinstance(cell, Element) else cell.bands for cell in cells]
     flat = list(flatten.from_iterable(bands))
     curves = [band.law.pieces() for band in flat]
-    loads = [np.empty((0, 6)) if cell.load is None else cell.load.pieces() for cell in cells]
+    reach = _reach(cells)
+    loads = [_loads(cell, reach) for cell in cells]
+    all_loads = [rows for load in loads for rows, *_ in load]
     first = list(accumulate((len(c) for c in curves), initial=0))
-    load_first = list(accumulate((len(load) for load in loads), initial=first[-1]))
-    sin_limit = np.array([cell.sin_limit for cell in cells])
-    lever = np.array([cell.lever for cell in cells])
+    load_first = list(accumulate((len(rows) for rows in all_loads), initial=first[-1]))
+    sheet_first = np.array(list(accumulate((len(load) for load in loads), initial=0)))
+    sheet_rows = np.array([load_first[:-1], load_first[1:]]).T.copy()
+    sin_limit = np.array([0.0 if isinstance(cell, Element) else cell.sin_limit for cell in cells])
+    # No band asks an element for its lever; this one leaves sine and cosine finite.
+    lever = np.array([np.inf if isinstance(cell, Element) else cell.lever for cell in cells])
+    ends = np.array([end for load in loads for _, end, _ in load])
+    begin = sheet_first[:-1]
     return Laws(
         lever=lever,
         sin_limit=sin_limit,
-        full=travel_of(sin_limit, lever, sin_limit),
+        full=np.array([cell.full_travel for cell in cells]),
         friction=np.array([cell.friction for cell in cells]),
         band_first=np.array(list(accumulate((len(b) for b in bands), initial=0))),
-        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]),
-        two_sided=np.array([int(b.two_sided) for b in flat]),
+        band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]).reshape(-1, 4),
+        two_sided=np.array([int(b.two_sided) for b in flat], dtype=int),
         band_rows=np.array(first),
-        load_rows=np.array([load_first[:-1], load_first[1:]]).T.copy(),
-        rows=np.concatenate([*curves, *loads]),
+        load_rows=sheet_rows[begin],
+        rows=np.concatenate([*curves, *all_loads]),
+        sheet=np.zeros(len(cells), dtype=int),
+        low=ends[begin, 0],
+        high=ends[begin, 1],
+        sheet_first=sheet_first,
+        sheet_ends=ends,
+        sheet_rows=sheet_rows,
+        sheet_next=np.array([leads for load in loads for _, _, leads in load]),
     )
+
+
+_Sheet = tuple[Floats, tuple[float, float], tuple[int, int]]
+
+
+def _loads(cell: Cell | Element, reach: float) -> list[_Sheet]:
+    """Rows, ends and what they lead to, of every sheet of a cell."""
+    if not isinstance(cell, Element):
+        rows = np.empty((0, 6)) if cell.load is None else cell.load.pieces()
+        return [(rows, (0.0, cell.full_travel), (-1, -1))]
+    found: list[_Sheet] = []
+    for sheet, rows in zip(cell.laws, cell.reaching(reach), strict=True):
+        low, high = float(rows[0, 0]), sheet.end
+        if rows[-1, 0] == sheet.end:
+            # An open end: straight on, as far as any force of the chain can pull it.
+            high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * cell.full_travel)
+        leads = (-1 if one is None else one for one in (sheet.below, sheet.above))
+        found.append((rows, (low, high), (next(leads), next(leads))))
+    return found
+
+
+def _reach(cells: Iterable[Cell | Element]) -> float:
+    """A force above all that the cells of a chain offer [N]; 0 where no curve is open."""
+    cells = tuple(cells)
+    if all(all(cell.stopped) for cell in cells):
+        return 0.0
+    return 4.0 * max(cell.largest_force + cell.friction for cell in cells)

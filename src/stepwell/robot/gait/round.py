@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.mechanism import Cell, Chain, Load, curves
+from stepwell.mechanism import Cell, Chain, Load, value
 from stepwell.robot.gait.standing import HANDOVER, POINTS, Stance, leaning, stance, touch
 from stepwell.robot.gait.states import TOLERANCE, gait
 from stepwell.robot.parts import Leg, Robot
@@ -280,6 +280,6 @@ def _with_load(cell: Cell, travel: Floats, force: Floats) -> Cell:
     """The cell with one more force [N] against its travel, given at some travels [m]."""
     if cell.load is not None:
         both = np.unique(np.concatenate([cell.load.travel, travel]))
-        force = curves.value(cell.load.pieces(), both) + np.interp(both, travel, force)
+        force = value(cell.load.pieces(), both) + np.interp(both, travel, force)
         travel = both
     return replace(cell, load=Load(tuple(travel.tolist()), tuple(force.tolist())))

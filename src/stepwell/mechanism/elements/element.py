@@ -1,0 +1,405 @@
+"""An element: a cell that is a force law over its own travel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stepwell.base import ByValue, Floats, InputError, Measure, check, told_in
+from stepwell.mechanism.cubics import Force, end_of, integral, signs, value
+from stepwell.mechanism.elements import build
+from stepwell.mechanism.elements.beside import beside
+from stepwell.mechanism.elements.fold import folded
+from stepwell.mechanism.elements.phase import Phase
+from stepwell.mechanism.elements.sheet import Sheet
+
+Stops = bool | tuple[bool, bool]
+
+# A digit of a state tells one of so many phases.
+_MOST_PHASES = 10
+# An end that is open goes on straight; it has to rise by this share of the mean stiffness.
+_LEAST_RISE = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Element(ByValue):
+    """A cell that is a force law: anything that snaps, given by its force against its travel.
+
+    Make one with `from_table`, `from_points`, `from_law` or `from_curve`, or take one from
+    `stepwell.elements`. In a chain it stands wherever a `Cell` may.
+
+    Args:
+        sheets: the stable stretches of its curve; one, but for curves that fold back in travel.
+        stops: whether it is stopped at the low and at the high end of its curve. At an end without
+            a stop the curve goes on straight.
+        friction: Coulomb friction against travel [N], >= 0.
+        name: what messages and figures call it.
+        measure: what its travel and its force are; all units below are those of travel and force.
+        force_scale, travel_scale: all forces and all travels are those of the curve times these.
+        error_band: how far measured points lie from the curve at most [N]; 0 where it goes through.
+
+    Raises:
+        ValueError: no curve, a number out of range, an open end on which the force does not rise,
+            or a force that turns more often than states can tell.
+    """
+
+    sheets: tuple[Sheet, ...]
+    stops: Stops = False
+    friction: float = 0.0
+    name: str = ""
+    measure: Measure = Measure.TRAVEL
+    force_scale: float = 1.0
+    travel_scale: float = 1.0
+    error_band: float = 0.0
+    # In the units of the curve as it is, scales included.
+    _sheets: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
+    _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        put = object.__setattr__
+        unit = self.measure.force_unit
+        put(self, "friction", check.not_negative("friction", self.friction, unit))
+        for name in ("force_scale", "travel_scale"):
+            put(self, name, check.positive(name, getattr(self, name), "1"))
+        put(self, "stops", _both(self.stops))
+        if not self.sheets:
+            raise InputError("sheets is empty: an element has a curve; see Element.from_table.")
+        scales = self.force_scale, self.travel_scale
+        put(self, "_sheets", tuple(sheet.scaled(*scales) for sheet in self.sheets))
+        _refuse_loose_ends(self)
+        put(self, "_phases", _phases_of(self))
+
+    @classmethod
+    def from_table(
+        cls,
+        travel: Sequence[float],
+        force: Sequence[float],
+        name: str = "",
+        *,
+        stops: Stops = False,
+        noise: float | None = None,
+        friction: float = 0.0,
+        measure: Measure = Measure.TRAVEL,
+    ) -> Element:
+        """An element through measured or computed points: monotone cubics between them.
+
+        Args:
+            travel: (n,) rising [m], n >= 3.
+            force: (n,) [N].
+            name, stops, friction, measure: as for Element.
+            noise: standard deviation of the forces [N]; the curve is then a smoothing spline (de
+                Boor 1978) and `error_band` says how far from it the farthest point lies. None goes
+                through every point.
+
+        Raises:
+            ValueError: too few points, travels that do not rise, or noise larger than a snap.
+        """
+        rows, end, band = build.table(travel, force, noise, measure)
+        return cls((Sheet.of(rows, end),), stops, friction, name, measure, error_band=band)
+
+    @classmethod
+    def from_points(
+        cls,
+        travel: Sequence[float],
+        force: Sequence[float],
+        name: str = "",
+        *,
+        stops: Stops = False,
+        friction: float = 0.0,
+        measure: Measure = Measure.TRAVEL,
+    ) -> Element:
+        """An element whose force is straight between points, such as the trilinear snap.
+
+        Args:
+            travel: (n,) rising [m], n >= 2.
+            force: (n,) [N].
+            name, stops, friction, measure: as for Element.
+
+        Raises:
+            ValueError: too few points, or travels that do not rise.
+        """
+        rows, end = build.points(travel, force, measure)
+        return cls((Sheet.of(rows, end),), stops, friction, name, measure)
+
+    @classmethod
+    def from_law(
+        cls,
+        force: Force,
+        low: float,
+        high: float,
+        name: str = "",
+        *,
+        stops: Stops = False,
+        kinks: Sequence[float] = (),
+        accuracy: float = 1e-7,
+        friction: float = 0.0,
+        measure: Measure = Measure.TRAVEL,
+    ) -> Element:
+        """An element that follows a law, in as many cubics as its accuracy needs.
+
+        Args:
+            force: [N] by an array of travels [m].
+            low, high: between which travels the law is taken [m].
+            name, stops, friction, measure: as for Element.
+            kinks: travels at which the slope of the law jumps [m].
+            accuracy: how far from the law it may be, as a share of the largest force.
+
+        Raises:
+            ValueError: a law without finite values, or with a kink that `kinks` does not name.
+        """
+        rows, end = build.law(force, low, high, kinks, accuracy, measure)
+        return cls((Sheet.of(rows, end),), stops, friction, name, measure)
+
+    @classmethod
+    def from_curve(
+        cls,
+        travel: Sequence[float],
+        force: Sequence[float],
+        name: str = "",
+        *,
+        stops: Stops = False,
+        friction: float = 0.0,
+        measure: Measure = Measure.TRAVEL,
+    ) -> Element:
+        """An element whose curve may fold back in travel: it has a freedom of its own inside.
+
+        The points are in the order of the curve's arc, unstable stretches included, from a stable
+        end on. At each fold the curve's turn tells whether the stretch after it is stable at a
+        given travel (Maddocks 1987): a clockwise turn, with force drawn over travel, loses
+        stability and a counterclockwise one gains it. Where a stable stretch ends the element jumps
+        at that travel to the next stable one along the arc.
+
+        Args:
+            travel: (n,) by arc [m], n >= 3.
+            force: (n,) [N].
+            name, stops, friction, measure: as for Element.
+
+        Returns:
+            The element, its sheets in the order of the arc.
+
+        Raises:
+            ValueError: too few points, two of them at one place, a curve that would be unstable
+                from the start, or a stretch from whose end there is nowhere to land.
+        """
+        sheets = folded(travel, force, measure)
+        return cls(sheets, stops, friction, name, measure)
+
+    @classmethod
+    def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:
+        """Elements that share one travel, as one: their forces add up.
+
+        It can go as far as all of them can: each of their stops is its own.
+
+        Args:
+            elements: two or more, of one measure.
+            name: of the element.
+
+        Raises:
+            ValueError: elements of unlike measure, or that share no travel.
+        """
+        sheets, stops, friction = beside(elements)
+        return cls(sheets, stops, friction, name, elements[0].measure)
+
+    @property
+    def unusual(self) -> bool:
+        """Whether unlikely sizes are meant: an element has no lever to compare them with."""
+        return False
+
+    @property
+    def stopped(self) -> tuple[bool, bool]:
+        """Whether it is stopped at the low and at the high end of its curve."""
+        return _both(self.stops)
+
+    @property
+    def laws(self) -> tuple[Sheet, ...]:
+        """Its sheets with the scales in them."""
+        return self._sheets
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """Where it can stand under a prescribed force, in the order of the curve."""
+        return self._phases
+
+    @property
+    def low(self) -> float:
+        """Least travel of its curve [m]."""
+        return min(sheet.begin for sheet in self._sheets)
+
+    @property
+    def high(self) -> float:
+        """Largest travel of its curve [m]."""
+        return max(sheet.end for sheet in self._sheets)
+
+    @property
+    def full_travel(self) -> float:
+        """Travel between the ends of its curve [m]; an end without a stop can be passed."""
+        return self.high - self.low
+
+    @property
+    def largest_force(self) -> float:
+        """Largest force of its curve in size [N]."""
+        return max(float(np.max(np.abs(signs(s.rows, s.end)[0]))) for s in self._sheets)
+
+    @property
+    def fields(self) -> tuple[tuple[float, float], ...]:
+        """Its switching fields: forces at which it goes from each phase to the next, and back [N].
+
+        Under a prescribed force that is all there is to know of it.
+        """
+        pairs = zip(self._phases, self._phases[1:], strict=False)
+        return tuple((a.force_high, b.force_low) for a, b in pairs)
+
+    @property
+    def is_bistable(self) -> bool:
+        """Whether it can stand in two phases or more without any force."""
+        return sum(phase.force_low < 0.0 < phase.force_high for phase in self._phases) > 1
+
+    def force_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
+        """Force F = dE/ds [N] at travels [m] of any shape, without friction.
+
+        Args:
+            travel: between stops; past an open end it goes on straight.
+            sheet: on which sheet of the curve.
+
+        Raises:
+            ValueError: a travel past a stop or past the end of the sheet.
+        """
+        return value(*self._asked(travel, sheet))
+
+    def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
+        """Energy [J] at travels [m] of any shape, counted from where the curve begins.
+
+        Args:
+            travel, sheet: as for `force_at`.
+
+        Raises:
+            ValueError: as for `force_at`.
+        """
+        return integral(*self._asked(travel, sheet))
+
+    def reaching(self, force: float) -> tuple[Floats, ...]:
+        """The rows of every sheet, open ends going on until forces are this large in size [N]."""
+        below, above = self.stopped
+        out: list[Floats] = []
+        for sheet in self._sheets:
+            first = None if below or sheet.begin != self.low or sheet.below is not None else -force
+            last = None if above or sheet.end != self.high or sheet.above is not None else force
+            out.append(sheet.extended(first, last))
+        return tuple(out)
+
+    def renamed(self, name: str) -> Element:
+        """The same element by another name."""
+        return replace(self, name=name)
+
+    def _asked(self, travel: ArrayLike, sheet: int) -> tuple[Floats, Floats]:
+        if not 0 <= sheet < len(self._sheets):
+            raise InputError(
+                f"sheet = {sheet}: the curve has {len(self._sheets)}, numbered from 0 on."
+            )
+        chosen, travel = self._sheets[sheet], np.asarray(travel, float)
+        slip = 1e-9 * self.full_travel
+        below, above = self.stopped
+        opens = (
+            not below and chosen.begin == self.low and chosen.below is None,
+            not above and chosen.end == self.high and chosen.above is None,
+        )
+        far = np.isnan(travel)
+        far |= (travel < chosen.begin - slip) & (not opens[0])
+        far |= (travel > chosen.end + slip) & (not opens[1])
+        if far.any():
+            unit, factor = told_in(self.measure.travel_unit)
+            worst = float(np.ravel(travel)[np.argmax(np.ravel(far))])
+            raise InputError(
+                f"travel = {worst * factor:.6g} {unit}: must be between "
+                f"{chosen.begin * factor:.6g} and {chosen.end * factor:.6g} {unit}, where "
+                f"{'the curve' if len(self._sheets) == 1 else f'sheet {sheet}'} ends."
+            )
+        reach = self.largest_force
+        rows = chosen.extended(
+            -2.0 * reach - abs(float(chosen.rows[0, 1])) if opens[0] else None,
+            reach if opens[1] else None,
+        )
+        return rows, travel
+
+    def __repr__(self):
+        unit, factor = told_in(self.measure.travel_unit)
+        name = f"{self.name!r}, " if self.name else ""
+        ends = {(True, True): "stops", (False, False): "open"}.get(self.stopped, "one stop")
+        folds = f", {len(self.sheets)} sheets" if len(self.sheets) > 1 else ""
+        rub = f", friction={self.friction:.3g} {self.measure.force_unit}" if self.friction else ""
+        return (
+            f"Element({name}{self.measure.travel} {self.low * factor:.4g} to "
+            f"{self.high * factor:.4g} {unit}, {ends}, {len(self.phases)} phases{folds}{rub})"
+        )
+
+
+def _both(stops: Stops) -> tuple[bool, bool]:
+    if isinstance(stops, bool):
+        return stops, stops
+    try:
+        low, high = stops
+    except (TypeError, ValueError):
+        raise InputError(
+            f"stops = {stops!r}: must be True, False, or two of them for the low and high end."
+        ) from None
+    return bool(low), bool(high)
+
+
+def _refuse_loose_ends(element: Element) -> None:
+    """Raise ValueError where the curve would go on without bound: falling, or flat."""
+    slowest = _LEAST_RISE * element.largest_force / element.full_travel
+    below, above = element.stopped
+    for sheet in element.laws:
+        slope = end_of(sheet.rows, sheet.end)[1]
+        checks = (
+            ("low", below, sheet.begin == element.low, sheet.below, sheet.rows[0, 2]),
+            ("high", above, sheet.end == element.high, sheet.above, slope),
+        )
+        for end, stopped, outermost, leads, rise in checks:
+            if outermost and leads is None and not stopped and not rise > slowest:
+                raise InputError(
+                    f"stops: at the {end} end of the curve the force does not rise with travel, so "
+                    f"without a stop there the element would run away: pass stops=True if it is "
+                    f"stopped where its curve ends, or give the curve as far as it rises again."
+                )
+
+
+def _phases_of(element: Element) -> tuple[Phase, ...]:
+    """Runs of rows on which the force does not fall, and stops."""
+    below, above = element.stopped
+    found: list[Phase] = []
+    for number, sheet in enumerate(element.laws):
+        forces, rises = signs(sheet.rows, sheet.end)
+        joints = np.append(sheet.rows[:, 0], sheet.end)
+        # What holds it at either end: a stop, or a curve that goes on rising.
+        ends_low = sheet.below is None and sheet.begin == element.low
+        ends_high = sheet.above is None and sheet.end == element.high
+        n, at = len(rises), 0
+        while at <= n:
+            last = at
+            while last < n and rises[last] >= 0:
+                last += 1
+            first, final = at == 0 and ends_low, last == n and ends_high
+            holds = bool(np.any(rises[at:last] > 0)) or (first and below) or (final and above)
+            if holds:
+                open_low, open_high = first and not below, final and not above
+                found.append(
+                    Phase(
+                        number,
+                        -np.inf if open_low else float(joints[at]),
+                        np.inf if open_high else float(joints[last]),
+                        -np.inf if first else float(forces[at]),
+                        np.inf if final else float(forces[last]),
+                    )
+                )
+            at = last + 1
+    if len(found) > _MOST_PHASES:
+        raise InputError(
+            f"the force turns so often that there are {len(found)} stretches on which it rises: "
+            f"at most {_MOST_PHASES} can be told apart by the digits of a state. Is it measured "
+            f"noise? Then pass noise=, the standard deviation of the forces."
+        )
+    return tuple(found)
