@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, check
-from stepwell.mechanism import Element, Measure
+from stepwell.base import Floats, InputError, Measure, check
+from stepwell.mechanism import Element
 
 
 def balloon(
@@ -19,10 +19,10 @@ def balloon(
     """A thin sphere of Mooney-Rivlin rubber: its pressure rises, falls and rises again.
 
     It stays a sphere, its wall a membrane of rubber that keeps its volume. For c2/c1 > 0.2145
-    pressure only rises, and nothing snaps; for c2 = 0 it never rises again (neo-Hookean). Volume
-    counts from the unstretched sphere, the only place of rest, where the element ends: a slack
-    balloon carries nothing. It ends too at the largest stretch, before rubber stiffens, which
-    this law does not know.
+    pressure only rises, and nothing snaps; for c2 = 0 it never rises again (neo-Hookean). At its
+    largest stretch the balloon is stopped, in place of the stiffening of rubber, which this law
+    does not know. Volume counts from the unstretched sphere, the only place of rest; below it the
+    pressure goes on straight, where a real balloon hangs slack.
 
     Args:
         radius: R [m], unstretched, > 0.
@@ -59,6 +59,7 @@ def balloon(
         0.0,
         unstretched * (stretch**3 - 1),
         name,
+        stops=(False, True),
         measure=Measure.VOLUME,
     )
 

@@ -14,6 +14,8 @@ _BEYOND = 1 / (6 * (_MODES[-1] + 1) ** 3)
 # Compression of the mode with a node in the middle, over that of the first: more is not carried.
 _MOST = 4.0
 _HALVINGS = 60
+# How far past 0 and twice the height the law is taken, in heights; there the beam is stiff.
+_PAST = 0.1
 
 
 def curved_beam(
@@ -23,7 +25,6 @@ def curved_beam(
     width: float = 0.005,
     modulus: float = 1.7e9,
     beams: int = 2,
-    past: float = 0.04,
     name: str = "curved beam",
 ) -> Element:
     """Cosine-shaped beams side by side, joined in their middle, which cannot turn.
@@ -40,8 +41,6 @@ def curved_beam(
         width: b [m] across that plane, > 0.
         modulus: Young's modulus E [Pa], > 0; the default is printed polyamide 12.
         beams: how many side by side, >= 1; one alone needs a guide that keeps its middle upright.
-        past: how far travel runs below 0 and above twice the height, as a part of twice the
-            height [1], >= 0.
         name: what messages and figures call the element.
 
     Raises:
@@ -49,7 +48,7 @@ def curved_beam(
 
     Source: Qiu, Lang & Slocum 2004, J. Microelectromech. Syst. 13:137, with all symmetric modes
     summed up. Their peak of 740 E I h/l³ at 0.16 h and valley of -370 E I h/l³ at 1.92 h (one
-    beam, I = b t³/12) are those of Q = 9 here; for ever larger Q they come to 759 and -384.
+    beam, I = b t³/12) are about those of Q = 9 here; for ever larger Q they come to 759 and -384.
     """
     span = check.positive("span", span, "m")
     height = check.positive("height", height, "m")
@@ -57,13 +56,12 @@ def curved_beam(
     width = check.positive("width", width, "m")
     modulus = check.positive("modulus", modulus, "Pa")
     beams = check.whole("beams", beams, 1)
-    past = 2 * height * check.not_negative("past", past, "of the travel")
     unit = beams * modulus * (width * thickness**3 / 12) * height / span**3
     q = height / thickness
     return Element.from_law(
         lambda travel: unit * beam_force(travel / height, q),
-        -past,
-        2 * height + past,
+        -_PAST * height,
+        (2 + _PAST) * height,
         name,
         kinks=tuple(height * kink for kink in beam_kinks(q)),
     )

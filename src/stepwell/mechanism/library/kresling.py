@@ -9,6 +9,8 @@ from stepwell.mechanism import Element
 
 # Halvings of the half turn in which the twist lies: down to the last digit.
 _HALVINGS = 55
+# How far past the deployed height the law is taken, as a part of the way; there the fold is stiff.
+_PAST = 0.1
 
 
 def kresling(
@@ -18,7 +20,6 @@ def kresling(
     deployed: float = 0.040,
     mountain: float = 3000.0,
     valley: float = 3000.0,
-    past: float = 0.1,
     name: str = "Kresling fold",
 ) -> Element:
     """One storey of a Kresling cylinder, pulled along its axis while one end turns freely.
@@ -34,8 +35,6 @@ def kresling(
         deployed: height [m] at rest deployed, > `folded`.
         mountain: stiffness [N/m] of each of the n short (mountain) creases, > 0.
         valley: stiffness [N/m] of each of the n long (valley) creases, > 0.
-        past: how far travel runs past the deployed height, as a part of the way between the two
-            heights [1], >= 0.
         name: what messages and figures call the element.
 
     Raises:
@@ -52,20 +51,12 @@ def kresling(
     deployed = check.positive("deployed", deployed, "m")
     mountain = check.positive("mountain", mountain, "N/m")
     valley = check.positive("valley", valley, "N/m")
-    past = check.not_negative("past", past, "of the travel")
     rest = crease_lengths(sides, radius, folded, deployed)
     upright = math.sqrt(rest[1] ** 2 - _chord(math.tau / sides, radius) ** 2)
-    high = deployed + past * (deployed - folded)
-    if high > upright:
-        raise InputError(
-            f"past = {past}: must be at most {(upright - deployed) / (deployed - folded):.4g}, for "
-            f"at a height of {upright * 1e3:.4g} mm the mountain creases stand upright; beyond, "
-            f"the fold twists the other way."
-        )
     return Element.from_law(
         lambda travel: fold_force(folded + travel, sides, radius, rest, (mountain, valley)),
         0.0,
-        high - folded,
+        min(deployed + _PAST * (deployed - folded), upright) - folded,
         name,
         stops=(True, False),
     )

@@ -10,21 +10,19 @@ def von_mises_truss(
     half_width: float = 0.030,
     height: float = 0.012,
     stiffness: float = 2000.0,
-    past: float = 0.2,
     name: str = "von Mises truss",
 ) -> Element:
     """Two equal springs from fixed pivots to an apex, which rests on either side of their line.
 
     Exact at any height: only the springs' lengths change, and they neither bend nor buckle. The
     apex moves on the axis of symmetry. Travel is 0 at rest above and twice the height at rest
-    below; the force vanishes at both, and half-way.
+    below; the force vanishes at both, and half-way. A quarter of the height past either the force
+    goes on straight.
 
     Args:
         half_width: w [m], from the axis to a pivot, > 0.
         height: h [m] of the apex at rest above the pivots, > 0.
         stiffness: k [N/m] of one spring along itself, EA/L of a bar, > 0.
-        past: how far travel runs past both places of rest, as a part of the way between them [1],
-            >= 0.
         name: what messages and figures call the element.
 
     Raises:
@@ -35,11 +33,10 @@ def von_mises_truss(
     half_width = check.positive("half_width", half_width, "m")
     height = check.positive("height", height, "m")
     stiffness = check.positive("stiffness", stiffness, "N/m")
-    past = 2 * height * check.not_negative("past", past, "of the travel")
     return Element.from_law(
         lambda travel: truss_force(travel, half_width, height, stiffness),
-        -past,
-        2 * height + past,
+        -height / 4,
+        2 * height + height / 4,
         name,
     )
 
