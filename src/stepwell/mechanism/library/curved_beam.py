@@ -7,8 +7,8 @@ import numpy as np
 from stepwell.base import Floats, check
 from stepwell.mechanism import Element
 
-# Symmetric modes past the first, o = 3, 5 … of shape 1 - cos 2πoX, and what the sum of o⁻⁴ over
-# those beyond them is: the mean of the integrals to either side of the next.
+# Symmetric modes past the first, o = 3, 5 … of shape 1 - cos 2πoX, and the sum of o⁻⁴ over those
+# beyond them, an integral by the midpoint rule.
 _MODES = np.arange(3.0, 402.0, 2.0)
 _BEYOND = 1 / (6 * (_MODES[-1] + 1) ** 3)
 # Compression of the mode with a node in the middle, over that of the first: more is not carried.
@@ -32,7 +32,7 @@ def curved_beam(
     Small slopes (height and thickness well below the span), a material that stays linear, ends
     that do not give, and no stress as made. The antisymmetric mode is held back, as two beams
     joined in the middle do. The beam rests as made at travel 0, and again at nearly twice the
-    height if Q = height/thickness > 2.31. The largest strain is about 2 π² t h / l² (1 + 4/(3 Q)).
+    height if Q = height/thickness > 2.31. On the way strain comes to 3.4 π² t h/l².
 
     Args:
         span: l [m] between the clamps, > 0.
