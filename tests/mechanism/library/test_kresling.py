@@ -15,10 +15,11 @@ FOLDS = [(6, 0.030, 0.015, 0.040), (4, 0.025, 0.020, 0.030), (8, 0.040, 0.0, 0.0
 def corners(sides: int, radius: float, height: float, turn: float) -> tuple[float, float]:
     """Length [m] of both creases between corners of two polygons, the upper one turned."""
     low = np.array([radius, 0.0, 0.0])
-    return tuple(
+    mountain, valley = (
         float(np.linalg.norm([radius * math.cos(a), radius * math.sin(a), height] - low))
         for a in (turn, turn + math.tau / sides)
     )
+    return mountain, valley
 
 
 @pytest.mark.parametrize(("sides", "radius", "folded", "deployed"), FOLDS)

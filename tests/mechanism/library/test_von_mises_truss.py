@@ -1,5 +1,7 @@
 """The von Mises truss against its closed forms."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -33,7 +35,8 @@ def test_it_rests_above_and_below_its_pivots():
     assert truss.is_bistable and len(truss.phases) == 2
 
 
-@pytest.mark.parametrize("name", ["half_width", "height", "stiffness"])
-def test_sizes_that_no_truss_has_are_refused(name):
-    with pytest.raises(InputError, match=f"{name} = -1.0"):
-        von_mises_truss(**{name: -1})
+@pytest.mark.parametrize("size", ["half_width", "height", "stiffness"])
+def test_sizes_that_no_truss_has_are_refused(size):
+    wrong: dict[str, Any] = {size: -1.0}
+    with pytest.raises(InputError, match=f"{size} = -1.0"):
+        von_mises_truss(**wrong)

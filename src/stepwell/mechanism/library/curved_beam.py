@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stepwell.base import Floats, check
 from stepwell.mechanism import Element
@@ -67,7 +68,7 @@ def curved_beam(
     )
 
 
-def beam_force(depth: Floats, q: float) -> Floats:
+def beam_force(depth: ArrayLike, q: float) -> Floats:
     """Force over E I h/l³ [1] of one beam whose middle was pushed by depths Δ = d/h of any shape.
 
     The shape is w/h = a (1 - cos 2πX)/2 + Σ over the other modes, a = 1 as made. With ζ the
