@@ -121,10 +121,11 @@ def _smooth(force: Force, low: float, high: float, error: float) -> Floats:
         rough = np.max(off, axis=1) > error
         if not rough.any():
             return rows
-        if len(x) > _MOST_ROWS:
-            worst = float(x[:-1][rough][0])
+        steepest = float(np.min(np.diff(x)[rough]))
+        if len(x) > _MOST_ROWS or steepest < _NEAR * (high - low):
+            worst = float(x[:-1][rough][np.argmin(np.diff(x)[rough])])
             raise InputError(
-                f"force: near travel {worst!r} it bends too sharply for {_MOST_ROWS} cubics: name "
+                f"force: near travel {worst!r} it jumps, or bends too sharply for cubics: name "
                 f"the travel in kinks= if its slope jumps there, or allow a larger accuracy=."
             )
         x = np.sort(np.concatenate([x, thirds[rough, 1]]))
