@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, told_in
-from stepwell.mechanism import Chain, Stretch, ends_of
+from stepwell.mechanism import FIRST, Chain, Stretch, ends_of
 from stepwell.statics.following import Problem, invert, of_curve
 from stepwell.statics.problem import problem_of
 
@@ -106,9 +106,9 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
     """
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
-        low, high = ends_of(laws)
+        low, high = ends_of(problem.sheets)
         begin = _place(
-            laws.sheet_ends[laws.sheet_first[:-1], 0], [own[0] for own in chain.stretches]
+            np.array([cell.low for cell in chain.cells]), [own[0] for own in chain.stretches]
         )
         if problem.beta == 0:
             return begin, (low, high)
@@ -126,7 +126,7 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
         if math.isfinite(force)
     ]
     if not finite:
-        own = of_curve(laws, pieces)
+        own = of_curve(problem.sheets, pieces)
         finite = [*pieces.force_left[own], *pieces.force_right[own]]
     more = _BEYOND * problem.scale + float(np.max(laws.friction))
     least, most = min(0.0, min(finite) - more), max(0.0, max(finite) + more)
@@ -186,8 +186,9 @@ def _travel(problem: Problem, cell: int, stretch: Stretch, force: float) -> floa
     if low == high:
         return low
     laws, pieces = problem.laws, problem.pieces
-    at = laws.sheet_first[cell] + sheet
-    begin, end = int(pieces.sheet_first[at]), int(pieces.sheet_first[at + 1])
+    sheets = problem.sheets
+    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    begin, end = int(pieces.of_sheet[at]), int(pieces.of_sheet[at + 1])
     # A phase begins and ends where pieces do.
     first = begin + int(np.searchsorted(pieces.left[begin:end], low))
     last = begin + int(np.searchsorted(pieces.right[begin:end], high, side="right")) - 1

@@ -21,8 +21,13 @@ _CAUSES = {logged.RELEASE: Cause.RELEASE, logged.ENDS: Cause.END}
 
 def segments_of(log: logged.Log) -> Iterator[Segment]:
     """Every segment of a log in order."""
-    for k, row in enumerate(log.segments[: log.used[0]].tolist()):
-        movers = log.movers[log.first[k] : log.first[k + 1]]
+    rows, first = log.segments[: log.used[0]].tolist(), log.first.tolist()
+    movers = log.movers[: log.used[1]]
+    cells = movers[:, logged.CELL].astype(int).tolist()
+    before, after = movers[:, logged.TRAVEL_0].tolist(), movers[:, logged.TRAVEL_1].tolist()
+    sheets = movers[:, [logged.SHEET_0, logged.SHEET_1]].astype(int).T.tolist()
+    for k, row in enumerate(rows):
+        those = slice(first[k], first[k + 1])
         kind, cause = _KINDS[int(row[logged.KIND])], None
         if kind is SegmentKind.SNAP:
             cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
@@ -31,11 +36,11 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
             int(row[logged.DIRECTION]),
             (row[logged.DRIVE_0], row[logged.DRIVE_1]),
             (row[logged.FORCE_0], row[logged.FORCE_1]),
-            tuple(movers[:, logged.CELL].astype(int).tolist()),
-            tuple(movers[:, logged.TRAVEL_0].tolist()),
-            tuple(movers[:, logged.TRAVEL_1].tolist()),
-            tuple(movers[:, logged.SHEET_0].astype(int).tolist()),
-            tuple(movers[:, logged.SHEET_1].astype(int).tolist()),
+            tuple(cells[those]),
+            tuple(before[those]),
+            tuple(after[those]),
+            tuple(sheets[0][those]),
+            tuple(sheets[1][those]),
             row[logged.RELEASED],
             row[logged.TIE_A] >= 0,
             cause,
