@@ -376,16 +376,11 @@ def sheets_of(sheets: Sheets) -> Ints:
 @kernel
 def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
     """The piece of `cell` at `travel`; at a joint the one that lies in `direction`."""
-    return find_among(pieces, pieces.among[cell, 0], pieces.among[cell, 1], travel, direction)
-
-
-@kernel
-def find_among(pieces: Pieces, first: int, last: int, travel: float, direction: int) -> int:
-    """The piece at `travel` from `first` to `last`; at a joint the one in `direction`."""
+    ends = pieces.right
+    first, last = pieces.among[cell, 0], pieces.among[cell, 1]
     while first < last:
         middle = (first + last) // 2
-        right = pieces.right[middle]
-        if right < travel or (direction > 0 and right <= travel):
+        if ends[middle] < travel or (direction > 0 and ends[middle] <= travel):
             first = middle + 1
         else:
             last = middle

@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import kernel
-from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, law, stored, summed
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -18,7 +18,13 @@ from stepwell.statics.following.landing import (
     pull_at,
 )
 from stepwell.statics.following.log import ENDS, FOLD, SNAP
-from stepwell.statics.following.pieces import find_among, find_piece, sheets_of, stand_all_on
+from stepwell.statics.following.pieces import (
+    find_piece,
+    sheet_of,
+    sheets_of,
+    stand_all_on,
+    stand_on,
+)
 from stepwell.statics.following.state import (
     DUE,
     FREE,
@@ -71,9 +77,10 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     released = 0.0
     for m in range(len(moved)):
         i = int(moved[m])
-        sheet = int(problem.sheets.table[problem.sheets.now[i], FIRST]) + begun.sheet[i]
-        first, last = pieces.of_sheet[sheet], pieces.of_sheet[sheet + 1] - 1
-        on = pieces.picked[find_among(pieces, first, last, before[i], 0)]
+        there = sheet_of(problem.sheets, i)
+        stand_on(laws, problem.sheets, pieces, i, begun.sheet[i])
+        on = pieces.picked[find_piece(pieces, i, before[i], 0)]
+        stand_on(laws, problem.sheets, pieces, i, there)
         to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
         released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
     # A cell that yields and comes back has rubbed as well.
