@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from stepwell.base import content_of, nearest_word
 from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.tables import Shared, WrittenProgram, cells_of, program_of, robot
+from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of, robot
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -238,8 +238,10 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     cells = cells_of(chain.cell, shared, "chain", problems)
     if problems:
         raise DesignError(name, problems)
-    actuator = float(chain.actuator_stiffness_N_per_m)
-    made = Chain(cells, actuator, keys.title)
+    try:
+        made = chain_of(cells, chain, keys.title)
+    except ValueError as error:
+        raise DesignError(name, [f"chain: {error}"]) from None
     program = None if keys.program is None else program_of(keys.program, made, problems)
     if problems:
         raise DesignError(name, problems)

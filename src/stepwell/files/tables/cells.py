@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
+from stepwell.base import InputError
 from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
+from stepwell.files.tables.elements import element_of
 from stepwell.files.text import value_text
-from stepwell.mechanism import Band, Cell, Cubic, Load, Slip, SlipError, Table
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Load, Slip, SlipError, Table
 
 
 class Shared(NamedTuple):
@@ -26,13 +29,43 @@ class Shared(NamedTuple):
 
 def cells_of(
     tables: Sequence[schema.CellKeys], shared: Shared, where: str, problems: list[str]
-) -> tuple[Cell, ...]:
+) -> tuple[Cell | Element, ...]:
     """The cells of a chain; `problems` gets a line for all that is wrong with each."""
-    cells = [_cell(one, shared, f"{where}.cell[{i}]", problems) for i, one in enumerate(tables)]
+    cells = [
+        (_element if one.forms else partial(_cell, shared))(one, f"{where}.cell[{i}]", problems)
+        for i, one in enumerate(tables)
+    ]
     return tuple(cell for cell in cells if cell)
 
 
-def _cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
+def chain_of(cells: Sequence[Cell | Element], keys: schema.ChainKeys, title: str) -> Chain:
+    """The chain of these cells, with its actuator.
+
+    Raises:
+        ValueError: cells that are no chain, or an actuator in the units of another one.
+    """
+    rigid = Chain(cells, title=title)
+    right = schema.ACTUATORS[rigid.measure]
+    for key in schema.ACTUATORS.values():
+        stiffness = getattr(keys, key)
+        if stiffness is not None and key != right:
+            raise InputError(
+                f"{key} = {value_text(stiffness)}: this chain is of {rigid.measure.travel} and "
+                f"{rigid.measure.force}, so it must be {right}."
+            )
+    stiffness = getattr(keys, right)
+    return rigid if stiffness is None else Chain(cells, si(right, stiffness), title)
+
+
+def _element(keys: schema.CellKeys, where: str, problems: list[str]) -> Element | None:
+    try:
+        return element_of(keys)
+    except ValueError as error:
+        problems.append(f"{where}: {error}")
+        return None
+
+
+def _cell(shared: Shared, keys: schema.CellKeys, where: str, problems: list[str]) -> Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]

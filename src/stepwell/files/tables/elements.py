@@ -1,0 +1,212 @@
+"""The tables of a design file about one element, as an element, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from stepwell.base import Floats, InputError, Measure, told_in
+from stepwell.files.schema import elements as schema, si, written
+from stepwell.files.text import Written, array, inline, lines, parsed
+from stepwell.mechanism import Element, Sheet, value
+
+# Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
+_JOINED = 1e-9
+
+
+def element_of(keys: schema.ElementKeys) -> Element:
+    """The element that a table describes.
+
+    Raises:
+        ValueError: no element is like that; the text says why.
+    """
+    (form,) = keys.forms
+    given = getattr(keys, form)
+    stops = False if keys.stops is None else keys.stops
+    if isinstance(given, schema.ColumnKeys):
+        x, y = (
+            si(key, column)
+            for key, column in zip(schema.COLUMNS[given.measure], given.pair, strict=True)
+        )
+        options: dict[str, Any] = {"stops": stops, "measure": given.measure}
+        if form == "table":
+            options["noise"] = _of_measure(keys, "noise", given.measure)
+        make = {
+            "table": Element.from_table,
+            "points": Element.from_points,
+            "curve": Element.from_curve,
+        }
+        element = make[form](x, y, **options)
+    elif form == "sheets":
+        element = Element(_sheets(given), stops, measure=given[0].measure)
+        _refuse_lost(element)
+    else:
+        element = Element.side_by_side([element_of(part) for part in given])
+    return _with_options(element, keys)
+
+
+def _with_options(element: Element, keys: schema.ElementKeys) -> Element:
+    measure = element.measure
+    options: dict[str, Any] = {"name": keys.name}
+    if keys.stops is not None:
+        options["stops"] = keys.stops
+    for word in ("friction", "error_band"):
+        number = _of_measure(keys, word, measure)
+        if number is not None:
+            options[word] = number
+    for key in ("force_scale", "travel_scale"):
+        if getattr(keys, key) is not None:
+            options[key] = si(key, getattr(keys, key))
+    return replace(element, **options)
+
+
+def _of_measure(keys: schema.ElementKeys, word: str, measure: Measure) -> float | None:
+    """A force under the key that names its unit; ValueError where it names another one's."""
+    right = schema.key_in(word, measure.force_unit)
+    for key in sorted(keys.model_fields_set):
+        if key.startswith(f"{word}_") and key != right:
+            raise InputError(
+                f"{key}: this curve is of {measure.travel} and {measure.force}, so it must be "
+                f"{right}."
+            )
+    number = getattr(keys, right)
+    return None if number is None else si(right, number)
+
+
+def _sheets(tables: tuple[schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
+    measure = tables[0].measure
+    if any(one.measure is not measure for one in tables):
+        raise InputError("sheets: all must be of one kind of travel.")
+    found = []
+    for k, one in enumerate(tables):
+        joints = np.array([float(x) for x in getattr(one, schema.JOINTS[measure])])
+        rows = np.zeros((len(joints) - 1, 6))
+        rows[:, 0] = joints[:-1]
+        rows[:, 1:5] = [[float(c) for c in row] for row in one.cubics_SI]
+        rows[0, 5] = float(one.energy_J)
+        _refuse_steps(rows, joints[1:], f"sheets[{k}]")
+        below, above = (None if n is None else n - 1 for n in (one.below, one.above))
+        found.append(Sheet.of(rows, float(joints[-1]), below, above))
+    return tuple(found)
+
+
+def _refuse_steps(rows: Floats, ends: Floats, where: str) -> None:
+    """Raise ValueError where the force jumps between two cubics, or is none at all."""
+    x = (ends - rows[:, 0])[:, None] ** np.arange(4)
+    last = np.sum(rows[:, 1:5] * x, axis=1)
+    size = float(np.max(np.abs([rows[:, 1], last])))
+    if not 1e-12 <= size <= 1e15:
+        raise InputError(f"{where}.cubics_SI: forces up to {size:.3g}: must be from 1e-12 to 1e15.")
+    off = np.abs(last[:-1] - rows[1:, 1])
+    if np.any(off > _JOINED * size):
+        k = int(np.argmax(off))
+        raise InputError(
+            f"{where}.cubics_SI: row {k + 2} begins with the force {rows[k + 1, 1]:.9g}, where row "
+            f"{k + 1} ends with {last[k]:.9g}: a curve has no gaps."
+        )
+
+
+def _refuse_lost(element: Element) -> None:
+    """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
+    unit, factor = told_in(element.measure.travel_unit)
+    for k, sheet in enumerate(element.sheets):
+        for side, at, to in (
+            ("below", sheet.begin, sheet.below),
+            ("above", sheet.end, sheet.above),
+        ):
+            if to is None:
+                continue
+            held = to < len(element.sheets)
+            held = held and element.sheets[to].begin <= at <= element.sheets[to].end
+            if not held or not element.energy_at(at, to) < element.energy_at(at, k):
+                raise InputError(
+                    f"sheets[{k}].{side} = {to + 1}: must be the number of a sheet of less energy "
+                    f"at {at * factor:.6g} {unit}, where this one ends."
+                )
+
+
+def element_lines(element: Element) -> list[str]:
+    """The keys of a [[chain.cell]] table, without its name."""
+    return lines(_written(element))
+
+
+def _written(element: Element) -> Written:
+    """A table or points where they give this very element again, else its cubics."""
+    options = _options(element)
+    wanted = element.renamed("")
+    for curve in _as_columns(element):
+        keys = curve | options
+        if _reads_as(keys, wanted):
+            return keys
+    sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
+    keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"} | options
+    if element.error_band:
+        key = schema.key_in("error_band", element.measure.force_unit)
+        keys[key] = written(key, element.error_band)
+    return keys
+
+
+def _options(element: Element) -> Written:
+    low, high = element.stopped
+    keys: Written = {}
+    if low or high:
+        keys["stops"] = "true" if low and high else array(written("", one) for one in (low, high))
+    if element.friction:
+        key = schema.key_in("friction", element.measure.force_unit)
+        keys[key] = written(key, element.friction)
+    for key in ("force_scale", "travel_scale"):
+        if getattr(element, key) != 1.0:
+            keys[key] = written(key, getattr(element, key))
+    return keys
+
+
+def _as_columns(element: Element) -> Iterator[Written]:
+    """Tables and points that may give the element's curve; the roundest numbers first."""
+    if len(element.sheets) > 1 or element.error_band:
+        return
+    sheet = element.sheets[0]
+    rows = sheet.rows
+    bent = bool(np.any(rows[:, 3:5]))
+    # Where one cubic goes on past a cut, no point was given.
+    new = np.append(True, np.any(np.diff(rows[:, 4:5], axis=0) != 0.0, axis=1))
+    every = np.ones(len(rows), bool)
+    for form, chosen in (("points", every), ("table", new), ("table", every)):
+        if bent is (form == "table"):
+            x = np.append(rows[chosen, 0], sheet.end)
+            y = np.append(rows[chosen, 1], value(rows, np.array(sheet.end)))
+            for digits in (15, 16, 17):
+                last = float(f"{y[-1]:.{digits}g}")
+                yield {form: inline(_columns(element.measure, x, np.append(y[:-1], last)))}
+
+
+def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
+    return {
+        key: written(key, tuple(column.tolist()))
+        for key, column in zip(schema.COLUMNS[measure], (x, y), strict=True)
+    }
+
+
+def _sheet(sheet: Sheet, measure: Measure) -> Written:
+    key = schema.JOINTS[measure]
+    keys = {
+        key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
+        "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:5].tolist()))),
+    }
+    if sheet.rows[0, 5]:
+        keys["energy_J"] = written("energy_J", float(sheet.rows[0, 5]))
+    for side, other in (("below", sheet.below), ("above", sheet.above)):
+        if other is not None:
+            keys[side] = str(other + 1)
+    return keys
+
+
+def _reads_as(keys: Written, wanted: Element) -> bool:
+    try:
+        tables = parsed("\n".join(lines(keys)), "", "")
+        return element_of(schema.ElementKeys.model_validate(tables)) == wanted
+    except (ValidationError, InputError):
+        return False
