@@ -166,9 +166,9 @@ def _options(element: Element) -> Written:
 
 def _as_columns(element: Element) -> Iterator[Written]:
     """Tables and points that may give the element's curve; the roundest numbers first."""
-    if len(element.sheets) > 1 or element.error_band:
+    sheet, *others = element.sheets
+    if others or element.error_band:
         return
-    sheet = element.sheets[0]
     rows = sheet.rows
     bent = bool(np.any(rows[:, 3:5]))
     # Where one cubic goes on past a cut, no point was given.
