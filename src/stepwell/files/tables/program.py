@@ -114,11 +114,10 @@ def _wrong_state(key: str, state: str, chain: Chain) -> list[str]:
         int(digit) <= last for digit, last in zip(state, most, strict=True)
     ):
         return []
-    digits = "0 or 1" if max(most) == 1 == min(most) else f"up to {chain.last_state}"
-    return [
-        f"program.{key} = {value_text(state)}: must be {len(chain)} characters {digits}, one for "
-        f"each cell, inner first."
-    ]
+    must = f"{len(chain)} characters 0 or 1, one for each cell, inner first."
+    if chain.elements:
+        must = f"one digit for each cell, inner first, none above its own in {chain.last_state}."
+    return [f"program.{key} = {value_text(state)}: must be {must}"]
 
 
 def _near_nothing(points: tuple[float, ...], chain: Chain) -> bool:

@@ -156,17 +156,17 @@ def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tupl
     found = every if len(every) < 2 else named or every
     if len(found) == 1:
         return found[0]
+    words = " or ".join("travel" if role == "stroke" else role for role in roles)
     if found:
         both = ", ".join(repr(names[k][:40]) for k, _ in found)
-        raise InputError(f"columns {both} may each be the {' or '.join(roles)}: leave one of them.")
+        raise InputError(f"columns {both} may each be the {words}: leave one of them.")
     for k, name in enumerate(names):
         for role in roles:
             if _is_called(name, role):
                 _factor(role, name, units[k])
-    words = ["travel", *list(roles)[1:]] if "stroke" in roles else list(roles)
     shown = ", ".join(name[:40] for name in names if name) or "none"
     raise InputError(
-        f"no column for the {' or '.join(words)} (columns: {shown}): name the columns and their "
+        f"no column for the {words} (columns: {shown}): name the columns and their "
         f"units, as in {_PAIR}; they must be {_PAIRS}."
     )
 
