@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -128,8 +129,8 @@ def test_half_of_a_recording_can_be_taken(written):
 
 def test_rows_that_step_back_a_little_are_sorted_and_rows_at_one_travel_averaged(written):
     name = written("travel_mm,force_N\n0,0\n1,1\n1,1.2\n2.0,3\n1.99,2.9\n3,5\n")
-    assert load_element(name) == sw.Element.from_table(
-        [0, 1e-3, 1.99e-3, 2e-3, 3e-3], [0, (1 + 1.2) / 2, 2.9, 3, 5], "dome"
+    assert load_element(name, stops=True) == sw.Element.from_table(
+        [0, 1e-3, 1.99e-3, 2e-3, 3e-3], [0, (1 + 1.2) / 2, 2.9, 3, 5], "dome", stops=True
     )
 
 
@@ -295,8 +296,10 @@ def made(make: Callable[[], Any]) -> Any:
 
 
 words = st.sampled_from(
-    'travel_mm force_N Force(N) , ; 1 -2.5 1e400 nan volume_mL pressure [ ) " 0 3 é ='.split()
-    + ["\t", "\n", "\r\n", "\0", " "]
+    [
+        *("travel_mm", "force_N", "Force (N)", "volume_mL", "pressure", "[", ")", '"', "=", "é"),
+        *("0", "1", "-2.5", "3", "1e400", "nan", ",", ";", "\t", "\n", "\r\n", "\0", " "),
+    ]
 )
 
 
@@ -305,7 +308,7 @@ def test_any_text_is_a_curve_or_a_clean_message(tmp_path_factory, text):
     for content in (text, f"travel_mm,force_N\n{text}", f"{CSV}{text}"):
         file = tmp_path_factory.getbasetemp() / "fuzz.csv"
         file.write_bytes(content.encode("utf-8", "surrogatepass"))
-        found = made(lambda: load_element(file, stops=True))
+        found = made(partial(load_element, file, stops=True))
         assert isinstance(found, sw.Element) or len(found) < 700 + len(str(file))
 
 
@@ -313,4 +316,4 @@ def test_any_text_is_a_curve_or_a_clean_message(tmp_path_factory, text):
 def test_any_bytes_are_a_curve_or_a_clean_message(tmp_path_factory, content):
     file = tmp_path_factory.getbasetemp() / "fuzz.csv"
     file.write_bytes(content)
-    assert isinstance(made(lambda: read_curve(file)), MeasuredCurve | str)
+    assert isinstance(made(partial(read_curve, file)), MeasuredCurve | str)
