@@ -8,7 +8,10 @@ from hypothesis import given, strategies as st
 
 from stepwell.base import InputError, Measure
 from stepwell.files import DesignError, dumps, load, loads, loads_program, save
+from stepwell.files.schema import field_of, written
+from stepwell.files.schema.chain import TABLES
 from stepwell.mechanism import Band, Cell, Chain, Element
+from stepwell.mechanism.library import LIBRARY
 from stepwell.robot import Leg
 
 TRAVEL, FORCE = [0, 1e-3, 3e-3, 5e-3], [0, 1, -1, 1.5]
@@ -107,6 +110,49 @@ def test_every_form_is_the_element_that_its_function_makes():
     assert pair == Element.side_by_side([plain, replace(plain, friction=0.1)])
 
 
+@pytest.mark.parametrize("name", LIBRARY)
+def test_every_element_of_the_library_has_its_keys(name):
+    entry, key = LIBRARY[name], name.replace("-", "_")
+    table = TABLES[f"chain.cell.{key}"]
+    assert [field_of(one) for one in table.model_fields] == [*entry.defaults]
+    assert cell(f"{key} = {{}}") == entry.make(name="")
+    # Each argument goes where it belongs, in its unit.
+    given = {
+        one: tuple(1.01 * x for x in value) if isinstance(value, tuple) else value * 1.01
+        for one, value in entry.defaults.items()
+        if not isinstance(value, int)
+    }
+    keys = ", ".join(
+        f"{one} = {written(one, given[field_of(one)])}"
+        for one in table.model_fields
+        if field_of(one) in given
+    )
+    element = entry.make(**given, name="mine")
+    assert cell(f"{key} = {{ {keys} }}\nname = 'mine'") == element
+    chain = Chain([element, replace(element, force_scale=2.0)])
+    assert loads(dumps(chain)) == chain
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("ballon = {}", "chain.cell[0].ballon: unknown key. Did you mean balloon?"),
+        ("balloon = 3", "chain.cell[0].balloon = 3: must be a table"),
+        (
+            "balloon = { radius_m = 0.02 }",
+            "chain.cell[0].balloon.radius_m: unknown key. Did you mean radius_mm?",
+        ),
+        (
+            "balloon = { radius_mm = 1, thickness_mm = 2 }",
+            "chain.cell[0]: thickness = 2 mm: must be at most 0.1 mm, a tenth of the radius",
+        ),
+        ("kresling = { sides = 6.5 }", "chain.cell[0].kresling.sides = 6.5: must be a whole"),
+    ],
+)
+def test_wrong_arguments_of_the_library_are_told(text, message):
+    assert answer(text).startswith(f"dome.toml: {message}")
+
+
 def test_units_are_those_of_the_keys():
     balloon = cell("points = { volume_mL = [0, 10, 30, 60], pressure_kPa = [0, 2, 1, 3] }")
     assert balloon.measure is Measure.VOLUME
@@ -192,17 +238,25 @@ def test_units_are_those_of_the_keys():
         ),
         (
             "sheets = [{ travel_m = [0, 1], cubics_SI = [[0, 1, 0]] }]",
-            "chain.cell[0].sheets[0].cubics_SI = [[0, 1, 0]]: row 1 must be four numbers",
+            "chain.cell[0].sheets[0].cubics_SI = [[0, 1, 0]]: row 1 must be five numbers",
         ),
         (
-            "sheets = [{ travel_m = [0, 1, 2], cubics_SI = [[0, 1, 0, 0], [5, 1, 0, 0]] }]",
+            "sheets = [{ travel_m = [0, 1, 2], cubics_SI = [[0, 1, 0, 0, 0], [5, 1, 0, 0, 0.5]] }]",
             "chain.cell[0]: sheets[0].cubics_SI: row 2 begins with the force 5, where row 1 ends "
             "with 1: a curve has no gaps.",
         ),
         (
-            "sheets = [{ travel_m = [0, 1], cubics_SI = [[0, 1, 0, 0]], above = 2 }]",
+            "sheets = [{ travel_m = [0, 1], cubics_SI = [[0, 1, 0, 0, 0]], above = 2 }]",
             "chain.cell[0]: sheets[0].above = 2: must be the number of a sheet of less energy at "
             "1000 mm",
+        ),
+        (
+            "sheets = [{ travel_m = [0, 1, 2], cubics_SI = [[0, 1, 0, 0, 0], [1, 1, 0, 0, 0]] }]",
+            "chain.cell[0]: sheets[0].cubics_SI: row 2 begins with the energy 0, where row 1 ends",
+        ),
+        (
+            "sheets = [{ travel_m = [0, 3], cubics_SI = [[0, 1, -0.5, 0, 0]] }]\nstops = true",
+            "chain.cell[0]: sheets[0].cubics_SI: force or stiffness turn at 1, within a row",
         ),
     ],
 )

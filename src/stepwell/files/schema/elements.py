@@ -19,6 +19,7 @@ from stepwell.files.schema.checks import (
     few,
     refuse,
 )
+from stepwell.files.schema.library import LibraryKeys
 
 # Beyond every mechanism, and far from overflow.
 MOST = "1e9"
@@ -65,14 +66,14 @@ def _numbers(value: Any, most: str = MOST, example: str = "[0, 1.5, 4]") -> tupl
 
 
 def _cubics(value: Any) -> tuple[tuple[Decimal, ...], ...]:
-    example = "[[0, 250, 0, 0], [1, -50, 0, 0]]"
+    example = "[[0, 250, 0, 0, 0]]"
     if not isinstance(value, list) or not value:
-        refuse(f"must be one or more rows of four numbers, as in {example}.")
+        refuse(f"must be one or more rows of five numbers, as in {example}.")
     few("rows", value)
-    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0]") for row in value)
+    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in value)
     for i, row in enumerate(rows):
-        if len(row) != 4:
-            refuse(f"row {i + 1} must be four numbers, as in {example}.")
+        if len(row) != 5:
+            refuse(f"row {i + 1} must be five numbers, as in {example}.")
     return rows
 
 
@@ -174,7 +175,6 @@ class SheetKeys(Keys):
     volume_m3: JointsSI | None = None
     angle_rad: JointsSI | None = None
     cubics_SI: Cubics
-    energy_J: Annotated[Decimal, bounded("-1e60", "1e60")] = Decimal(0)
     below: SheetNumber | None = None
     above: SheetNumber | None = None
 
@@ -200,8 +200,8 @@ class SheetKeys(Keys):
         return self
 
 
-class CurveKeys(Keys):
-    """The curve of an element, in one of its forms."""
+class NumberKeys(Keys):
+    """The curve of an element in numbers, in one of these forms."""
 
     table: RisingKeys | None = None
     points: RisingKeys | None = None
@@ -210,6 +210,10 @@ class CurveKeys(Keys):
     points_csv: CsvName | None = None
     curve_csv: CsvName | None = None
     sheets: Annotated[tuple[SheetKeys, ...], Field(strict=False), at_most("rows")] | None = None
+
+
+class CurveKeys(LibraryKeys, NumberKeys):
+    """The curve of an element, in numbers or by its name in the library."""
 
 
 class ElementKeys(CurveKeys):

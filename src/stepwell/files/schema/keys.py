@@ -54,6 +54,8 @@ _FIELDS = {
     "cubic_per_mm2": "a3",
     "table_mm_N": "table",
     "load_mm_N": "load",
+    "peak_mm_N": "peak",
+    "valley_mm_N": "valley",
 }
 _KEYS = {field: key for key, field in _FIELDS.items()}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -10,12 +11,15 @@ import numpy as np
 from pydantic import ValidationError
 
 from stepwell.base import Floats, InputError, Measure, told_in
-from stepwell.files.schema import elements as schema, si, written
+from stepwell.files.schema import elements as schema, fields, si, written
 from stepwell.files.text import Written, array, inline, lines, parsed
 from stepwell.mechanism import Element, Sheet, value
+from stepwell.mechanism.library import LIBRARY
 
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
-_JOINED = 1e-9
+_NEAR = 1e-9
+# A turn as near to a joint as this share of the travel is the one that was cut there.
+_BESIDE = 1e-6
 
 
 def element_of(keys: schema.ElementKeys) -> Element:
@@ -41,6 +45,8 @@ def element_of(keys: schema.ElementKeys) -> Element:
             "curve": Element.from_curve,
         }
         element = make[form](x, y, **options)
+    elif form in schema.LibraryKeys.model_fields:
+        element = LIBRARY[form.replace("_", "-")].make(**fields(given))
     elif form == "sheets":
         element = Element(_sheets(given), stops, measure=given[0].measure)
         _refuse_lost(element)
@@ -81,32 +87,52 @@ def _sheets(tables: tuple[schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
     measure = tables[0].measure
     if any(one.measure is not measure for one in tables):
         raise InputError("sheets: all must be of one kind of travel.")
-    found = []
+    found: list[Sheet] = []
     for k, one in enumerate(tables):
         joints = np.array([float(x) for x in getattr(one, schema.JOINTS[measure])])
-        rows = np.zeros((len(joints) - 1, 6))
-        rows[:, 0] = joints[:-1]
-        rows[:, 1:5] = [[float(c) for c in row] for row in one.cubics_SI]
-        rows[0, 5] = float(one.energy_J)
-        _refuse_steps(rows, joints[1:], f"sheets[{k}]")
+        cubics = np.array([[float(c) for c in row] for row in one.cubics_SI])
+        rows = np.column_stack([joints[:-1], cubics])
+        rows.setflags(write=False)
+        _refuse_gaps(rows, joints, f"sheets[{k}].cubics_SI")
         below, above = (None if n is None else n - 1 for n in (one.below, one.above))
-        found.append(Sheet.of(rows, float(joints[-1]), below, above))
+        sheet = Sheet(rows, float(joints[-1]), below, above)
+        _refuse_turns(sheet, joints, f"sheets[{k}].cubics_SI")
+        found.append(sheet)
     return tuple(found)
 
 
-def _refuse_steps(rows: Floats, ends: Floats, where: str) -> None:
-    """Raise ValueError where the force jumps between two cubics, or is none at all."""
-    x = (ends - rows[:, 0])[:, None] ** np.arange(4)
-    last = np.sum(rows[:, 1:5] * x, axis=1)
-    size = float(np.max(np.abs([rows[:, 1], last])))
+def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
+    """Raise ValueError where force or energy jump between two cubics, or there is no force."""
+    steps = np.diff(joints)[:, None] ** np.arange(5)
+    force = np.sum(rows[:, 1:5] * steps[:, :4], axis=1)
+    energy = rows[:, 5] + np.sum(rows[:, 1:5] * steps[:, 1:] / np.arange(1, 5), axis=1)
+    size = float(np.max(np.abs([rows[:, 1], force])))
     if not 1e-12 <= size <= 1e15:
-        raise InputError(f"{where}.cubics_SI: forces up to {size:.3g}: must be from 1e-12 to 1e15.")
-    off = np.abs(last[:-1] - rows[1:, 1])
-    if np.any(off > _JOINED * size):
-        k = int(np.argmax(off))
+        raise InputError(f"{where}: forces up to {size:.3g}: must be from 1e-12 to 1e15.")
+    for ends, begins, scale, what in (
+        (force, rows[:, 1], size, "force"),
+        (energy, rows[:, 5], size * (joints[-1] - joints[0]), "energy"),
+    ):
+        off = np.abs(ends[:-1] - begins[1:])
+        if not np.all(off <= _NEAR * scale):
+            k = int(np.argmax(off))
+            raise InputError(
+                f"{where}: row {k + 2} begins with the {what} {begins[k + 1]:.9g}, where row "
+                f"{k + 1} ends with {ends[k]:.9g}: a curve has no gaps."
+            )
+
+
+def _refuse_turns(sheet: Sheet, joints: Floats, where: str) -> None:
+    """Raise ValueError where force or stiffness turn within a cubic: the engine needs it cut."""
+    cut = Sheet.of(sheet.rows, sheet.end).rows[:, 0]
+    # A cut may come out a little beside the joint where it was made.
+    after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
+    off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
+    beside = off > _BESIDE * (joints[-1] - joints[0])
+    if beside.any():
         raise InputError(
-            f"{where}.cubics_SI: row {k + 2} begins with the force {rows[k + 1, 1]:.9g}, where row "
-            f"{k + 1} ends with {last[k]:.9g}: a curve has no gaps."
+            f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row: must begin a "
+            f"new row there."
         )
 
 
@@ -178,8 +204,10 @@ def _as_columns(element: Element) -> Iterator[Written]:
         if bent is (form == "table"):
             x = np.append(rows[chosen, 0], sheet.end)
             y = np.append(rows[chosen, 1], value(rows, np.array(sheet.end)))
-            for digits in (15, 16, 17):
-                last = float(f"{y[-1]:.{digits}g}")
+            # The last force is computed: with fewer digits it may be the one that was given.
+            largest = math.floor(math.log10(element.largest_force / element.force_scale))
+            for digits in (12, 14, 15, 16, 17):
+                last = round(float(y[-1]), digits - 1 - largest)
                 yield {form: inline(_columns(element.measure, x, np.append(y[:-1], last)))}
 
 
@@ -194,10 +222,8 @@ def _sheet(sheet: Sheet, measure: Measure) -> Written:
     key = schema.JOINTS[measure]
     keys = {
         key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
-        "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:5].tolist()))),
+        "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:].tolist()))),
     }
-    if sheet.rows[0, 5]:
-        keys["energy_J"] = written("energy_J", float(sheet.rows[0, 5]))
     for side, other in (("below", sheet.below), ("above", sheet.above)):
         if other is not None:
             keys[side] = str(other + 1)
