@@ -65,8 +65,6 @@ def load_element(
 
     if form not in _MAKE:
         raise InputError(f"form = {form!r}: must be one of {', '.join(map(repr, _MAKE))}.")
-    if half not in (None, *lab.HALVES):
-        raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None.")
     if noise is not None and form != "table":
         raise InputError(f"noise goes with form='table' alone, which is smoothed; form = {form!r}.")
     curve = lab.read_curve(file)

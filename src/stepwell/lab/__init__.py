@@ -41,7 +41,6 @@ from stepwell.lab.mechanisms import (
     sort_series,
 )
 from stepwell.lab.recordings import (
-    HALVES,
     Batch,
     Curve,
     LabError,
@@ -75,7 +74,6 @@ __all__ = [
     "Fitted",
     "FittedParameter",
     "ForceLaw",
-    "HALVES",
     "Hysteresis",
     "LabError",
     "MeasuredCurve",

@@ -159,5 +159,5 @@ def _tidy(value: float, within: float, key: str) -> float:
     for digits in range(13):
         rounded: float = si(key, round(exact, digits))
         if abs(rounded - value) <= within:
-            return rounded
+            return rounded + 0.0  # a zero has no sign
     return value

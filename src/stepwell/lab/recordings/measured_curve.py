@@ -9,12 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, content_of, told_in
+from stepwell.base import ByValue, Floats, InputError, Measure, content_of, told_in
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.recording import turns_of
 from stepwell.lab.recordings.text import parse_pair
-
-HALVES = ("loading", "unloading")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,10 @@ class MeasuredCurve(ByValue):
 
         Raises:
             LabError: both are there and none is asked for, or the one that is asked for is not.
+            ValueError: no such word.
         """
+        if half not in (None, "loading", "unloading"):
+            raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None.")
         turns = turns_of(self.travel)
         unit, factor = told_in(self.measure.travel_unit)
         if half is None and turns:
@@ -58,7 +59,7 @@ class MeasuredCurve(ByValue):
         if half is not None:
             ends = [0, *turns, len(x) - 1]
             parts = [slice(a, b + 1) for a, b in pairwise(ends)]
-            falls = half == HALVES[1]
+            falls = half == "unloading"
             found = [p for p in parts if (x[p][-1] < x[p][0]) == falls]
             if not found:
                 raise LabError(self.source, f"half = {half!r}: there is no such half in the file.")
