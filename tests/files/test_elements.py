@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from stepwell.base import InputError, Measure
 from stepwell.elements import LIBRARY
-from stepwell.files import DesignError, dumps, load, loads, loads_program, save
+from stepwell.files import DesignError, dumps, load, loads, loads_program, preset, save
 from stepwell.files.schema import field_of, written
 from stepwell.files.schema.chain import TABLES
 from stepwell.mechanism import Band, Cell, Chain, Element
@@ -108,6 +108,18 @@ def test_every_form_is_the_element_that_its_function_makes():
     pair = cell(f"beside = [{{ {POINTS} }}, {{ {POINTS}, friction_N = 0.1 }}]")
     plain = Element.from_points(TRAVEL, FORCE)
     assert pair == Element.side_by_side([plain, replace(plain, friction=0.1)])
+
+
+INSIDE = "inside = [{ p_mm = [-10, 0], q_mm = [10, 0] }, { p_mm = [-10, 0], q_mm = [20, 0] }]"
+
+
+def test_a_chain_may_stand_inside_a_cell():
+    inner, outer = preset("paper-forward").cells
+    made = cell(f"{INSIDE}\nname = 'pair'")
+    wanted = Element.from_chain(Chain([inner, outer]), "pair")
+    assert made == wanted
+    chain = Chain([wanted, inner, Element.from_chain(Chain([ELEMENTS["points"], outer]))])
+    assert loads(dumps(chain)) == chain
 
 
 @pytest.mark.parametrize("name", LIBRARY)
@@ -235,6 +247,23 @@ def test_units_are_those_of_the_keys():
         (
             f"beside = [{{ {POINTS} }}, {{ name = 'x' }}]",
             "chain.cell[0].beside[1]: is no element: give it one of table, points, curve",
+        ),
+        (
+            INSIDE.replace("20", "1e7"),
+            "chain.cell[0].inside[1].q_mm = [1E+7, 0]: must be two numbers from -1e6 to 1e6",
+        ),
+        (
+            INSIDE.replace("20", "2000"),
+            "chain.cell[0].inside[1].q_mm = [2000, 0]: ",
+        ),
+        (
+            f"inside = [{{ {POINTS}, friction_N = 1 }}]",
+            "chain.cell[0]: ",
+        ),
+        ("inside = []", "chain.cell[0]: cells is empty: a chain has one cell or more"),
+        (
+            f"inside = [{{ inside = [{{ {POINTS} }}] }}]",
+            "chain.cell[0].inside[0].inside: unknown key.",
         ),
         (
             "sheets = [{ travel_m = [0, 1], cubics_SI = [[0, 1, 0]] }]",

@@ -85,7 +85,10 @@ def elements(draw) -> str:
     name = draw(st.sampled_from([*LibraryKeys.model_fields]))
     of_library = some(f"chain.cell.{name}", most=3).map(lambda keys: f"{{ {', '.join(keys)} }}")
     form = draw(curves() | of_library.map(lambda keys: f"{name} = {keys}"))
-    if draw(st.sampled_from([False, False, True])):
+    more = draw(st.sampled_from(["", "", "", "beside", "inside"]))
+    if more == "inside":
+        form = f"inside = [{{ {form} }}, {{ p_mm = [-10, 0], q_mm = [10, {draw(NUMBER)}] }}]"
+    if more == "beside":
         form = f"beside = [{{ {form} }}, {{ {draw(curves())}, stops = true }}]"
     rest = [draw(st.sampled_from(["stops = true", "stops = [true, false]", "force_scale = 2"]))]
     others = st.lists(st.sampled_from(sorted(OF_CURVES)), max_size=1)

@@ -242,7 +242,7 @@ def test_every_misspelt_key_is_recognised():
             if table.startswith("chain.cell") and inside:
                 value = f"{near} = 1"
                 for name in reversed(inside.split(".")):
-                    several = name in ("bands", "beside", "sheets")
+                    several = name in ("bands", "beside", "inside", "sheets")
                     value = f"{name} = " + ("[{ %s }]" if several else "{ %s }") % value
                 alone = "[chain]\n[[chain.cell]]\n"
                 text = f"{before if inside == 'band' else alone}{value}"

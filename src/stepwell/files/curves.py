@@ -143,7 +143,7 @@ class _Curves:
         form = str(path[-1]).removesuffix("_csv")
         home = next(step for step in reversed(path[:-1]) if isinstance(step, str))
         of_band = home in ("band", "bands")
-        if home not in ("cell", "beside") and not (of_band and form == "table"):
+        if home not in ("cell", "beside", "inside") and not (of_band and form == "table"):
             raise InputError("stands in the table of a cell, or table_csv in that of a band.")
         curve = self._curve(name)
         x, y = _columns(curve, form, None)

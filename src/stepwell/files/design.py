@@ -238,7 +238,7 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     chain = keys.chain
     shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
-    cells = cells_of(chain.cell, shared, "chain", problems)
+    cells = cells_of(chain.cell, shared, "chain.cell", problems)
     if problems:
         raise DesignError(name, problems)
     try:

@@ -172,8 +172,8 @@ class LeverKeys(Keys):
     unusual: Switch | None = None
 
 
-class CellKeys(ElementKeys, LeverKeys):
-    """A cell of levers and bands, or an element."""
+class OneCellKeys(ElementKeys, LeverKeys):
+    """A cell of levers and bands, or an element that holds no chain."""
 
     beside: Annotated[tuple[PartKeys, ...], Field(strict=False), at_most("bands")] | None = None
 
@@ -183,7 +183,7 @@ class CellKeys(ElementKeys, LeverKeys):
         return [key for key in self.model_fields_set if key in FORMS]
 
     @model_validator(mode="after")
-    def _anchored_once(self) -> CellKeys:
+    def _anchored_once(self) -> OneCellKeys:
         given = self.model_fields_set
         if self.forms:
             (form,) = self.forms
@@ -206,8 +206,16 @@ class CellKeys(ElementKeys, LeverKeys):
         return self
 
 
+class CellKeys(OneCellKeys):
+    """A cell of levers and bands, or any element."""
+
+    inside: (
+        Annotated[tuple[OneCellKeys, ...], Field(strict=False), at_most("graph_cells")] | None
+    ) = None
+
+
 # The forms that the curve of an element may have, and what only levers or only elements have.
-FORMS = (*CurveKeys.model_fields, "beside")
+FORMS = (*CurveKeys.model_fields, "beside", "inside")
 _OF_LEVERS = LeverKeys.model_fields.keys() - ElementKeys.model_fields.keys()
 _OF_ELEMENTS = ElementKeys.model_fields.keys() - LeverKeys.model_fields.keys()
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
-from stepwell.base import InputError
+from stepwell.base import InputError, StepwellError
 from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
-from stepwell.files.tables.elements import element_of
+from stepwell.files.tables.elements import element_of, with_options
 from stepwell.files.text import value_text
 from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Load, Slip, SlipError, Table
 
@@ -28,11 +27,11 @@ class Shared(NamedTuple):
 
 
 def cells_of(
-    tables: Sequence[schema.CellKeys], shared: Shared, where: str, problems: list[str]
+    tables: Sequence[schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
 ) -> tuple[Cell | Element, ...]:
-    """The cells of a chain; `problems` gets a line for all that is wrong with each."""
+    """The cells of a list; `problems` gets a line for all that is wrong with each."""
     cells = [
-        (_element if one.forms else partial(_cell, shared))(one, f"{where}.cell[{i}]", problems)
+        (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
         for i, one in enumerate(tables)
     ]
     return tuple(cell for cell in cells if cell)
@@ -57,15 +56,24 @@ def chain_of(cells: Sequence[Cell | Element], keys: schema.ChainKeys, title: str
     return rigid if stiffness is None else Chain(cells, si(right, stiffness), title)
 
 
-def _element(keys: schema.CellKeys, where: str, problems: list[str]) -> Element | None:
+def _element(
+    shared: Shared, keys: schema.OneCellKeys, where: str, problems: list[str]
+) -> Element | None:
+    before = len(problems)
+    inside = getattr(keys, "inside", None)
+    cells = () if inside is None else cells_of(inside, shared, f"{where}.inside", problems)
+    if len(problems) > before:
+        return None
     try:
-        return element_of(keys)
-    except ValueError as error:
-        problems.append(f"{where}: {error}")
+        if inside is None:
+            return element_of(keys)
+        return with_options(Element.from_chain(Chain(cells)), keys)
+    except StepwellError as error:
+        problems += [f"{where}: {line}" for line in str(error).split("\n")]
         return None
 
 
-def _cell(shared: Shared, keys: schema.CellKeys, where: str, problems: list[str]) -> Cell | None:
+def _cell(shared: Shared, keys: schema.OneCellKeys, where: str, problems: list[str]) -> Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
@@ -94,7 +102,7 @@ def _cell(shared: Shared, keys: schema.CellKeys, where: str, problems: list[str]
         return None
 
 
-def _key(slip: Slip, cell: schema.CellKeys, band: dict[str, Any] | None) -> str:
+def _key(slip: Slip, cell: schema.OneCellKeys, band: dict[str, Any] | None) -> str:
     """The key of a cell, or of its band, that holds a size."""
     if slip.name.startswith("load."):
         constant = slip.name == "load.force" and cell.load_N is not None

@@ -52,10 +52,11 @@ def element_of(keys: schema.ElementKeys) -> Element:
         _refuse_lost(element)
     else:
         element = Element.side_by_side([element_of(part) for part in given])
-    return _with_options(element, keys)
+    return with_options(element, keys)
 
 
-def _with_options(element: Element, keys: schema.ElementKeys) -> Element:
+def with_options(element: Element, keys: schema.ElementKeys) -> Element:
+    """An element with what the table says beside its curve."""
     measure = element.measure
     options: dict[str, Any] = {"name": keys.name}
     if keys.stops is not None:
