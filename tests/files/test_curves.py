@@ -178,6 +178,13 @@ def test_the_text_of_a_design_holds_the_numbers_and_all_else_as_it_was(written):
     assert loads(text_of("chain.toml")) == load("chain.toml")
 
 
+def test_a_name_in_other_text_or_in_a_comment_names_no_file(written):
+    written(CSV)
+    said = "'# table_csv = \"none.csv\"'"
+    written(f'title = {said} # points_csv = "none.csv"\n{CELL.format("table_csv")}', "chain.toml")
+    assert load("chain.toml").title == said.strip("'")
+
+
 def test_a_curve_that_folds_back_may_come_from_a_file(written):
     written("travel_mm,force_N\n0,0\n4,1\n2,-1\n6,2\n")
     written(CELL.format("curve_csv"), "chain.toml")

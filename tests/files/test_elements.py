@@ -21,13 +21,14 @@ POINTS = "points = { travel_mm = [0, 1, 3, 5], force_N = [0, 1, -1, 1.5] }"
 def folded() -> Element:
     s = np.linspace(0, 5e-3, 60)
     force = np.interp(s, TRAVEL, FORCE)
-    return Element.from_curve(s + force / 400, force, "folded")
+    return Element.from_curve((s + force / 400).tolist(), force.tolist(), "folded")
 
 
 def noisy() -> Element:
     s = np.linspace(0, 6e-3, 60)
     scatter = np.random.default_rng(1).normal(0, 0.01, 60)
-    return Element.from_table(s, np.sin(s * 1e3) + 100 * s + scatter, "noisy", noise=0.01)
+    force = np.sin(s * 1e3) + 100 * s + scatter
+    return Element.from_table(s.tolist(), force.tolist(), "noisy", noise=0.01)
 
 
 def of(measure: Measure) -> Element:

@@ -16,11 +16,11 @@ from stepwell.mechanism import Element
 if TYPE_CHECKING:
     from stepwell.lab import MeasuredCurve
 
-# A key that names a file, as it stands on one line.
+# A key that names a file, as it stands on one line; other text and comments are passed over.
 _KEYS = r"(?:table|points|curve)_csv"
+_TEXT = r"""(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
 _NAMED = re.compile(
-    rf"""(?<![\w."'-])(?P<key>{_KEYS})[ \t]*=[ \t]*"""
-    r"""(?P<name>"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
+    rf"""{_TEXT}|\#[^\n]*|(?<![\w."'-])(?P<key>{_KEYS})[ \t]*=[ \t]*(?P<name>{_TEXT})"""
 )
 _MAKE = {
     "table": Element.from_table,
@@ -97,23 +97,25 @@ def with_curves(text: str, name: str) -> str:
     if not tables:
         return text
     named = list(_names((), tables))
-    found = [match for match in _NAMED.finditer(text) if not _in_comment(match)]
+    found = [match for match in _NAMED.finditer(text) if match["key"]]
     if [(path[-1], value) for path, value in named] != [_said(match) for match in found]:
         raise DesignError(name, [_ODD])
     curves = _Curves(Path(name).parent)
     problems: list[str] = []
-    changed = text
-    # From the end, so that the places of the others stay.
-    for (path, value), match in reversed([*zip(named, found, strict=True)]):
+    pieces: list[str] = []
+    end = 0
+    for (path, value), match in zip(named, found, strict=True):
         try:
             key, numbers = curves.of(path, value)
             _put(tables, path, key, numbers)
         except ValueError as error:
-            problems.insert(0, f"{key_path(path)} = {value_text(value)}: {error}")
+            problems.append(f"{key_path(path)} = {value_text(value)}: {error}")
             continue
-        changed = f"{changed[: match.start()]}{key} = {numbers}{changed[match.end() :]}"
+        pieces += [text[end : match.start()], f"{key} = {numbers}"]
+        end = match.end()
     if problems:
         raise DesignError(name, problems)
+    changed = "".join([*pieces, text[end:]])
     if _tables(changed) != tables:
         raise DesignError(name, [_ODD])
     return changed
@@ -217,11 +219,6 @@ def _names(path: _Path, value: Any) -> Iterator[tuple[_Path, str]]:
     elif isinstance(value, list):
         for i, below in enumerate(value):
             yield from _names((*path, i), below)
-
-
-def _in_comment(match: re.Match[str]) -> bool:
-    begin = match.string.rfind("\n", 0, match.start()) + 1
-    return "#" in match.string[begin : match.start()]
 
 
 def _said(match: re.Match[str]) -> tuple[str, str]:
