@@ -14,7 +14,7 @@ from stepwell.concave import closed, simple
 from stepwell.design.maps.sweep import FRICTION, ends, sweep
 from stepwell.design.parameters import Parameter
 from stepwell.kernels import in_blocks
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import SegmentKind, StaticsError
 
@@ -255,6 +255,8 @@ class Outcomes:
     def _row(self, cell: int) -> Floats | None:
         """(7,) a cell with one linear band and no load as numbers, the parameters left out."""
         as_is = self.chain.cells[cell]
+        if isinstance(as_is, Element):
+            return None
         plain = simple(replace(as_is, friction=0.0))
         if plain is None:
             return None

@@ -46,22 +46,32 @@ class Switches:
             for cell, k in zip(self.cell.tolist(), self.phase.tolist(), strict=True)
         )
 
-    def motion(self, forces: Floats) -> Motion:
-        """What m chains of relays do under a force that rises over all fields and falls again.
+    def decisive(self, forces: Floats) -> Floats:
+        """(m, T, 2) forces at which each goes up in a full cycle, and comes down [N].
 
         A cell that leaves a phase upwards lands in the first one that holds at this force, so it
         leaves each at the largest force that any phase up to it needs.
 
         Args:
-            forces: (m, T, 2) at which each goes up and comes down [N].
+            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
         """
-        up, down = forces[..., 0].copy(), forces[..., 1].copy()
+        held = forces.copy()
         for t in range(1, len(self)):
             if self.phase[t]:
-                up[:, t] = np.maximum(up[:, t], up[:, t - 1])
+                held[:, t, 0] = np.maximum(held[:, t, 0], held[:, t - 1, 0])
         for t in reversed(range(len(self) - 1)):
             if self.phase[t + 1]:
-                down[:, t] = np.minimum(down[:, t], down[:, t + 1])
+                held[:, t, 1] = np.minimum(held[:, t, 1], held[:, t + 1, 1])
+        return held
+
+    def motion(self, forces: Floats) -> Motion:
+        """What m chains of relays do under a force that rises over all of these and falls again.
+
+        Args:
+            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
+        """
+        held = self.decisive(forces)
+        up, down = held[..., 0], held[..., 1]
         rising = np.argsort(up, axis=1, kind="stable")
         # Phases of one cell that are left at one force are left from the last one on.
         back = np.arange(len(self))[::-1]

@@ -370,9 +370,8 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
             f"force, and {tally.by_engine} followed by the general engine"
         )
     made = varied(tally.draws.chain) + " full cycle" * (tally.states is None)
-    yield (
-        f"{made}; a tie, or a mechanism that cannot be built or followed, counts as a failure; {how}"
-    )
+    fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
+    yield f"{made}; {fails}; {how}"
     yield frictionless(tally.draws.tolerances, tally.draws.chain)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
 
