@@ -63,9 +63,9 @@ def parameter_map(
     """What a chain does for every value of two of its parameters.
 
     Any two parameters of any cells or elements, of the actuator's stiffness or of friction; names
-    as in `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are sorted
-    in closed form where the actuator is rigid; all others go through the general engine one by
-    one (a millisecond or so each). `attrs` counts both.
+    as in `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are
+    sorted in closed form where the actuator is rigid; all others go through the general engine one
+    by one (a millisecond or so each). `attrs` counts both.
 
     Args:
         chain: any number of cells.
@@ -198,7 +198,10 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
             _noted("states visited in a full cycle")
             | _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32),
         ),
-        "snap_loading": (found.strokes[0], _noted(f"{stroke} of the first snap while loading", unit)),
+        "snap_loading": (
+            found.strokes[0],
+            _noted(f"{stroke} of the first snap while loading", unit),
+        ),
         "snap_unloading": (
             found.strokes[1],
             _noted(f"{stroke} of the first snap while unloading", unit),

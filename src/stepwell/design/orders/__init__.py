@@ -16,6 +16,7 @@ from stepwell.design.orders.reached import Reached, reached, searched, unlike, u
 from stepwell.design.orders.switches import (
     Switches,
     are_relays,
+    is_relay,
     relay_cycle,
     switching_forces,
 )

@@ -139,7 +139,7 @@ def switching_forces(chain: Chain) -> Floats:
 
 def are_relays(chain: Chain) -> bool:
     """Whether the switching forces decide what a chain does, proved: under a prescribed force."""
-    return chain.actuator_stiffness == 0 and all(map(_is_relay, chain.cells))
+    return chain.actuator_stiffness == 0 and all(map(is_relay, chain.cells))
 
 
 def relay_cycle(chain: Chain) -> str | None:
@@ -150,7 +150,8 @@ def relay_cycle(chain: Chain) -> str | None:
     return None if motion.tied[0] else motion.cycles()[0][0]
 
 
-def _is_relay(cell: Cell | Element) -> bool:
+def is_relay(cell: Cell | Element) -> bool:
+    """Whether a cell under a prescribed force goes from phase to phase and nowhere else, proved."""
     # On one sheet a cell moves on to the next place where its force is met, which is in a phase.
     if isinstance(cell, Element):
         return len(cell.sheets) == 1
