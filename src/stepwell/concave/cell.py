@@ -36,10 +36,10 @@ class Simple(NamedTuple):
 
 
 def simple(cell: Cell | Element) -> Simple | None:
-    """The cell as plain numbers, or None: several bands, a bent law, a load, friction, no lever."""
-    if isinstance(cell, Element):
+    """The cell as plain numbers, or None: several bands, a bent law, a load, friction; no bands."""
+    if isinstance(cell, Element) or len(cell.bands) != 1:
         return None
-    if len(cell.bands) != 1 or cell.load is not None or cell.friction > 0:
+    if cell.load is not None or cell.friction > 0:
         return None
     band = cell.bands[0]
     if not isinstance(band.law, Linear):

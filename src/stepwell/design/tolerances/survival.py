@@ -10,7 +10,7 @@ from stepwell.base import ONE_BY_ONE, InputError, require
 from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
-from stepwell.mechanism import Chain, Phase, SlipError, sizes
+from stepwell.mechanism import Chain, SlipError, Stretch, sizes
 from stepwell.sequences.branches import checked_state
 from stepwell.statics import StaticsError, drive_range
 
@@ -103,11 +103,11 @@ def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -
         low, high = drive_range(made)
         points = (points[0], *(min(max(point, low), high) for point in points[1:]))
     path = made.path(points, start=start)
-    ending = zip(made.phases, path.end.tolist(), ends, strict=True)
-    return all(_nearest(phases, travel) == int(digit) for phases, travel, digit in ending)
+    ending = zip(made.stretches, path.end_sheet, path.end.tolist(), ends, strict=True)
+    return all(_nearest(own, sheet, travel) == int(digit) for own, sheet, travel, digit in ending)
 
 
-def _nearest(phases: tuple[Phase, ...], travel: float) -> int:
-    """The number of the phase nearest to a travel [m]; the first one of two."""
-    away = [max(phase.low - travel, travel - phase.high) for phase in phases]
+def _nearest(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
+    """The number of the phase nearest to a place [m], of those on its sheet if there are any."""
+    away = [(own != sheet, max(low - travel, travel - high)) for own, low, high in stretches]
     return away.index(min(away))
