@@ -16,6 +16,7 @@ from stepwell.design.orders import (
     of_sequence,
     of_states,
     short,
+    switching_forces,
     unsearchable,
 )
 from stepwell.design.placement import (
@@ -32,9 +33,11 @@ from stepwell.design.placement import (
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.elements import Goal, Scaled, scaled
+from stepwell.design.synthesis.scales import Range
 from stepwell.design.synthesis.tries import Placed, Tries
 from stepwell.design.tolerances import USUAL, Tolerances, Yield, refuse_slips, yields
-from stepwell.mechanism import Chain, SlipError, sizes
+from stepwell.mechanism import Chain, Element, SlipError, sizes
 from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
@@ -59,6 +62,9 @@ def design(
     objective: str = "yield",
     most_force: float = math.inf,
     actuator_stiffness: float = math.inf,
+    elements: Sequence[Element] = (),
+    force_scale: Range = (0.5, 2.0),
+    travel_scale: Range = (1.0, 1.0),
     unusual: bool = False,
     n: int | None = None,
     seed: int = 0,
@@ -70,6 +76,13 @@ def design(
     So a cycle is two orders, and a set of states that can be reached, turning back early
     included, is what two orders have in common. A cell is chosen from the pairs (F0, F1) that
     the allowed anchors, bands and levers can give.
+
+    With `elements`, chains of these are designed instead: which one each cell is, and its scales.
+    Under a prescribed force the order of their switching forces is all they do, and since all
+    forces of an element grow together, a linear program finds the scales, or proves that there are
+    none. Under any other drive such chains are tried first, the engine tells what they do, and then
+    others at random. What is said of bands, levers and anchors below does not apply to them, and
+    the objective is the largest share by which all forces may be off at once.
 
     Args:
         sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
@@ -92,7 +105,9 @@ def design(
         objective: "yield" for the largest share of mechanisms that work, "worst" for the largest
             displacement that all outer anchors may have at once, as `robustness` tells.
         most_force: that the actuator has: no |F0| or |F1| is larger [N].
-        actuator_stiffness: K, infinite for a prescribed stroke [N/m].
+        actuator_stiffness: K, infinite for a prescribed stroke, 0 for a prescribed force [N/m].
+        elements: those that can be had, each as often as it is needed.
+        force_scale, travel_scale: least and largest of each, times an element's own.
         unusual: True where sizes far off the levers are meant, as for a Cell.
         n: mechanisms made at random for the yield; by default 100,000 where their end forces
             tell what they do, and 500 where the engine has to follow each.
@@ -111,6 +126,15 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
+    if elements:
+        if within is not None or holes is not None:
+            raise InputError("elements have no anchors: leave `within` and `holes` out.")
+        _refuse_elements(elements, force_scale, travel_scale, tolerances, most_force, n)
+        goal = goal_of(sequence, states, cells)
+        ranges = force_scale, travel_scale
+        limits = most_force, actuator_stiffness
+        made = scaled(goal, elements, *ranges, *limits, tolerances, seed, progress)
+        return _of_elements(goal, made, elements, force_scale, tolerances, n, seed)
     levers = [float(r) for r in np.atleast_1d(lever)]
     _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
     if within is None:
@@ -167,6 +191,39 @@ def design(
     )
 
 
+def _of_elements(
+    goal: Goal,
+    made: Scaled,
+    elements: Sequence[Element],
+    force_scale: Range,
+    tolerances: Tolerances,
+    n: int | None,
+    seed: int,
+) -> Design:
+    """A chain of elements that does it, as a design with its yield."""
+    chain = made.chain
+    result = cycle(chain)
+    counted: str | list[str] = str(result.sequence)
+    if goal.states is not None and not unsearchable(chain, tolerances.friction):
+        counted = sorted(goal.states)
+    ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in elements]
+    low, high = force_scale
+    return Design(
+        chain,
+        str(result.sequence),
+        result.loading_order,
+        result.unloading_order,
+        yields(chain, tolerances, n=n, seed=seed, wanted=counted),
+        # All forces of an element grow together: a line from the least to the largest.
+        tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
+        None,
+        made.choices,
+        made.best,
+        made.method,
+        made.standing,
+    )
+
+
 def _wanted(
     sequence: str | None,
     states: Iterable[str] | str | None,
@@ -174,11 +231,7 @@ def _wanted(
     within: Region | Sequence[Region],
 ) -> tuple[Target, tuple[Region, ...]]:
     """What is wanted, and the region of every cell."""
-    if (sequence is None) == (states is None):
-        raise InputError(
-            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
-            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
-        )
+    _refuse_both(sequence, states)
     some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
         raise InputError(
@@ -199,6 +252,20 @@ def _wanted(
             f"each."
         )
     return target, some if len(some) == target.cells else some * target.cells
+
+
+def goal_of(sequence: str | None, states: Iterable[str] | str | None, cells: int | None) -> Goal:
+    """What elements shall do."""
+    _refuse_both(sequence, states)
+    return Goal.of(sequence, states, cells)
+
+
+def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> None:
+    if (sequence is None) == (states is None):
+        raise InputError(
+            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
+            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
+        )
 
 
 def _counted(
@@ -242,6 +309,33 @@ def _refuse(
         raise InputError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
     if not most_force > 0:
         raise InputError(f"most_force = {most_force} N: must be > 0.")
+    if n is not None and n < 1:
+        raise InputError(f"n = {n}: must be 1 mechanism or more.")
+
+
+def _refuse_elements(
+    elements: Sequence[Element],
+    force_scale: Range,
+    travel_scale: Range,
+    tolerances: Tolerances,
+    most_force: float,
+    n: int | None,
+) -> None:
+    for i, one in enumerate(elements):
+        if not isinstance(one, Element):
+            raise InputError(f"elements[{i}] = {one!r}: must be an Element.")
+    Chain(elements)  # of one measure
+    for name, between in (("force_scale", force_scale), ("travel_scale", travel_scale)):
+        low, high = between
+        if not 0 < low <= high < math.inf:
+            raise InputError(
+                f"{name} = {between!r}: must be (least, largest), both > 0 and finite, such as "
+                f"(0.5, 2.0); (1.0, 1.0) leaves it as it is."
+            )
+    if not isinstance(tolerances, Tolerances):
+        raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(stiffness=0.05, ...).")
+    if not most_force > 0:
+        raise InputError(f"most_force = {most_force}: must be > 0.")
     if n is not None and n < 1:
         raise InputError(f"n = {n}: must be 1 mechanism or more.")
 
