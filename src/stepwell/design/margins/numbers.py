@@ -86,12 +86,7 @@ def nearest_share(
     assert number.cell is not None
     if forces is not None and number.part == "stiffness" and wanted is None:
         return _nearest(_quotients(forces, number.cell))
-    if are_relays(chain) and number.part in (
-        "stiffness",
-        "force_scale",
-        "travel_scale",
-        "friction",
-    ):
+    if chain.elements and number.part in _OF_FORCES and are_relays(chain):
         return _among_relays(chain, number, wanted)
 
     def does(share: float) -> bool:

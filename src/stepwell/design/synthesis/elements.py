@@ -198,8 +198,8 @@ def scaled(
                 chain,
                 len(choices),
                 relays and whole and goal.complete,
-                f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take elements, "
-                f"with their scales by linear programming; objective: the share by which "
+                f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take "
+                f"elements, with their scales by linear programming; objective: the share by which "
                 f"all forces may be off at once with the order of the switching forces kept, "
                 f"{one.share * 100:.4g} %",
                 _RELAYS if relays else _FOLLOWS,
@@ -331,10 +331,10 @@ def _impossible(
     unit, factor = told_in(elements[0].measure.force_unit)
     largest = max(one.largest_force for one in elements) * scale[1]
     needed = LEAST * largest
-    gap = closest * largest if math.isfinite(closest) else math.nan
+    gap = closest * largest + 0.0 if math.isfinite(closest) else math.nan  # no -0
     if not math.isnan(gap):
         why += (
-            f" (the largest smallest gap is {gap * factor + 0.0:.3g} {unit}, and {needed * factor:.2g} "
+            f" (the largest smallest gap is {gap * factor:.3g} {unit}, and {needed * factor:.2g} "
             f"{unit} is needed)"
         )
     return Impossible(
