@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.design import Impossible, parameter, parameter_boundaries, parameters
+from stepwell.design.margins import Change
 from stepwell.design.orders import relay_cycle, switching_forces
 from stepwell.design.tolerances.draws import Draws
 from stepwell.statics import StaticsError
@@ -64,33 +66,33 @@ def test_switching_forces_decide_nothing_under_a_stroke_and_nothing_where_a_curv
     assert relay_cycle(pair(STROKE)) is None
     s = np.linspace(0.0, 5e-3, 200)
     force = np.interp(s, [0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5])
-    folded = sw.Element.from_curve(s + force / 400.0, force)
+    folded = sw.Element.from_curve((s + force / 400.0).tolist(), force.tolist())
     assert len(folded.sheets) == 2
     assert relay_cycle(sw.Chain([folded, SOFT], FORCE)) is None
 
 
 def test_an_element_has_scales_and_friction_as_parameters_and_no_anchors():
     chain = sw.Chain([LEVERS, SNAP])
-    names = [one.name for one in sw.design.parameters(chain)]
+    names = [one.name for one in parameters(chain)]
     assert [name for name in names if name.startswith("snap")] == [
         "snap.force_scale",
         "snap.travel_scale",
         "snap.friction",
     ]
-    scale = sw.design.parameter(chain, "2.force_scale")
+    scale = parameter(chain, "2.force_scale")
     assert scale.value(chain) == 1.0
     assert scale.unit == "1"
-    assert scale.changed(chain, 2.0).cells[1].force_scale == 2.0
+    assert scale.changed(chain, 2.0).elements[0].force_scale == 2.0
     with pytest.raises(ValueError, match=r"snap is an element.*has force_scale, travel_scale"):
-        sw.design.parameter(chain, "snap.q")
+        parameter(chain, "snap.q")
     with pytest.raises(ValueError, match=r"levers is no element, and has p, q"):
-        sw.design.parameter(chain, "levers.force_scale")
+        parameter(chain, "levers.force_scale")
 
 
 def test_parameters_of_a_chain_of_volumes_are_in_its_units():
     balloon = replace(SNAP, measure=sw.Measure.VOLUME)
     chain = sw.Chain([balloon, strong(balloon, 2.0, "large")])
-    units = {one.part: one.unit for one in sw.design.parameters(chain)}
+    units = {one.part: one.unit for one in parameters(chain)}
     assert units["friction"] == "Pa"
     assert units["actuator_stiffness"] == "Pa/m³"
 
@@ -105,7 +107,7 @@ def test_the_forces_of_drawn_elements_are_those_of_the_elements_that_are_built()
     built = np.array([switching_forces(draws.built(row)) for row in rows])
     np.testing.assert_allclose(draws.switching_forces(rows), built, rtol=1e-12)
     assert draws.sample(7) == draws.built(rows[7])
-    assert draws.sample(7).cells[1].travel_scale != 1.0
+    assert draws.sample(7).elements[1].travel_scale != 1.0
 
 
 @pytest.mark.parametrize("drive", [FORCE, STROKE, 2000.0])
@@ -163,6 +165,14 @@ def test_a_program_survives_where_elements_end_in_their_phases():
     assert "all forces of an element alike" in loose.assumptions
 
 
+def just_short(change: Change, by: float) -> sw.Chain:
+    """The chain just before a change of a number."""
+    assert isinstance(change.move, float)
+    made = replace(change, past=change.move * (1.0 - by)).design
+    assert made is not None
+    return made
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_margins_of_relays_are_exact(friction):
     chain = sw.Chain(
@@ -183,9 +193,7 @@ def test_margins_of_relays_are_exact(friction):
         if change.distance == math.inf:
             continue
         assert change.becomes != now
-        short = replace(change, past=change.move * (1.0 - 1e-6)).design
-        assert short is not None
-        assert short.cycle().sequence == now
+        assert just_short(change, 1e-6).cycle().sequence == now
     assert str(margin)
     assert "force scale" in repr(margin)
 
@@ -199,9 +207,7 @@ def test_the_margins_of_elements_under_a_stroke_are_searched_on_both_sides():
     assert finite
     for change in finite:
         assert change.becomes not in ("", now)
-        inside = replace(change, past=change.move * (1.0 - 1e-4)).design
-        assert inside is not None
-        assert inside.cycle().sequence == now
+        assert just_short(change, 1e-4).cycle().sequence == now
 
 
 def test_a_mixed_chain_has_margins_of_anchors_and_of_scales():
@@ -230,7 +236,7 @@ def test_the_nearest_scale_that_reprograms_is_found(drive):
     assert "a.force_scale" in str(found)
     # Nothing nearer does it.
     for scale in np.linspace(0.72, 1.28, 15):
-        made = sw.design.parameter(chain, "a.force_scale").changed(chain, float(scale))
+        made = parameter(chain, "a.force_scale").changed(chain, float(scale))
         assert made.cycle().sequence != target
 
 
@@ -279,8 +285,8 @@ def test_a_map_over_scales_tells_what_each_chain_does():
     data = sw.parameter_map(chain, ("a.force_scale", scales), ("b.travel_scale", scales + 0.05))
     words = data.sequence.attrs["flag_meanings"].split()
     for j, i in itertools.product(range(3), repeat=2):
-        a = sw.design.parameter(chain, "a.force_scale").changed(chain, float(scales[i]))
-        made = sw.design.parameter(a, "b.travel_scale").changed(a, float(scales[j] + 0.05))
+        a = parameter(chain, "a.force_scale").changed(chain, float(scales[i]))
+        made = parameter(a, "b.travel_scale").changed(a, float(scales[j] + 0.05))
         assert words[int(data.sequence[j, i])] == made.cycle().sequence
     assert np.all(np.isnan(data.margin))
 
@@ -288,7 +294,7 @@ def test_a_map_over_scales_tells_what_each_chain_does():
 def test_boundaries_over_scales_are_where_forces_meet():
     chain = pair(FORCE)
     axes = ("a.force_scale", [0.8, 2.0]), ("b.force_scale", [0.8, 2.0])
-    found = sw.design.parameter_boundaries(chain, *axes, search=7)
+    found = parameter_boundaries(chain, *axes, search=7)
     curves = [one for one in found if one.kind.name != "BISTABLE"]
     assert curves
     for one in curves:
@@ -332,13 +338,12 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
     rng = np.random.default_rng(7)
     tried = [random_scales(rng, kinds, cycle.index(">")) for _ in range(300)]
     doing = [chain for chain in tried if relay_cycle(chain) == cycle]
-    try:
-        found = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, n=20)
-    except sw.design.Impossible as why:
-        assert why.proved
-        assert "at any scales from 0.5 to 2" in str(why) or "ways to take elements" in str(why)
-        assert doing == []
+    if not doing:
+        with pytest.raises(Impossible) as why:
+            sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, n=20)
+        assert why.value.proved
         return
+    found = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, n=20)
     assert found.proved
     assert found.chain.cycle().sequence == found.sequence == cycle
     assert found.robustness is not None
@@ -355,7 +360,7 @@ def test_elements_are_designed_for_states_in_reach():
     )
     assert set(found.reached.states) == {"00", "10", "11"}
     assert found.yield_.states == ("00", "10", "11")
-    with pytest.raises(sw.design.Impossible) as why:
+    with pytest.raises(Impossible) as why:
         sw.design(states=["00", "10", "11"], elements=[SNAP], actuator_stiffness=FORCE)
     assert why.value.proved
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from stepwell.base import InputError
 from stepwell.mechanism.curves import Cubic, Table
+from stepwell.mechanism.elements import Element
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -140,16 +141,18 @@ def slips(cell: Cell) -> tuple[Slip, ...]:
 def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     """Positions [m], or forces [N], of the actuator that the chain takes in another unit only."""
     points = np.ravel(np.asarray(turning_points, float))
-    most, unit = chain.full_stroke, "m"
+    most, unit = chain.full_stroke, chain.drive_unit
     # A little out of a rigid actuator's reach is no slip, and refused where the chain is followed.
     noticed = 10 * most
     if not math.isinf(chain.actuator_stiffness):
         if chain.unusual:
             return ()
-        ends = [abs(f) for cell in chain.cells for f in (cell.force_0, cell.force_1)]
-        own = max([own_force(cell, cell.lever) for cell in chain.cells] + ends)
+        levers = [cell for cell in chain.cells if not isinstance(cell, Element)]
+        ends = [abs(f) for cell in levers for f in (cell.force_0, cell.force_1)]
+        ends += [element.largest_force for element in chain.elements]
+        own = max([own_force(cell, cell.lever) for cell in levers] + ends)
         most = most + own / chain.actuator_stiffness if chain.actuator_stiffness else own
-        noticed, unit = FORCES * most, "m" if chain.actuator_stiffness else "N"
+        noticed = FORCES * most
     why = f"is far past what moves the whole chain, about {most:.4g} {unit}"
     return tuple(
         Slip(f"turning_points[{i}]", drive, likely, unit, why)

@@ -187,8 +187,10 @@ class Reprogramming(ByValue):
                 str(self.resistance),
             ]
         else:
+            place = self.place
+            assert not isinstance(place, tuple)
             unit, factor = told_in(self.unit)
-            values = f"{self.place * factor:.4g} ({self.displacement * factor:+.4g})"
+            values = f"{place * factor:.4g} ({self.displacement * factor:+.4g})"
             lines = [f"set {self.by} to {values}{f' {unit}' * (unit != '1')}: {becomes}"]
         if self.resolution:
             lines.append(f"searched, not exact: {self.resolution}")

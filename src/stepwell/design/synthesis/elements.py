@@ -350,13 +350,15 @@ def _clash(
     most_force: float,
 ) -> tuple[int, int] | None:
     """Two cells that cannot both have their places, whatever the others do; None where none."""
-    if len(goal.orders) > 1:
+    if len(goal.orders) != 1:
         return None
+    (only,) = goal.orders
     switches = Switches.of(goal.last)
     for a, b in combinations(range(len(sets)), 2):
         # The switches of these two alone, numbered anew.
         kept = [t for t in range(len(switches)) if switches.cell[t] in (a, b)]
-        orders = np.array([[kept.index(t) for t in row if t in kept] for row in goal.orders[0]])
+        wanted: list[list[int]] = only.tolist()
+        orders = np.array([[kept.index(t) for t in row if t in kept] for row in wanted])
         programs = (
             Scales.of([elements[i], elements[j]], orders, scale, most_force)
             for i, j in product(sets[a], sets[b])

@@ -37,7 +37,7 @@ from stepwell.design.synthesis.elements import Goal, Scaled, scaled
 from stepwell.design.synthesis.scales import Range
 from stepwell.design.synthesis.tries import Placed, Tries
 from stepwell.design.tolerances import USUAL, Tolerances, Yield, refuse_slips, yields
-from stepwell.mechanism import Chain, Element, SlipError, sizes
+from stepwell.mechanism import Cell, Chain, Element, SlipError, sizes
 from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
@@ -385,7 +385,8 @@ def _widest(
     if found is not None and found.best is not None:
         spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
     else:
-        chosen = {(cell.bands[0].stiffness, cell.bands[0].rest_length) for cell in chain.cells}
+        first = [cell.bands[0] for cell in chain.cells if isinstance(cell, Cell)]
+        chosen = {(band.stiffness, band.rest_length) for band in first}
         spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
     spread = max(tolerances.stiffness if one is None else one for one in spreads)
     return replace(tolerances, stiffness=spread)
