@@ -11,8 +11,8 @@ from stepwell.base import ByValue, Floats, told_in
 from stepwell.concave import SortedChain
 from stepwell.design.margins import Robustness, robustness
 from stepwell.design.orders import Reached, are_relays, reached, short, switching_forces
-from stepwell.design.tolerances import Critical, Yield
-from stepwell.mechanism import Cell, Chain, Element
+from stepwell.design.tolerances import Critical, Yield, levers_of
+from stepwell.mechanism import Chain, Element
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +51,7 @@ class Design(ByValue):
     @property
     def anchors(self) -> Floats:
         """(N, 2) outer anchors q [m]; (0, 2) of elements."""
-        cells = [cell for cell in self.chain.cells if isinstance(cell, Cell)]
-        return np.array([cell.bands[0].q for cell in cells]).reshape(-1, 2)
+        return np.array([cell.bands[0].q for cell in levers_of(self.chain)]).reshape(-1, 2)
 
     @property
     def forces(self) -> Floats:
@@ -92,6 +91,7 @@ class Design(ByValue):
     def __str__(self):
         surely = "" if self.reached.whole else " surely"
         lines = [f"{short(self.sequence)}, {self.reached.count} states{surely} in reach"]
+        placed = len({cell.bands[0].p for cell in levers_of(self.chain)}) > 1
         force, factor = told_in(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
             if isinstance(cell, Element):
@@ -105,8 +105,10 @@ class Design(ByValue):
                 )
                 continue
             (x, y), band = cell.bands[0].q, cell.bands[0]
+            px, py = band.p
+            inner = f"p ({px * 1e3 + 0.0:.3f}, {py * 1e3 + 0.0:.3f}) mm, " if placed else ""
             lines.append(
-                f"{name}: q ({x * 1e3:.3f}, {y * 1e3:.3f}) mm, k {band.stiffness:.4g} N/m, "
+                f"{name}: {inner}q ({x * 1e3:.3f}, {y * 1e3:.3f}) mm, k {band.stiffness:.4g} N/m, "
                 f"ℓ0 {band.rest_length * 1e3:.4g} mm, r {cell.lever * 1e3:.4g} mm: "
                 f"F0 {cell.force_0:.4f} N, F1 {cell.force_1:.4f} N"
             )

@@ -20,6 +20,7 @@ from stepwell.design.orders import (
     unsearchable,
 )
 from stepwell.design.placement import (
+    LOOKS,
     PAPER_BAND,
     PAPER_LEVER,
     AnchorBox,
@@ -36,13 +37,14 @@ from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.elements import Goal, Scaled, scaled
 from stepwell.design.synthesis.scales import Range
 from stepwell.design.synthesis.tries import Placed, Tries
-from stepwell.design.tolerances import USUAL, Tolerances, Yield, refuse_slips, yields
-from stepwell.mechanism import Cell, Chain, Element, SlipError, sizes
+from stepwell.design.tolerances import USUAL, Tolerances, Yield, levers_of, refuse_slips, yields
+from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
 
 _WAY = "If it is meant so, say unusual=True."
+_FREE = ("q", "p", "both")
 _OBJECTIVES = ("yield", "worst")
 
 
@@ -54,6 +56,8 @@ def design(
     within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
     p: tuple[float, float] = (-0.010, 0.0),
+    q: tuple[float, float] = (0.010, 0.0),
+    free: str = "q",
     bands: Sequence[Stock] = (PAPER_BAND,),
     lever: Levers = PAPER_LEVER,
     limit: float = math.pi / 4,
@@ -90,12 +94,17 @@ def design(
             For chains of up to eight cells the engine follows every branch, of the drawing and
             of each mechanism made for the yield; `Design.reached` says whether that was done.
         cells: how many, for states="all".
-        within: where the outer anchors may be, for all cells or one for each; by default the
-            paper's box, in proportion to the largest lever.
+        within: where the anchors that are free may be, for all cells or one for each; by default
+            the paper's box, in proportion to the largest lever, and its mirror image for p.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
             round) the region [m]; None for anywhere.
-        p: inner anchor of every cell [m].
-        bands: those that can be had.
+        p: inner anchor of every cell [m], where it is not free.
+        q: outer anchor of every cell [m], where it is not free.
+        free: which anchors are placed: "q", "p", or "both", each p being the mirror image of q,
+            p = -q. Only q - p matters, so mirror images give all that two anchors give which may
+            be anywhere in a convex region and its mirror image.
+        bands: those that can be had; where the law of one bends, as a measured one does, forces are
+            looked at and the engine decides, and nothing is proved.
         lever: r, or several to choose from [m].
         limit: θc of every cell [rad].
         equal_levers: whether all cells must have the same lever. If not, whether the order of
@@ -136,28 +145,39 @@ def design(
         made = scaled(goal, elements, *ranges, *limits, tolerances, seed, progress)
         return _of_elements(goal, made, elements, force_scale, tolerances, n, seed)
     levers = [float(r) for r in np.atleast_1d(lever)]
-    _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
+    _refuse(p, q, free, bands, levers, limit, tolerances, objective, most_force, n)
     if within is None:
-        within = usual_box(max(levers))
+        within = usual_box(max(levers), free)
+    fixed = q if free == "p" else p
     target, regions = _wanted(sequence, states, cells, within)
     if not unusual:
-        _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
+        _refuse_slips(
+            fixed,
+            "q" if free == "p" else "p",
+            bands,
+            levers,
+            float(limit),
+            tolerances,
+            _round(regions),
+            holes,
+        )
     sets = [[(band, r) for band in bands] for r in levers]
     mixed = not equal_levers and len(levers) > 1
     if mixed:
         sets.insert(0, [kind for kinds in sets for kind in kinds])
     rules = [
         Rule(
-            (float(p[0]), float(p[1])),
+            (float(fixed[0]), float(fixed[1])),
             tuple(Kind(band, r, float(limit), unusual) for band, r in kinds),
             tolerances,
             float(most_force),
             objective == "worst",
             _round(regions),
+            free=free,
         )
         for kinds in sets
     ]
-    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules))
+    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
     if placed.found is None and holes is not None:
         # As drawn more cells are proved concave than within all tolerances.
@@ -165,7 +185,7 @@ def design(
     if placed.found is not None:
         found = placed.found
         chain, how = found.chain(actuator_stiffness, f"Designed for {target.text}"), ""
-        quick = not found.rule.as_drawn
+        quick = not (found.rule.as_drawn or found.rule.bends)
     else:
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
@@ -287,6 +307,8 @@ def _not_searched(target: Target, share: Yield) -> str:
 
 def _refuse(
     p: tuple[float, float],
+    q: tuple[float, float],
+    free: str,
     bands: Sequence[Stock],
     levers: Sequence[float],
     limit: float,
@@ -295,8 +317,11 @@ def _refuse(
     most_force: float,
     n: int | None,
 ) -> None:
-    if len(p) != 2 or not all(math.isfinite(x) for x in p):
-        raise InputError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
+    for name, place in (("p", p), ("q", q)):
+        if len(place) != 2 or not all(math.isfinite(x) for x in place):
+            raise InputError(f"{name} = {place!r}: must be two finite numbers (x, y) [m].")
+    if free not in _FREE:
+        raise InputError(f"free = {free!r}: must be one of {_FREE}.")
     if not bands or not all(isinstance(band, Stock) for band in bands):
         raise InputError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
     if not levers or not all(0 < r < math.inf for r in levers):
@@ -307,6 +332,11 @@ def _refuse(
         raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
     if objective not in _OBJECTIVES:
         raise InputError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
+    if objective == "worst" and not all(isinstance(band.law, Linear) for band in bands):
+        raise InputError(
+            "objective = 'worst' needs bands of Hooke's law, of which the worst is known: ask for "
+            "'yield' with a measured law."
+        )
     if not most_force > 0:
         raise InputError(f"most_force = {most_force} N: must be > 0.")
     if n is not None and n < 1:
@@ -341,7 +371,8 @@ def _refuse_elements(
 
 
 def _refuse_slips(
-    p: tuple[float, float],
+    fixed: tuple[float, float],
+    name: str,
     bands: Sequence[Stock],
     levers: Sequence[float],
     limit: float,
@@ -354,13 +385,14 @@ def _refuse_slips(
     corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
     found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
     if not found:
-        found += sizes.length("p", (float(p[0]), float(p[1])), lever)
+        found += sizes.length(name, (float(fixed[0]), float(fixed[1])), lever)
         far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
         found += far or sizes.length("within", corner, lever)
         found += sizes.length("holes", holes or 0.0, lever)
         for band in bands:
             found += sizes.length("rest_length", band.rest_length, lever)
-            found += sizes.spring("stiffness", band.stiffness)
+            if isinstance(band.law, Linear):
+                found += sizes.spring("stiffness", band.stiffness)
     if found:
         raise SlipError(tuple(found), _WAY)
     strongest = max(band.stiffness for band in bands) * lever
@@ -385,7 +417,7 @@ def _widest(
     if found is not None and found.best is not None:
         spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
     else:
-        first = [cell.bands[0] for cell in chain.cells if isinstance(cell, Cell)]
+        first = [cell.bands[0] for cell in levers_of(chain)]
         chosen = {(band.stiffness, band.rest_length) for band in first}
         spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
     spread = max(tolerances.stiffness if one is None else one for one in spreads)
@@ -396,6 +428,11 @@ def _standing(found: Attempt | None) -> str:
     """What the motion of the drawing stands on."""
     if found is None:
         return "not all cells are proved concave, and the engine has followed the drawing"
+    if found.rule.bends:
+        return (
+            f"one taut band with falling force in each cell, looked at in {LOOKS} places as drawn, "
+            f"where a law that bends allows no proof; the engine has followed the drawing"
+        )
     where = "as drawn" if found.rule.as_drawn else "for all anchors within the tolerances"
     return (
         f"concave cells: one taut band with falling force in each, proved {where}; cells load in "
