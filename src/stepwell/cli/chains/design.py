@@ -113,9 +113,9 @@ def design(
         list[str] | None,
         typer.Option(
             "--band",
-            metavar="NAME|K:LENGTH[:SPREAD]|DESIGN",
-            help="A band there is: paper, robot, antennas, or N/m, mm and %, or those of a design "
-            "file, measured ones too; may be given again.",
+            metavar="NAME|K:LENGTH[:SPREAD]",
+            help="A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
+            "its bands, measured ones too; may be given again.",
         ),
     ] = None,
     levers: Annotated[
