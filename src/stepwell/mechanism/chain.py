@@ -292,8 +292,9 @@ class Chain(ByValue):
         pushed through its whole travel in a snap. All other mechanisms are followed by the general
         engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
         takes milliseconds for each; elements are judged by their switching forces where the force
-        is prescribed. So it is where states are wanted: then the engine follows every branch of each, but where all 2^N states are wanted of cells of one travel and every two
-        loops are nested, which proves it.
+        is prescribed. So it is where states are wanted: then the engine follows every branch of
+        each, but where all 2^N states are wanted of cells of one travel and every two loops are
+        nested, which proves it.
 
         The same seed gives the same mechanisms, and a larger n keeps the first ones.
 
