@@ -186,10 +186,8 @@ def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, A
 
 def _robustness(found: Robustness) -> dict[str, Any]:
     meeting = found.meeting
-    # Anchors may be off by a radius, forces by a share.
-    off = Quantity("radius", "mm") if math.isnan(found.share) else Quantity("share", "percent")
     return {
-        **record([off, Quantity("limit")], found),
+        **record([Quantity("radius", "mm"), Quantity("limit")], found),
         "meet": meeting and [meeting.first, meeting.second],
         "while": meeting and meeting.way,
     }

@@ -235,10 +235,7 @@ def _states(record: dict[str, Any]) -> dict[str, str]:
 def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
     if found is None:
         return ""
-    if "share_percent" in found:
-        text = f"all forces may be off by {number(found['share_percent'])} % at once"
-    else:
-        text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
+    text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
     if found["meet"] is not None:
         first, second = (names[cell] for cell in found["meet"])
         text += f"; then {first} and {second} change places while {found['while']}"
