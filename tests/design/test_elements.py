@@ -53,6 +53,44 @@ def test_switching_forces_tell_the_cycle_that_the_engine_finds_under_a_prescribe
     assert cycle.degenerate or relay_cycle(chain) == cycle.sequence
 
 
+def pieces(rng: np.random.Generator, name: str) -> sw.Element:
+    """Straight lines between points at random, with as many phases as they happen to make."""
+    while True:
+        count = int(rng.integers(3, 9))
+        travel = np.sort(rng.uniform(0.0, 6e-3, count))
+        ends = (True, False, (True, False), (False, True))[rng.integers(4)]
+        friction = float(rng.choice([0.0, 0.05]))
+        force = rng.uniform(-1.5, 2.0, count)
+        try:
+            return sw.Element.from_points(
+                travel.tolist(), force.tolist(), name, stops=ends, friction=friction
+            )
+        except ValueError:  # an open end on which the force falls
+            continue
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_switching_forces_tell_the_cycle_of_any_curves(seed):
+    rng = np.random.default_rng(seed)
+    chain = sw.Chain([pieces(rng, name) for name in "abc"[: 1 + seed % 3]], FORCE)
+    cycle = chain.cycle()
+    assert cycle.degenerate or relay_cycle(chain) == cycle.sequence
+
+
+@pytest.mark.parametrize("drive", [FORCE, STROKE])
+def test_an_element_of_one_phase_has_nothing_to_switch(drive):
+    rises = sw.Element.from_points([0.0, 1e-3, 2e-3], [0.0, 1.0, 2.5], "rises")
+    alone = sw.Chain([rises], drive)
+    assert alone.cycle().sequence == "0"
+    found = alone.yields(n=5, sensitivity=True)
+    assert found.share == 1.0
+    assert found.sensitivities is not None
+    assert not found.sensitivities.parameters
+    assert alone.margin().changes[0].distance == math.inf
+    beside = sw.Chain([rises, SNAP], drive)
+    assert beside.yields(n=5).wanted == beside.cycle().sequence == "00>01>00"
+
+
 def test_switching_forces_of_lever_cells_and_elements_are_told_together():
     levers = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), stiffness=200.0), friction=0.01)
     chain = sw.Chain([levers, LEAPS], FORCE)

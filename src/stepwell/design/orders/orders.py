@@ -82,7 +82,7 @@ def orders_of(wanted: str) -> Ints | None:
     count = int(np.sum(last))
     if [way for way, _ in steps] != [1] * count + [-1] * count:
         return None
-    return np.array([switch for _, switch in steps]).reshape(2, count)
+    return np.array([switch for _, switch in steps], np.int64).reshape(2, count)
 
 
 def numbered_cycle(number: int, cells: int) -> str:

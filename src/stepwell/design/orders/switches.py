@@ -22,9 +22,11 @@ class Switches:
     Where every cell has two phases, as lever cells have, there is one of each cell.
 
     Attributes:
+        cells: how many there are.
         cell, phase: (T,) whose it is, and the phase that it leaves upwards.
     """
 
+    cells: int
     cell: Ints
     phase: Ints
 
@@ -33,7 +35,7 @@ class Switches:
         """Those of cells of which `last` is the last state, such as "11"."""
         steps = [(cell, k) for cell, digit in enumerate(last) for k in range(int(digit))]
         cell, phase = np.array(steps, np.int64).reshape(-1, 2).T
-        return cls(cell, phase)
+        return cls(len(last), cell, phase)
 
     def __len__(self) -> int:
         return len(self.cell)
@@ -81,7 +83,7 @@ class Switches:
         apart = np.abs(np.diff(force, axis=-1)).swapaxes(0, 1)
         same_cell = self.cell[order[..., 1:]] == self.cell[order[..., :-1]]
         together = same_cell & (apart == 0.0)
-        least = TIED * np.max(np.abs(forces), axis=(1, 2))
+        least = TIED * np.max(np.abs(forces), axis=(1, 2), initial=0.0)
         tied = np.any(~same_cell & (apart <= least[:, None, None]), axis=(1, 2))
         return Motion(self, order, together, tied)
 
@@ -107,12 +109,14 @@ class Motion:
             [self.order.reshape(len(self.order), -1), self.together.reshape(len(self.order), -1)],
             axis=1,
         )
+        if not len(self.switches):
+            return ["0" * self.switches.cells], np.zeros(len(rows), np.int64)
         _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
         return [self._cycle(i) for i in first.tolist()], number.ravel()
 
     def _cycle(self, i: int) -> str:
         cell = self.switches.cell
-        state = [0] * (int(cell.max()) + 1)
+        state = [0] * self.switches.cells
         states = [state.copy()]
         for way, order, together in zip((1, -1), self.order[i], self.together[i], strict=True):
             for switch, leaps in zip(order.tolist(), [False, *together.tolist()], strict=True):

@@ -79,7 +79,7 @@ def gaps_of_built(draws: Draws, orders: Ints, rows: Floats) -> Floats:
         ValueError: a mechanism that cannot be built.
     """
     forces = np.array([switching_forces(draws.built(row)) for row in rows])
-    return np.min(gaps_between(forces, orders), axis=(1, 2))
+    return np.min(gaps_between(forces, orders), axis=(1, 2), initial=np.inf)
 
 
 def sensitivities(
@@ -100,7 +100,7 @@ def sensitivities(
     a part, since an anchor's place in its disc takes two and says nothing by one of them.
     """
     groups = _groups(draws)
-    if not groups or len(switching_forces(draws.chain)) == 1:
+    if not groups or len(switching_forces(draws.chain)) < 2:
         return Sensitivities((), np.empty(0), np.empty(0), 0.0, 0)
     active = np.concatenate(list(groups.values()))
     from scipy.stats import qmc, sobol_indices
