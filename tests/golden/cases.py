@@ -135,6 +135,20 @@ DESIGNS = [
         ),
     ),
     Case(
+        "design/other-anchors",
+        (
+            f"design '{_BACK}' --samples 20 --holes 5 --free p",
+            f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward",
+        ),
+    ),
+    Case(
+        "design/impossible-elements",
+        (
+            "design '00>10>11>10>00' --element trilinear --drive force --force-scale 0.5:4 "
+            "--travel-scale 1:1",
+        ),
+    ),
+    Case(
         "design/impossible",
         (f"design '{_BACK}' --holes 40", f"design '{_BACK}' --holes 40 --json"),
     ),

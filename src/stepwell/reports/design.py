@@ -26,10 +26,12 @@ def write_design(
     from stepwell import figures
 
     drilled = found.holes is not None
+    # Cells of more than two phases have more switches than there are cells to be in order.
+    one_each = len(found.forces) == len(found.chain)
     plane = figures.force_plane(
         found.chain,
-        loading=found.loading,
-        unloading=found.unloading,
+        loading=found.loading if one_each else None,
+        unloading=found.unloading if one_each else None,
         region=() if drilled else found.region,
         places=np.concatenate(found.region) if drilled else None,
         clouds=found.yield_.end_forces(_CLOUD),

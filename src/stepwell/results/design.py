@@ -134,31 +134,34 @@ def impossible_record(why: Impossible) -> dict[str, Any]:
     return {**_head(None, None, proved=why.proved), "reason": str(why), **record(gaps, why)}
 
 
-REPROGRAMMING: Schema = (
-    Quantity("by"),
-    Quantity("target"),
-    Quantity("possible", read=lambda found: math.isfinite(found.distance)),
-    Quantity("before"),
-    Quantity("after", read=lambda found: found.after or None),
-    Quantity("distance", "mm"),
-    Quantity("displacement", "mm"),
-    Quantity("place", "mm"),
-    Quantity("reach", "mm"),
-    Quantity("method"),
-    Quantity("resolution"),
-    Quantity("largest_force", "N", read="resistance.largest"),
-    Quantity("work_at_0", "mJ", read="resistance.work_0"),
-    Quantity("work_at_1", "mJ", read="resistance.work_1"),
-)
+def reprogramming_schema(unit: str) -> Schema:
+    """What is told of a reprogramming; `unit` is that of the anchor or the number."""
+    return (
+        Quantity("by"),
+        Quantity("target"),
+        Quantity("possible", read=lambda found: math.isfinite(found.distance)),
+        Quantity("before"),
+        Quantity("after", read=lambda found: found.after or None),
+        Quantity("distance", unit),
+        Quantity("displacement", unit),
+        Quantity("place", unit),
+        Quantity("reach", unit),
+        Quantity("method"),
+        Quantity("resolution"),
+        Quantity("largest_force", "N", read="resistance.largest"),
+        Quantity("work_at_0", "mJ", read="resistance.work_0"),
+        Quantity("work_at_1", "mJ", read="resistance.work_1"),
+    )
 
 
 def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict[str, Any]:
     """The smallest displacement of an anchor that does it, as docs/commands.md describes it."""
     columns = record(WAY, found).values()
+    unit = told_in(found.unit)[0]
     return {
         **head("stepwell.reprogram/1", design or found.chain),
         "title": found.chain.title,
-        **record(REPROGRAMMING, found),
+        **record(reprogramming_schema("" if unit == "1" else unit), found),
         "way": [
             {
                 "fraction": part,
