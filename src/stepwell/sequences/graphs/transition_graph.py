@@ -232,7 +232,7 @@ def _overdrawn(chain: Chain) -> str:
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
     """The branches as a graph."""
     chain = branches.chain
-    full = chain.full_travels
+    stretches = chain.stretches
     names = _labels(branches, numbers)
     found = TransitionGraph()
     for place, number in enumerate(numbers):
@@ -255,8 +255,9 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             if exit_ is None:
                 continue
             snap, at = exit_.snap, exit_.snap.drive[0]
-            target = branches[exit_.branch].find(state_of(exit_.travel, full), at)
-            cells = _changed(snap, sections[k].state, branches[exit_.branch].sections[target].state)
+            onto = branches[exit_.branch]
+            target = onto.find(state_of(stretches, exit_.place), at)
+            cells = _changed(snap, sections[k].state, onto.sections[target].state)
             what = TransitionKind.SNAP, direction, at, cells, snap.released, snap.tie
             join(found, names[number, k], names[exit_.branch, target], Transition(*what))
     found.graph.update(
