@@ -28,7 +28,10 @@ class Curve:
             low[0] = -math.inf
         if not self.stops[1]:
             high[-1] = math.inf
-        return [(a, b, f - s * x0, s) for a, b, f, s, x0 in zip(low, high, y, k, x)]
+        return [
+            (a, b, f - s * x0, s)
+            for a, b, f, s, x0 in zip(low, high, y[:-1], k, x[:-1], strict=True)
+        ]
 
     def at(self, s: float) -> float:
         """Force at a travel."""
@@ -77,7 +80,7 @@ def stretches(curves: list[Curve], alpha: float, beta: float) -> list[Stretch]:
     choices = []
     for curve in curves:
         names, first, last = curve.digits()
-        own = [(name, *piece) for name, piece in zip(names, curve.pieces())]
+        own = [(name, *piece) for name, piece in zip(names, curve.pieces(), strict=True)]
         x, y = curve.travel, curve.force
         # At a stop the travel stands while the force is anything on one side.
         own += [(first, x[0], x[0], y[0], -math.inf)] * curve.stops[0]
@@ -100,8 +103,9 @@ def stretches(curves: list[Curve], alpha: float, beta: float) -> list[Stretch]:
             np.array([s if math.isinf(k) else (f - begin) / k for _, s, _, begin, k in own])
             for f in (low, high)
         ]
-        drive = tuple(alpha * float(np.sum(t)) + beta * f for t, f in zip(travel, (low, high)))
-        found.append(Stretch(choice, "".join(name for name, *_ in own), drive, tuple(travel)))
+        drives = [alpha * float(np.sum(travel[k])) + beta * f for k, f in enumerate((low, high))]
+        state = "".join(name for name, *_ in own)
+        found.append(Stretch(choice, state, (drives[0], drives[1]), (travel[0], travel[1])))
     return found
 
 
@@ -136,14 +140,12 @@ def places(curves: list[Curve], alpha: float, beta: float) -> list[Place]:
     group = list(range(len(every)))
     for i, j in itertools.combinations(range(len(every)), 2):
         if every[i].state == every[j].state and any(
-            np.allclose(a, b, rtol=0, atol=1e-12)
-            for a in every[i].travel
-            for b in every[j].travel
+            np.allclose(a, b, rtol=0, atol=1e-12) for a in every[i].travel for b in every[j].travel
         ):
             group = [group[i] if g == group[j] else g for g in group]
     found = []
     for g in set(group):
-        own = [one for one, mine in zip(every, group) if mine == g]
+        own = [one for one, mine in zip(every, group, strict=True) if mine == g]
         drives = [d for one in own for d in one.drive]
         found.append(Place(own[0].state, min(drives), max(drives)))
     return found
@@ -158,7 +160,7 @@ def landed(curves: list[Curve], travel, drive: float, alpha: float, beta: float)
     high = np.array([c.travel[-1] if c.stops[1] else math.inf for c in curves])
     step = 0.2 / stiff
     for _ in range(200_000):
-        force = np.array([curve.at(x) for curve, x in zip(curves, s)])
+        force = np.array([curve.at(x) for curve, x in zip(curves, s, strict=True)])
         if beta:
             pull = (drive - alpha * float(np.sum(s))) / beta
         else:

@@ -121,9 +121,7 @@ def fewest_strokes(fields: Relays, start: str, to: str) -> RelayPlan:
         return RelayPlan(())
     before, wanted = fields.raised(start), fields.raised(to)
     plans = [
-        plan
-        for last in (+1, -1)
-        if (plan := _backward(fields, before, wanted, last)) is not None
+        plan for last in (+1, -1) if (plan := _backward(fields, before, wanted, last)) is not None
     ]
     if plans:
         return RelayPlan(min(plans, key=len))

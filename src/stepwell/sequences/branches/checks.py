@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from stepwell.base import InputError, Quantity, told_in
+from stepwell.base import InputError, amount
 from stepwell.mechanism import Chain
 from stepwell.statics import read_state
 
@@ -28,12 +28,11 @@ def driven(chain: Chain, drive: Drive) -> Chain:
 
 def refuse_friction(chain: Chain) -> None:
     """Raise ValueError where a cell has friction."""
-    told, factor = told_in(chain.measure.force_unit)
-    sign = Quantity("friction", told).sign
     for name, cell in zip(chain.names, chain.cells, strict=True):
         if cell.friction > 0:
+            friction = amount(cell.friction, chain.measure.force_unit)
             raise InputError(
-                f"{name} has friction {cell.friction * factor:.4g} {sign}: a chain with friction stops wherever "
+                f"{name} has friction {friction}: a chain with friction stops wherever "
                 f"it is turned back, so it has no finite graph. Leave friction out to see the "
                 f"graph, and ask chain.program() for a program, which searches with friction."
             )

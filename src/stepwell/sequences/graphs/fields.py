@@ -57,28 +57,25 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     low[0], high[-1] = Branches(chain).range
     stands = np.flatnonzero(low <= high)
     labels = labels_of(digits)
-    place = _Travels(chain)
+    travels = _Travels(chain)
     rows = zip(
         stands.tolist(),
         low[stands].tolist(),
         high[stands].tolist(),
-        place.of(digits[stands], low[stands]).tolist(),
-        place.of(digits[stands], high[stands]).tolist(),
+        travels.of(digits[stands], low[stands]).tolist(),
+        travels.of(digits[stands], high[stands]).tolist(),
         strict=True,
     )
     rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
     first, last = np.argmin(opens[rising], axis=1), np.argmax(shuts[falling], axis=1)
     found = TransitionGraph()
     with _collector_at_rest():
-        for branch, (code, a, b, *travels) in enumerate(rows):
-            label, ends = labels[code], map(tuple, travels)
+        for branch, (code, a, b, begin, end) in enumerate(rows):
+            label, ends = labels[code], (tuple(begin), tuple(end))
             found.add_node(label, node=Node(label, label, a, b, a, b, *ends, branch))
-        for codes, leaving, fields_of, direction in (
-            (rising, first, up, +1),
-            (falling, last, down, -1),
-        ):
-            flips = _flips(chain, place, fields_of, direction)
-            found.add_edges_from(_edges(labels, digits, codes, leaving, flips))
+        ups, downs = _flips(chain, travels, up, +1), _flips(chain, travels, down, -1)
+        found.add_edges_from(_edges(labels, digits, rising, first, ups))
+        found.add_edges_from(_edges(labels, digits, falling, last, downs))
     elements = "cells" if chain.elements else "concave cells"
     found.graph.update(
         **about(chain),
@@ -94,7 +91,7 @@ def every_state(phases: Ints) -> Ints:
 
     `phases` is how many each cell has.
     """
-    return np.indices(phases).reshape(len(phases), -1).T
+    return np.indices(phases.tolist()).reshape(len(phases), -1).T
 
 
 def labels_of(digits: Ints) -> list[str]:
@@ -129,7 +126,7 @@ class _Travels:
 _Flips = dict[tuple[int, int], tuple[tuple[Transition], int]]
 
 
-def _flips(chain: Chain, place: _Travels, fields: Floats, direction: int) -> _Flips:
+def _flips(chain: Chain, travels: _Travels, fields: Floats, direction: int) -> _Flips:
     """What every cell does all by itself; states share it, since none feels the others.
 
     `fields` are the forces at which it leaves each phase in this direction, (N, P).
@@ -143,7 +140,7 @@ def _flips(chain: Chain, place: _Travels, fields: Floats, direction: int) -> _Fl
             # At this force it would leave these phases too.
             while direction * (leaves[target] - force) < 0:
                 target += direction
-            a, b = place.at(i, phase, force), place.at(i, target, force)
+            a, b = travels.at(i, phase, force), travels.at(i, target, force)
             heat = force * (b - a) - (_energy(cell, target, b) - _energy(cell, phase, a))
             flip = Transition(TransitionKind.SNAP, direction, force, (i,), heat)
             found[i, phase] = (flip,), target
@@ -249,8 +246,8 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     let_go = np.where(digits == 1, forces[:, 1], forces[:, 0])
     if stiffness == 0:
         return let_go
-    place = _Travels(chain)
-    columns = [np.sum(place.of(digits, force), axis=1) for force in let_go.T]
+    travels = _Travels(chain)
+    columns = [np.sum(travels.of(digits, force), axis=1) for force in let_go.T]
     return np.column_stack(columns) + let_go / stiffness
 
 

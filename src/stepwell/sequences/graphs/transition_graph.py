@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from stepwell.base import InputError, Measure, Quantity, most, problem, same, told_in
+from stepwell.base import InputError, Measure, amount, most, problem, same
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -272,8 +272,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
 def about(chain: Chain) -> dict[str, object]:
     """What a graph says of the chain that it is of."""
     stiffness, measure = chain.actuator_stiffness, chain.measure
-    told, factor = told_in(measure.stiffness_unit)
-    spring = f"spring of {stiffness * factor:.6g} {Quantity('spring', told).sign}"
+    spring = f"spring of {amount(stiffness, measure.stiffness_unit, 6)}"
     actuator = {0.0: measure.force, math.inf: measure.stroke}.get(stiffness, spring)
     return {"chain": chain, "names": chain.names, "actuator": actuator, "unit": chain.drive_unit}
 

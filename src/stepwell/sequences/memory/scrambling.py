@@ -74,7 +74,7 @@ def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...
 def _flips_and_waits(
     atlas: Atlas, vertices: Sequence[str], cell: Ints, step: Ints, direction: int
 ) -> tuple[Bools, Bools]:
-    """(V, M) which flips are on the way from each vertex to the next, and which could be but wait."""
+    """(V, M) which flips are on the way from each vertex to the next, and which could but wait."""
     steps = atlas.up if direction > 0 else atlas.down
     following: list[str] = []
     for vertex in vertices:
