@@ -141,7 +141,6 @@ def slips(cell: Cell) -> tuple[Slip, ...]:
 def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     """Positions [m], or forces [N], of the actuator that the chain takes in another unit only."""
     if chain.measure is not Measure.TRAVEL:
-        # Of no other measure is it known which unit people slip into.
         return ()
     points = np.ravel(np.asarray(turning_points, float))
     most, unit = chain.full_stroke, "m"
@@ -150,7 +149,7 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     if not math.isinf(chain.actuator_stiffness):
         if chain.unusual:
             return ()
-        own = max(_largest(cell) for cell in chain.cells)
+        own = max(_pull(cell) for cell in chain.cells)
         most = most + own / chain.actuator_stiffness if chain.actuator_stiffness else own
         noticed, unit = FORCES * most, "m" if chain.actuator_stiffness else "N"
     why = f"is far past what moves the whole chain, about {most:.4g} {unit}"
@@ -161,8 +160,8 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     )
 
 
-def _largest(cell: Cell | Element) -> float:
-    """About the largest force of a cell [N]."""
+def _pull(cell: Cell | Element) -> float:
+    """About what a cell pulls with [N]."""
     if isinstance(cell, Element):
         return cell.largest_force
     return max(own_force(cell, cell.lever), abs(cell.force_0), abs(cell.force_1))
