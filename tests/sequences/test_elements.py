@@ -103,12 +103,14 @@ def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, driv
     assert sorted(found.node(label).state for label in found.vertices) == stand
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("name", CHAINS)
+# The flow in small steps knows no stops under a prescribed stroke.
+FLOWS = [(name, drive) for name in CHAINS for drive in DRIVES if "stop" not in name]
+FLOWS += [(name, drive) for name in CHAINS for drive in DRIVES[1:] if "stop" in name]
+
+
+@pytest.mark.parametrize(("name", "drive"), FLOWS)
 def test_every_snap_lands_where_a_flow_in_small_steps_does(name, drive):
     curves = CHAINS[name]
-    if drive == "stroke" and any(any(one.stops) for one in curves):
-        pytest.skip("the flow knows no stops under a prescribed stroke")
     found = graph(chain_of(*curves), drive)
     alpha, beta = weights(drive)
     snaps = 0
@@ -152,11 +154,11 @@ def assert_alike(one: TransitionGraph, other: TransitionGraph) -> None:
         for mine, its in ((a.travel_low, b.travel_low), (a.travel_high, b.travel_high)):
             assert mine == pytest.approx(its, rel=0, abs=1e-9)
         for direction in (+1, -1):
-            ways = one.transition(label, direction), other.transition(label, direction)
-            if ways[0] is None or ways[1] is None:
-                assert ways == (None, None)
+            way, its_way = one.transition(label, direction), other.transition(label, direction)
+            if way is None or its_way is None:
+                assert way is its_way
                 continue
-            (to, mine), (its_to, its) = ways
+            (to, mine), (its_to, its) = way, its_way
             assert to == its_to and mine.cells == its.cells and mine.kind is its.kind
             assert mine.drive == pytest.approx(its.drive, rel=1e-9, abs=1e-9 * scale)
             assert mine.released == pytest.approx(its.released, rel=1e-6, abs=1e-9)
@@ -182,7 +184,7 @@ def test_a_folded_element_is_the_element_in_front_of_its_spring():
     # A trilinear snap behind 400 N/m inside the element: the same drives as with both in the chain.
     inner = np.linspace(0, 5e-3, 401)
     force = np.interp(inner, EARLY.travel, EARLY.force)
-    folded = sw.Element.from_curve(inner + force / 400, force)
+    folded = sw.Element.from_curve((inner + force / 400).tolist(), force.tolist())
     assert len(folded.laws) == 2
     spring = Curve((0.0, 1e-3), (0.0, 0.4))
     for drive in ("stroke", 900.0):
@@ -204,8 +206,10 @@ def pouches() -> sw.Chain:
     rises = [([0, 1, 3, 5], [0, 4.0, 1.5, 6.0]), ([0, 2, 3, 6], [0, 5.0, 2.0, 7.0])]
     return sw.Chain(
         [
-            sw.Element.from_points(np.array(v) * 1e-6, np.array(p) * 1e3, measure=Measure.VOLUME)
-            for v, p in rises
+            sw.Element.from_points(
+                [v * 1e-6 for v in volume], [p * 1e3 for p in pressure], measure=Measure.VOLUME
+            )
+            for volume, pressure in rises
         ]
     )
 
@@ -309,8 +313,8 @@ def test_a_loop_between_phases_is_gone_round_by_the_engine(name, drive):
     assert loops or drive == "stroke"
     for loop in loops:
         assert found.chain is not None
-        begin = routes.turns(branches.branch_of[loop.up[0]], loop.low)
         gap = 1e-6 * (loop.high - loop.low)
+        begin = routes.turns(branches.branch_of[loop.up[0]], loop.low + gap)
         round_it = [loop.high + gap, loop.low - gap]
         once = found.chain.path([*begin, *round_it], start=found.node(found.zero).travel_low)
         again = found.chain.path([loop.low - gap, *round_it], start=once.end.tolist())
