@@ -91,7 +91,12 @@ def every_state(phases: Ints) -> Ints:
 
     `phases` is how many each cell has.
     """
-    return np.indices(phases.tolist()).reshape(len(phases), -1).T
+    return np.arange(int(np.prod(phases)))[:, None] // _weights(phases) % phases
+
+
+def _weights(phases: Ints) -> Ints:
+    """(N,) how many states further on the one is in which a cell is in its next phase."""
+    return np.cumprod(np.append(phases, 1)[::-1])[-2::-1]
 
 
 def labels_of(digits: Ints) -> list[str]:
@@ -158,12 +163,11 @@ def _edges(
     labels: list[str], digits: Ints, codes: Ints, cells: Ints, flips: _Flips
 ) -> Iterator[Edge]:
     """Where each of these states goes when that cell of it leaves its phase."""
-    # The next phase of a cell is so many states further on.
-    weight = np.cumprod(np.append(digits[-1] + 1, 1)[::-1])[-2::-1].tolist()
+    weights = _weights(digits[-1] + 1).tolist()
     phases = digits[codes, cells]
     for a, cell, phase in zip(codes.tolist(), cells.tolist(), phases.tolist(), strict=True):
         flip, target = flips[cell, phase]
-        b = a + (target - phase) * weight[cell]
+        b = a + (target - phase) * weights[cell]
         yield labels[a], labels[b], {"transitions": flip}
 
 
