@@ -6,7 +6,9 @@ system, its stability the least eigenvalue of a matrix, and a snap a flow in sma
 
 import itertools
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +21,7 @@ class Curve:
     force: tuple[float, ...]
     stops: tuple[bool, bool] = (False, False)
 
+    @cached_property
     def pieces(self):
         """(low, high, force at travel 0, stiffness) of each, stops left out."""
         x, y = np.array(self.travel), np.array(self.force)
@@ -35,8 +38,8 @@ class Curve:
 
     def at(self, s: float) -> float:
         """Force at a travel."""
-        k = int(np.clip(np.searchsorted(self.travel, s) - 1, 0, len(self.travel) - 2))
-        _, _, begin, slope = self.pieces()[k]
+        k = min(max(bisect_left(self.travel, s) - 1, 0), len(self.travel) - 2)
+        _, _, begin, slope = self.pieces[k]
         return begin + slope * s
 
     def digit(self, s: float) -> str:
@@ -50,7 +53,7 @@ class Curve:
 
     def digits(self):
         """What a state calls each piece, and then the low and the high stop."""
-        rises = [k > 0 for *_, k in self.pieces()]
+        rises = [k > 0 for *_, k in self.pieces]
         if self.stops[0] and not rises[0]:
             rises.insert(0, True)
             lead = 1
@@ -80,7 +83,7 @@ def stretches(curves: list[Curve], alpha: float, beta: float) -> list[Stretch]:
     choices = []
     for curve in curves:
         names, first, last = curve.digits()
-        own = [(name, *piece) for name, piece in zip(names, curve.pieces(), strict=True)]
+        own = [(name, *piece) for name, piece in zip(names, curve.pieces, strict=True)]
         x, y = curve.travel, curve.force
         # At a stop the travel stands while the force is anything on one side.
         own += [(first, x[0], x[0], y[0], -math.inf)] * curve.stops[0]
@@ -154,7 +157,7 @@ def places(curves: list[Curve], alpha: float, beta: float) -> list[Place]:
 def landed(curves: list[Curve], travel, drive: float, alpha: float, beta: float) -> np.ndarray:
     """Where overdamped flow at a fixed drive brings the cells, all of one mobility."""
     s = np.array(travel, float)
-    stiff = max(abs(k) for curve in curves for *_, k in curve.pieces())
+    stiff = max(abs(k) for curve in curves for *_, k in curve.pieces)
     stiff += len(curves) * (alpha / beta if beta else 0.0)
     low = np.array([c.travel[0] if c.stops[0] else -math.inf for c in curves])
     high = np.array([c.travel[-1] if c.stops[1] else math.inf for c in curves])
@@ -166,7 +169,7 @@ def landed(curves: list[Curve], travel, drive: float, alpha: float, beta: float)
         else:
             pull = float(np.mean(force)) + (drive - float(np.sum(s))) / (step * len(s))
         moved = np.clip(s + step * (pull - force), low, high)
-        if np.max(np.abs(moved - s)) < 1e-15:
+        if np.max(np.abs(moved - s)) < 1e-13:
             break
         s = moved
     return s

@@ -7,9 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings, strategies as st
 
 import stepwell as sw
 from equilibria import Curve, landed, places
+from sizes import examples
 from stepwell.base import Measure
 from stepwell.concave import relays
 from stepwell.sequences import ProgramMethod, Unreachable
@@ -79,6 +81,19 @@ def by_engine(chain: sw.Chain) -> TransitionGraph:
     return _assembled(branches, sorted(branches.all_from(first)), None)
 
 
+def any_curve(rng: np.random.Generator) -> Curve:
+    """One bump or two, open or stopped at either end, which may be where the force falls."""
+    points = [(0.0, 0.0)]
+    for _ in range(int(rng.integers(1, 3))):
+        for rise in (rng.uniform(0.3, 1.5), -rng.uniform(0.3, 2.0)):
+            points.append((points[-1][0] + rng.uniform(0.5, 1.5), points[-1][1] + rise))
+    points.append((points[-1][0] + rng.uniform(0.5, 2), points[-1][1] + rng.uniform(0.5, 2.5)))
+    stops = bool(rng.random() < 0.3), bool(rng.random() < 0.3)
+    begin = int(stops[0] and rng.random() < 0.5)
+    end = len(points) - int(stops[1] and rng.random() < 0.5)
+    return curve(*points[begin:end], stops=stops)
+
+
 def inside(place, found: TransitionGraph) -> tuple[float, float]:
     """The drives of a place, as far as the graph goes."""
     ends = [found.node(label) for label in found]
@@ -88,7 +103,24 @@ def inside(place, found: TransitionGraph) -> tuple[float, float]:
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, drive):
-    curves = CHAINS[name]
+    assert_enumerated(CHAINS[name], drive)
+
+
+@pytest.mark.slow
+@settings(max_examples=examples(60))
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    cells=st.integers(1, 3),
+    drive=st.one_of(st.sampled_from(["stroke", "force"]), st.floats(50, 3000)),
+)
+def test_so_is_every_node_of_random_elements(seed, cells, drive):
+    rng = np.random.default_rng(seed)
+    found = assert_enumerated([any_curve(rng) for _ in range(cells)], drive)
+    assert found.reading.main_loop.up[0] == found.zero
+
+
+def assert_enumerated(curves, drive) -> TransitionGraph:
+    """The graph, whose nodes are among all families of equilibria, and its vertices all."""
     found = graph(chain_of(*curves), drive)
     known = places(list(curves), *weights(drive))
     slip = 1e-9 * (max(found.node(v).high for v in found) - min(found.node(v).low for v in found))
@@ -101,6 +133,7 @@ def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, driv
         ), node
     stand = sorted(place.state for place in known if "-" not in place.state)
     assert sorted(found.node(label).state for label in found.vertices) == stand
+    return found
 
 
 # The flow in small steps knows no stops under a prescribed stroke.
@@ -366,6 +399,7 @@ def test_a_vertex_of_elements_is_held_over_a_range_of_strokes():
     assert still.strokes == 0 and still.low < still.begin < still.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["three unlike peaks", "three phases", "stops and rising ends"])
 def test_the_plan_of_relays_is_as_short_as_a_search_under_a_force(name):
     chain = replace(chain_of(*CHAINS[name]), actuator_stiffness=0.0)
