@@ -14,6 +14,7 @@ from stepwell.base.quantities import (
     Measure,
     Quantity,
     Schema,
+    amount,
     number,
     plain,
     record,

@@ -260,6 +260,12 @@ def number(value: float | None, digits: int = 4) -> str:
     return "" if value is None else f"{_whole(value):.{digits}g}"
 
 
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number in SI for people, with the unit in which they are told."""
+    told, factor = told_in(unit)
+    return f"{number(value * factor, digits)} {Quantity('', told).sign}"
+
+
 def signed(value: float) -> str:
     """A change for people, with its sign."""
     return f"{_whole(value):+.4g}"

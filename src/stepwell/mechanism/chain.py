@@ -199,8 +199,8 @@ class Chain(ByValue):
         """The transition graph of a chain.
 
         Args:
-            drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain
-                by default.
+            drive: "stroke", "force" or what its measure calls them, such as "volume" and
+                "pressure"; or the stiffness of the actuator [N/m]; that of the chain by default.
             start: a state such as "000", to see only what can be reached from it; by default
                 every state in which the chain can stand is a start, those set by hand included.
             progress: called with (done, total) starts, then with (followed, known) branches.
@@ -209,8 +209,8 @@ class Chain(ByValue):
             The graph.
 
         Raises:
-            ValueError: friction, a start that is no equilibrium, too many cells to look at all
-                2^N states, or too many branches.
+            ValueError: friction, a start that is no equilibrium, too many states to look at all
+                of them, or too many branches.
             StaticsError: the engine could not go on; its text says what to do.
         """
         from stepwell import sequences

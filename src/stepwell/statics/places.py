@@ -13,6 +13,8 @@ from stepwell.statics.problem import problem_of
 
 # Beyond the last force at which a cell goes on to another phase, as a share of all forces.
 _BEYOND = 0.05
+# How far within the forces of a state it is stood in, as a share of them.
+_WITHIN = 1e-3
 
 
 class Configuration(NamedTuple):
@@ -150,8 +152,10 @@ def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration,
     low, high = _forces(chain, problem, phases)
     if low > high:
         return None
-    force = min(max(0.0, low), high)
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
+    # Where a stretch ends, only just nothing holds the cell; a stop does.
+    within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
+    force = min(max(0.0, low + within), high - within)
     place = _place(_at(problem, stretches, force), stretches)
     return place, _drive(problem, place, force)
 
@@ -177,11 +181,12 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
 
 def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
-    found = [_travel(problem, i, stretch, force) for i, stretch in enumerate(stretches)]
+    found = [travel_in(problem, i, stretch, force) for i, stretch in enumerate(stretches)]
     return np.array(found)
 
 
-def _travel(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+def travel_in(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+    """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
     sheet, low, high = stretch
     if low == high:
         return low
