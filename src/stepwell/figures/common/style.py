@@ -41,6 +41,8 @@ INK = "#222222"
 FAINT = "#8A8A8A"
 BLOCK = "#DCDCDC"
 FIXED_BLOCK = "#A8A8A8"
+# Where an element is in one of its phases.
+PHASE = "#E9E9E9"
 
 # The innermost and the outermost cell keep their colour in a chain of any length.
 _INNER, _OUTER = GREEN, PURPLE

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,13 +13,16 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from stepwell.base import Floats
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
     MJ,
-    MM,
+    Label,
+    beside,
     canvas,
+    keep_inside,
     literal,
     marks,
     path_of,
@@ -25,9 +30,11 @@ from stepwell.figures.common import (
     require_two_cells,
     root,
     snaps_of,
+    span,
     styled,
+    told,
 )
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
@@ -37,6 +44,9 @@ if TYPE_CHECKING:
 _WIDTHS = (3.0, 1.3)
 _SAMPLES = 121
 _LEVELS = 16
+# Longer than this, a side is drawn shorter than it is.
+_SLIMMEST = 3.0
+_FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
 # Grey, because every hue has a meaning of its own; light, because the path lies on it.
 _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F7F4"])
 
@@ -50,8 +60,10 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         ax: axes to draw into, without a colour bar; a new figure of one column by default.
 
     Returns:
-        The figure: energy [mJ] over the travels of the inner and the outer cell [mm]; thin
-        diagonals join points of equal stroke, along which snaps run.
+        The figure: energy [mJ] over the travels of the inner and the outer cell [mm], or what
+        they are in the chain's measure; thin diagonals join points of equal stroke, along which
+        snaps run. States are dots, or frames round the phases of elements. Where the curve of an
+        element folds back, its energy is the least that it can have at that travel.
 
     Raises:
         ValueError: a chain that has not exactly two cells.
@@ -62,46 +74,87 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 72.0), (11.0, 11.0, 20.0, 7.0))
-    filled = draw_energy(ax, path.chain)
+    filled = draw_energy(ax, path)
+    if own:
+        ax.apply_aspect()
+        keep_inside(ax, 0.0)
     draw_path(ax, path)
     if own:
         colour_bar(filled, place(figure, COLUMN - 17.0, 15.0, 2.5, 46.0))
     return figure
 
 
-def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
-    """The landscape itself with its stops, states and lines of equal stroke."""
-    inner, outer = chain.cells
-    s_in = np.linspace(0.0, inner.full_travel, _SAMPLES)
-    s_out = np.linspace(0.0, outer.full_travel, _SAMPLES)
-    energy = inner.energy(inner.angle(s_in)) + outer.energy(outer.angle(s_out))[:, None]
-    x, y, energy = s_in * MM, s_out * MM, energy * MJ
+def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
+    """The landscape itself with its stops or phases, states and lines of equal stroke."""
+    chain, of = path.chain, told.travel(path.chain.measure)
+    spans = [span(path, i) for i in range(2)]
+    along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
+    inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
+    x, y = (travel * of.factor for travel in along)
+    energy = (inner + outer[:, None]) * MJ
     filled = ax.contourf(x, y, energy, _LEVELS, cmap=_ENERGY)
     ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
 
-    width, height = x[-1], y[-1]
+    (left, right), (low, high) = (x[0], x[-1]), (y[0], y[-1])
+    width, height = right - left, high - low
     dots = {"color": FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
-    for u in np.linspace(0.0, width + height, 9)[1:-1]:
-        ends = np.array([max(0.0, u - height), min(width, u)])
+    for u in np.linspace(left + low, right + high, 9)[1:-1]:
+        ends = np.array([max(left, u - high), min(right, u - low)])
         ax.plot(ends, u - ends, **dots)
-    ax.plot([0, width, width, 0, 0], [0, 0, height, height, 0], color=FAINT, linewidth=0.6)
+    frame = [left, right, right, left, left], [low, low, high, high, low]
+    ax.plot(*frame, color=FAINT, linewidth=0.6)
 
     pad = 0.085 * max(width, height)
-    ax.set(xlim=(-pad, width + pad), ylim=(-pad, height + pad), aspect="equal")
+    pads = pad, pad
+    if max(width, height) < _SLIMMEST * min(width, height):
+        ax.set_aspect("equal")
+    else:
+        pads = 0.085 * width, 0.085 * height
+    ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
     ax.spines[["top", "right"]].set_visible(False)
-    ax.spines.bottom.set_bounds(0, width)
-    ax.spines.left.set_bounds(0, height)
+    ax.spines.bottom.set_bounds(left, right)
+    ax.spines.left.set_bounds(low, high)
     ax.tick_params(length=2.0)
-    xlabel, ylabel = (f"Travel of {literal(name)} [mm]" for name in chain.names)
+    xlabel, ylabel = (f"{of.word} of {literal(name)} [{of.sign}]" for name in chain.names)
     ax.set(xlabel=xlabel, ylabel=ylabel)
-    for name in ("00", "10", "11", "01"):
-        one, other = int(name[0]), int(name[1])
-        at = (one * width, other * height)
-        ax.plot(*at, "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
-        off = (13.0 * one - 6.5, 13.0 * other - 6.5)
-        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
-        text.set_fontweight("bold")
+    _mark_states(ax, chain, x, y)
     return filled
+
+
+def _energy(cell: Cell | Element, travel: Floats) -> Floats:
+    """The least energy that a cell can have at travels [J]; more than one sheet may have them."""
+    sheets = cell.laws if isinstance(cell, Element) else ()
+    if len(sheets) < 2:
+        return cell.energy_at(travel)
+    found = np.full(travel.shape, np.inf)
+    for number, sheet in enumerate(sheets):
+        low = sheet.begin if sheet.begin > cell.low else -np.inf
+        high = sheet.end if sheet.end < cell.high else np.inf
+        here = (travel >= low) & (travel <= high)
+        found[here] = np.minimum(found[here], cell.energy_at(travel[here], number))
+    return found
+
+
+def _mark_states(ax: Axes, chain: Chain, x: Floats, y: Floats) -> None:
+    """A dot and a name for each state of lever cells, or a frame round what belongs to it."""
+    for state, across, up in _states(chain, x, y):
+        if chain.elements:
+            corners = [(across[a], up[b]) for a, b in ((0, 0), (0, 1), (1, 1), (1, 0), (0, 0))]
+            ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
+            continue
+        ax.plot(across[0], up[0], "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
+        off = tuple(13.0 * int(digit) - 6.5 for digit in state)
+        look = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        text = ax.annotate(state, (across[0], up[0]), off, **look)
+        text.set_fontweight("bold")
+
+
+def _states(chain: Chain, x: Floats, y: Floats) -> Iterator[tuple[str, Floats, Floats]]:
+    """Every state, and from where to where it goes along both travels, within these ends."""
+    factor = told.travel(chain.measure).factor
+    for (i, inner), (j, outer) in product(*(enumerate(phases) for phases in chain.phases)):
+        across, up = (np.array([one.low, one.high]) * factor for one in (inner, outer))
+        yield f"{i}{j}", np.clip(across, x[0], x[-1]), np.clip(up, y[0], y[-1])
 
 
 def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
@@ -113,8 +166,15 @@ def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
 
 def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
-    x, y = path.travel.T * MM
+    of = told.travel(path.chain.measure)
+    x, y = path.travel.T * of.factor
     marks.trace(ax, path, x, y, _WIDTHS)
     marks.snaps(ax, snaps_of(path), x, y)
     marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
     marks.legend(ax, path, _WIDTHS)
+    if path.chain.elements:
+        ends = (np.array(span(path, i)) * of.factor for i in range(2))
+        named = _states(path.chain, *ends)
+        labels = [Label(float(a.mean()), float(b.mean()), state) for state, a, b in named]
+        for text in beside(ax, labels):
+            text.set_fontweight("bold")
