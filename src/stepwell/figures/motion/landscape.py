@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +19,8 @@ from stepwell.figures.common import (
     COLUMN,
     FAINT,
     MJ,
-    Label,
-    beside,
     canvas,
+    cell_colours,
     keep_inside,
     literal,
     marks,
@@ -62,8 +61,9 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     Returns:
         The figure: energy [mJ] over the travels of the inner and the outer cell [mm], or what
         they are in the chain's measure; thin diagonals join points of equal stroke, along which
-        snaps run. States are dots, or frames round the phases of elements. Where the curve of an
-        element folds back, its energy is the least that it can have at that travel.
+        snaps run. States are dots; with elements frames, with the phases of the inner cell
+        numbered above and those of the outer one beside. Where the curve of an element folds back,
+        its energy is the least that it can have at that travel.
 
     Raises:
         ValueError: a chain that has not exactly two cells.
@@ -117,7 +117,10 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     ax.tick_params(length=2.0)
     xlabel, ylabel = (f"{of.word} of {literal(name)} [{of.sign}]" for name in chain.names)
     ax.set(xlabel=xlabel, ylabel=ylabel)
-    _mark_states(ax, chain, x, y)
+    if chain.elements:
+        _frame_states(ax, chain, ((left, right), (low, high)))
+    else:
+        _name_states(ax, width, height)
     return filled
 
 
@@ -135,26 +138,37 @@ def _energy(cell: Cell | Element, travel: Floats) -> Floats:
     return found
 
 
-def _mark_states(ax: Axes, chain: Chain, x: Floats, y: Floats) -> None:
-    """A dot and a name for each state of lever cells, or a frame round what belongs to it."""
-    for state, across, up in _states(chain, x, y):
-        if chain.elements:
-            corners = [(across[a], up[b]) for a, b in ((0, 0), (0, 1), (1, 1), (1, 0), (0, 0))]
-            ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
-            continue
-        ax.plot(across[0], up[0], "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
-        off = tuple(13.0 * int(digit) - 6.5 for digit in state)
-        look = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        text = ax.annotate(state, (across[0], up[0]), off, **look)
+def _name_states(ax: Axes, width: float, height: float) -> None:
+    """A dot and a name for each state of two lever cells."""
+    for name in ("00", "10", "11", "01"):
+        one, other = int(name[0]), int(name[1])
+        at = (one * width, other * height)
+        ax.plot(*at, "o", markersize=3.4, color=BLACK, zorder=7, gid="states")
+        off = (13.0 * one - 6.5, 13.0 * other - 6.5)
+        text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
         text.set_fontweight("bold")
 
 
-def _states(chain: Chain, x: Floats, y: Floats) -> Iterator[tuple[str, Floats, Floats]]:
-    """Every state, and from where to where it goes along both travels, within these ends."""
+def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
+    """A frame round each state, with the digits of the inner cell above, of the outer beside."""
     factor = told.travel(chain.measure).factor
-    for (i, inner), (j, outer) in product(*(enumerate(phases) for phases in chain.phases)):
-        across, up = (np.array([one.low, one.high]) * factor for one in (inner, outer))
-        yield f"{i}{j}", np.clip(across, x[0], x[-1]), np.clip(up, y[0], y[-1])
+    both = [
+        [np.clip([phase.low * factor, phase.high * factor], *within) for phase in phases]
+        for phases, within in zip(chain.phases, ends, strict=True)
+    ]
+    for (left, right), (low, high) in product(*both):
+        corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
+    (_, right), (_, top) = ends
+    look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
+    for cell, (stretches, colour) in enumerate(zip(both, cell_colours(2), strict=True)):
+        for digit, stretch in enumerate(stretches):
+            middle = float(np.mean(stretch))
+            at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
+            text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
+            text.set_fontweight("bold")
+    for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
+        axis.set_ticks([tick for tick in axis.get_ticklocs() if low <= tick <= high])
 
 
 def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
@@ -166,15 +180,8 @@ def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
 
 def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
-    of = told.travel(path.chain.measure)
-    x, y = path.travel.T * of.factor
+    x, y = path.travel.T * told.travel(path.chain.measure).factor
     marks.trace(ax, path, x, y, _WIDTHS)
     marks.snaps(ax, snaps_of(path), x, y)
     marks.headings(ax, path, x, y, sizes=(13.0, 10.0))
     marks.legend(ax, path, _WIDTHS)
-    if path.chain.elements:
-        ends = (np.array(span(path, i)) * of.factor for i in range(2))
-        named = _states(path.chain, *ends)
-        labels = [Label(float(a.mean()), float(b.mean()), state) for state, a, b in named]
-        for text in beside(ax, labels):
-            text.set_fontweight("bold")

@@ -177,6 +177,8 @@ def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None
     longest = max(lane.top - lane.base for lane in shown)
     low = shown[-1].base - 0.15 * longest
     ax.set(ylabel=told.travel(path.chain.measure).label, ylim=(low, 1.15 * longest))
+    for lane in shown:
+        lane.number(ax)
 
 
 def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:

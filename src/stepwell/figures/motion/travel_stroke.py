@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from matplotlib.axes import Axes
@@ -19,6 +20,7 @@ from stepwell.figures.common import (
     literal,
     marks,
     path_of,
+    root,
     snaps_of,
     span,
     styled,
@@ -36,6 +38,8 @@ _WIDTHS = (2.0, 1.3)
 _UNLOADING_DASHES = (0, (3.2, 1.6))
 # Between the lanes of two cells, as a fraction of the longest travel.
 _GAP = 0.42
+# Digits closer than this cover each other [pt].
+_DIGIT = 7.0
 
 
 @styled
@@ -76,7 +80,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     every = math.ceil(len(cells) / 20)
     shown = lanes(path, _GAP)
     for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
-        lane.draw(ax, numbered=named)
+        lane.draw(ax)
         if named:
             ticks += lane.ticks
             name_lane(ax, (0.0, lane.top), name, lane.colour, (3.0, 1.5), va="bottom")
@@ -91,6 +95,8 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     ax.margins(x=0.06)
     longest = max(lane.top - lane.base for lane in shown)
     ax.set_ylim(shown[-1].base - 0.12 * longest, (1.0 + _GAP) * longest)
+    for lane in shown if named else ():
+        lane.number(ax)
     if own:
         keep_inside(ax)
     marks.legend(ax, path, _WIDTHS, _UNLOADING_DASHES)
@@ -115,16 +121,25 @@ class Lane(NamedTuple):
     ticks: list[tuple[float, str]]
     phases: list[tuple[float, float]]
 
-    def draw(self, ax: Axes, *, numbered: bool = True) -> None:
-        """Lines at both ends, and the phases as shades with their numbers at the right."""
+    def draw(self, ax: Axes) -> None:
+        """Lines at both ends, and the phases as shades."""
         for end in (self.base, self.top):
             ax.axhline(end, color=FAINT, linewidth=0.4, zorder=0)
-        for digit, (low, high) in enumerate(self.phases):
+        for low, high in self.phases:
             ax.axhspan(low, high, color=PHASE, linewidth=0, zorder=-1, gid="phases")
-            if numbered:
-                at, look = (1.0, (low + high) / 2), {"ha": "right", "va": "center", "color": FAINT}
-                look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-                ax.annotate(str(digit), at, (-2.0, 0.0), **look, zorder=8, gid="digit")
+
+    def number(self, ax: Axes) -> None:
+        """The digits of the phases at the right, on axes that have their final limits."""
+        middles = [(low + high) / 2 for low, high in self.phases]
+        heights = [float(ax.transData.transform((0.0, y))[1]) for y in middles]
+        near = _DIGIT * root(ax).dpi / 72.0
+        # All or none: some alone would be read wrongly.
+        if any(b - a < near for a, b in pairwise(sorted(heights))):
+            return
+        look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": FAINT}
+        look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+        for digit, y in enumerate(middles):
+            ax.annotate(str(digit), (1.0, y), (-1.0, 0.0), **look, zorder=8, gid="digit")
 
 
 def lanes(path: Path, gap: float) -> list[Lane]:
