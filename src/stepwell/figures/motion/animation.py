@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -21,7 +22,9 @@ from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
     INK,
+    LOADING,
     MM,
+    UNLOADING,
     YELLOW,
     blank,
     cell_colours,
@@ -109,7 +112,7 @@ def animation(
 
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
     look += [frame for frame in frames if frame.snap][:1]
-    shared = _palette([scene.shoot(frame) for frame in look])
+    shared = _palette([scene.swatches(), *(scene.shoot(frame) for frame in look)])
 
     def pictures() -> Iterator[Picture]:
         for k, frame in enumerate(frames):
@@ -274,6 +277,16 @@ class _Scene:
         places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
         found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
         return "".join("-" if digit < 0 else str(digit) for digit in found)
+
+    def swatches(self) -> Picture:
+        """The colours of thin lines, which keep them so in the palette."""
+        from PIL import Image
+
+        width, height = (int(side) for side in self.figure.bbox.size)
+        colours = [*cell_colours(len(self.chain)), LOADING, UNLOADING]
+        sheet = Image.new("RGB", (len(colours), 1))
+        sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
+        return sheet.resize((width, height), Image.Resampling.NEAREST)
 
     def shoot(self, frame: _Frame) -> Picture:
         """The picture at one instant."""

@@ -168,7 +168,8 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
             text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
             text.set_fontweight("bold")
     for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
-        axis.set_ticks([tick for tick in axis.get_ticklocs() if low <= tick <= high])
+        slip = 1e-9 * (high - low)
+        axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
 
 
 def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
