@@ -32,6 +32,7 @@ from stepwell.figures.common import (
     marks,
     minus,
     name_panel,
+    on_white,
     pale,
     place,
     styled,
@@ -47,7 +48,7 @@ _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
 _COLOUR = cell_colours(1)[0]
 _PALE = pale(_COLOUR)
-_SHADE = {"alpha": 0.8, "linewidth": 0}
+_SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
 
 
 @styled
@@ -70,12 +71,12 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
     """
     own = ax is None
     key = _key([element])
-    foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 3)
+    foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 2)
     figure, ax = canvas(ax, (COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head))
     drawn = _Curve(ax, element)
     drawn.draw_force()
     ax.set_ylabel(drawn.force.label)
-    legends.above(ax, key)
+    legends.above(ax, key, 2)
     if not own:
         ax.set_xlabel(drawn.travel.label)
         drawn.name_fields()
@@ -151,8 +152,9 @@ class _Curve:
             travel = np.linspace(sheet.begin, sheet.end, _SAMPLES)
             x, force = travel * self.travel.factor, self.element.force_at(travel, number)
             if band:
-                ends = ((force + sign * band) * self.force.factor for sign in (-1, 1))
-                self.ax.fill_between(x, *ends, color=_PALE, **_SHADE, zorder=2, gid="error band")
+                low, high = ((force + sign * band) * self.force.factor for sign in (-1, 1))
+                look = {"color": _PALE, "zorder": 2, "gid": "error band"} | _SHADE
+                self.ax.fill_between(x, low, high, **look)
             for sign, colour in ((1, LOADING), (-1, UNLOADING)) if rubs else ():
                 y = (force + sign * rubs) * self.force.factor
                 self.ax.plot(x, y, color=colour, linewidth=_THIN, zorder=2.5, gid="friction")
@@ -245,7 +247,7 @@ class _Curve:
 
     def _number_phases(self) -> None:
         """The digit of every phase at the top, lower by a row where it overlaps the one before."""
-        look = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
         row, reached = 0, -np.inf
         for digit, phase in enumerate(self.element.phases):
             begin, end = self._shown(phase)
@@ -260,7 +262,7 @@ class _Curve:
                 zorder=9,
                 gid="digit",
             )
-            text.set_fontweight("bold")
+            text.set(fontweight="bold", bbox=on_white() | {"facecolor": PHASE})
 
 
 def _circle(colour: str) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from stepwell.figures.common import (
     mm_pair,
     styled,
 )
-from stepwell.mechanism import Cell
+from stepwell.mechanism import Cell, Element
 
 Curve = Callable[[Cell, Floats], Floats]
 
@@ -34,7 +34,7 @@ _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 
 @styled
-def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
+def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
 
     k is the stiffness of the cell's stiffest band.
@@ -42,6 +42,9 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
     Args:
         cells: any number; the legend calls each by its name, or else by its anchor.
         ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
 
     Source: Kamp et al. 2024, Fig. 1D.
     """
@@ -53,7 +56,7 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
 
 
 @styled
-def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
+def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """E/(k r²) of each cell against lever angle, with θmax marked.
 
     k is the stiffness of the cell's stiffest band.
@@ -61,6 +64,9 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
     Args:
         cells: any number; the legend calls each by its name, or else by its anchor.
         ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
 
     Source: Kamp et al. 2024, Fig. 1E.
     """
@@ -72,10 +78,15 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
 
 
 def _curves(
-    cells: Sequence[Cell], curve: Curve, ax: Axes | None, label: str, *, ends: bool
+    cells: Sequence[Cell | Element], curve: Curve, ax: Axes | None, label: str, *, ends: bool
 ) -> Figure:
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
+    for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            raise InputError(
+                f"cells[{i}] is an Element, which has no lever angle: draw it with element_curve."
+            )
     # Names in rows of two, the marks in a row of their own.
     rows = math.ceil(len(cells) / 2)
     top = 6.5 + 3.6 * rows

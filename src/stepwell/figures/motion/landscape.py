@@ -167,6 +167,8 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
             at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
             text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
             text.set_fontweight("bold")
+    # How many ticks fit is known once the axes have their shape.
+    ax.apply_aspect()
     for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
         slip = 1e-9 * (high - low)
         axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
