@@ -146,7 +146,9 @@ def keep_inside(ax: Axes, least: float = 1.0) -> None:
         missing = least / 25.4 * figure.dpi - (box.x0 if box is not None else np.inf)
         over = (below.x1 if below is not None else 0.0) - figure.bbox.width
         if missing > 0 or over > 0:
-            left, right = (max(side, 0.0) / figure.bbox.width for side in (missing, over))
+            # A pixel more at the right, lest rounding puts it outside.
+            left = max(missing, 0.0) / figure.bbox.width
+            right = (over + 1.0) / figure.bbox.width if over > 0 else 0.0
             ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
 
 
