@@ -29,7 +29,7 @@ def folded() -> sw.Element:
     """An element whose curve folds back: two sheets."""
     inside = np.linspace(0.0, 5e-3, 200)
     force = np.interp(inside, [0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5])
-    return sw.Element.from_curve(inside + force / 400, force, "folded")
+    return sw.Element.from_curve((inside + force / 400).tolist(), force.tolist(), "folded")
 
 
 CELL = sw.preset("paper-forward").cells[0]
@@ -112,9 +112,8 @@ def test_jumps_of_a_curve_that_folds_back_lead_from_sheet_to_sheet():
 def test_an_error_band_and_a_single_phase_are_shown_as_what_they_are():
     travel = np.linspace(0.0, 10e-3, 60)
     scatter = 0.05 * np.sin(37.0 * np.arange(60))
-    noisy = sw.Element.from_table(
-        travel, 2 * np.sin(travel * 700) + 300 * travel + scatter, noise=0.04, stops=True
-    )
+    force = 2 * np.sin(travel * 700) + 300 * travel + scatter
+    noisy = sw.Element.from_table(travel.tolist(), force.tolist(), noise=0.04, stops=True)
     assert "points within" in legend_of(figures.element_curve(noisy))
     spring = sw.Element.from_points([0.0, 1e-3], [0.0, 1.0])
     assert legend_of(figures.element_curve(spring)) == ["phase", "goes on"]
@@ -291,7 +290,7 @@ def test_elements_move_in_a_gif_and_keep_their_colours(tmp_path):
     cycle = CHAINS["folded"].cycle()
     file = figures.animation(cycle, tmp_path / "a.gif", seconds=1, fps=4)
     with Image.open(file) as movie:
-        assert movie.n_frames == 4
+        assert getattr(movie, "n_frames", 1) == 4
         colours = movie.convert("RGB").getcolors(1 << 20) or []
     wanted = np.array([int(to_hex("#009E73")[k : k + 2], 16) for k in (1, 3, 5)])
     assert min(np.abs(np.array(rgb) - wanted).max() for _, rgb in colours) < 12

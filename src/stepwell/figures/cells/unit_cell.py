@@ -82,17 +82,18 @@ def _curves(
 ) -> Figure:
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
-    for i, cell in enumerate(cells):
-        if isinstance(cell, Element):
-            raise InputError(
-                f"cells[{i}] is an Element, which has no lever angle: draw it with element_curve."
-            )
+    levers = [cell for cell in cells if isinstance(cell, Cell)]
+    if len(levers) < len(cells):
+        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
+        raise InputError(
+            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
+        )
     # Names in rows of two, the marks in a row of their own.
-    rows = math.ceil(len(cells) / 2)
+    rows = math.ceil(len(levers) / 2)
     top = 6.5 + 3.6 * rows
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
-    for cell, colour in zip(cells, cell_colours(len(cells)), strict=True):
+    for cell, colour in zip(levers, cell_colours(len(levers)), strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _SAMPLES)
         ax.plot(np.degrees(theta), curve(cell, theta), color=colour)
         shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
@@ -105,7 +106,7 @@ def _curves(
     if ends:
         marks.zero_line(ax)
     ax.set(xlabel="Lever angle $\\theta$ [°]", ylabel=label)
-    widest = math.degrees(max(cell.limit for cell in cells))
+    widest = math.degrees(max(cell.limit for cell in levers))
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
     words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
@@ -121,8 +122,8 @@ def _curves(
     assert lower is not None
     ax.add_artist(lower)
     above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
-    colours = cell_colours(len(cells))
-    handles = [legends.line(*pair) for pair in zip(_names(cells), colours, strict=True)]
+    colours = cell_colours(len(levers))
+    handles = [legends.line(*pair) for pair in zip(_names(levers), colours, strict=True)]
     legends.above(ax, handles, 2, bbox_to_anchor=(0.0, above))
     if own:
         keep_inside(ax)
