@@ -28,6 +28,7 @@ _CAPTIONS = {
     "landscape": "The energy landscape and the way through it",
     "force_stroke": "Actuator force against stroke",
     "travel_stroke": "Travel of each cell against stroke",
+    "element_curves": "What every element resists with, and where it leaves its phases",
 }
 
 
