@@ -34,7 +34,10 @@ from stepwell.results.robot import (
 )
 from stepwell.results.run import (
     CELL,
+    CYCLE,
+    cell_schema,
     change_columns,
+    drive_schema,
     event_columns,
     force_scale,
     program_record,

@@ -48,7 +48,7 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
         limits = margin(cycle.chain, progress=tell)
     record = results.run_record(cycle, limits, design=text)
     write = partial(reports.write_run, cycle, limits, design=text, source=design)
-    finish(record, texts.run, as_json, out, force, write)
+    finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
 
 
 def graph(
@@ -128,7 +128,7 @@ def program(
     else:
         record = results.program_record(found, design=text)
         write = partial(reports.write_program, found, design=text)
-    finish(record, texts.program, as_json, out, force, write)
+    finish(record, partial(texts.program, chain=chain), as_json, out, force, write)
     answered(record["does_it"])
 
 

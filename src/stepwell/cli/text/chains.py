@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepwell.base import Column, Quantity, number, signed
+from stepwell.base import Column, Quantity, in_measure, number, signed, told_in
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
@@ -11,12 +11,15 @@ from stepwell.cli.screen import (
     wrapped,
 )
 from stepwell.design.margins import WAY
+from stepwell.mechanism import Chain
 from stepwell.results import (
     BUILT,
-    CELL,
+    CYCLE,
     SENSITIVITY,
     TOLERANCES,
+    cell_schema,
     change_columns,
+    drive_schema,
     event_columns,
 )
 from stepwell.sequences import Pathway
@@ -26,21 +29,22 @@ from stepwell.sequences.programs import turn_schema
 MOST_CELLS = 12
 
 
-def run(record: dict[str, Any]) -> None:
-    """Print what `results.run_record` returns."""
-    names = [cell["name"] for cell in record["cells"]]
+def run(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.run_record` returns of a chain."""
+    names = list(chain.names)
+    dissipated, peak, _ = in_measure(CYCLE, chain.measure)
     found = {
         "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
         "Pathway": (record["pathway"] or "").replace("_", " "),
         "Loading": _order(record["loading_order"], names),
         "Unloading": _order(record["unloading_order"], names),
-        "Peak force": f"{number(record['peak_force_N'])} N",
-        "Dissipated": f"{number(record['dissipated_mJ'])} mJ in a cycle",
+        f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
+        "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
         "Margin": _nearest(record["margin"]),
     }
-    show_facts(record, found, 12)
-    show_records("Cells, innermost first", CELL, record["cells"])
-    show_events(record["events"], names)
+    show_facts(record, found, 2 + max(map(len, found)))
+    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
+    show_events(record["events"], chain)
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",
@@ -67,9 +71,9 @@ def _nearest(margin: dict[str, Any]) -> str:
     return f"{' or '.join(found)} to another sequence ({margin['method']})"
 
 
-def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
+def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
     """Print a table of switches and snaps."""
-    show_records("Switches and snaps", event_columns(names), events)
+    show_records("Switches and snaps", event_columns(chain), events)
 
 
 def map_(record: dict[str, Any]) -> None:
@@ -115,19 +119,20 @@ _BOUNDARY = (
 )
 
 
-def program(record: dict[str, Any]) -> None:
-    """Print what `results.program_record` or `results.unreachable_record` returns."""
+def program(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.program_record` or `results.unreachable_record` returns of a chain."""
     if record["arrives"] is None:
         show_facts(record, {}, 10)
         show_lines(*wrapped(record["reason"]))
         return
-    unit = "N" if "turning_points_N" in record else "mm"
-    slack = record[f"slack_{unit}"]
+    unit, _ = told_in(chain.drive_unit)
+    points, _, _, off = drive_schema(unit)
+    slack = record[off.key]
     found = {
         "Program": f"{record['from']} to {record['to']}: {_verdict(record)}",
-        "Turns at": _points(record[f"turning_points_{unit}"], unit),
+        "Turns at": _points(record[points.key], points.sign),
         "Slack": slack is not None
-        and f"every turn may be off by {number(slack, 3)} {unit} at once",
+        and f"every turn may be off by {number(slack, 3)} {off.sign} at once",
         "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
     }
     show_facts(record, found, 10)
@@ -138,7 +143,7 @@ def program(record: dict[str, Any]) -> None:
         [Quantity("turn", head="turn"), *columns],
         [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
     )
-    show_events(record["events"], record["cells"])
+    show_events(record["events"], chain)
     show_text(f"{record['reason']}.")
 
 
