@@ -28,7 +28,6 @@ _UNITS = {
     "kPa": ("Pa", 1e-3),
     "mNm": ("N m", 1e3),
     "kPa_per_mL": ("Pa/m³", 1e-9),
-    "mNm_per_deg": ("N m/rad", 1e3 * math.pi / 180.0),
     "percent": ("1", 1e2),
 }
 # In all others of these people are told only where a schema says so.
@@ -39,7 +38,6 @@ _SIGNS = {
     "mm_s": "mm/s",
     "mNm": "mN m",
     "kPa_per_mL": "kPa/mL",
-    "mNm_per_deg": "mN m/deg",
 }
 _RATIO = "over_"
 _WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
@@ -94,9 +92,8 @@ class Measure(Enum):
     @property
     def units(self) -> tuple[str, str, str]:
         """In which units people are told travel, force and stiffness."""
-        return tuple(
-            told_in(unit)[0] for unit in (self.travel_unit, self.force_unit, self.stiffness_unit)
-        )
+        travel, force, stiffness = self.travel_unit, self.force_unit, self.stiffness_unit
+        return told_in(travel)[0], told_in(force)[0], told_in(stiffness)[0]
 
 
 def told_in(unit: str) -> tuple[str, float]:
@@ -140,7 +137,8 @@ class Quantity:
     @property
     def key(self) -> str:
         """The name with its unit."""
-        return f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
+        unit = self.unit.replace("/", "_per_").replace(" ", "_")
+        return f"{self.name}_{unit}" if unit else self.name
 
     @property
     def si(self) -> str:

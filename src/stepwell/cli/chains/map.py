@@ -71,7 +71,7 @@ def map_(
     free(out, "map", force)
     with usable(design):
         if across is None and up is None:
-            index = cell_of(chain, cell)
+            index = _with_anchor(chain, cell_of(chain, cell))
             places = {"x": x.values(1e3), "y": y.values(1e3)}
             nodes = partial(transition_map, chain, index, **places)
             curves = partial(boundaries, chain, index, **places)
@@ -130,6 +130,17 @@ def cell_of(chain: "Chain", text: str) -> int:
         return int(text) - 1
     known = ", ".join(f"{name} ({number})" for number, name in enumerate(names[:12], 1))
     raise typer.BadParameter(f"{text!r}: must be one of {known}.", param_hint="--cell")
+
+
+def _with_anchor(chain: "Chain", cell: int) -> int:
+    """The index of a cell, if it has an anchor."""
+    if chain.cells[cell] in chain.elements:
+        raise typer.BadParameter(
+            f"{chain.names[cell]} is an element and has no anchor: pass --across "
+            f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",
+            param_hint="--cell",
+        )
+    return cell
 
 
 def marks(chain: "Chain", cell: int) -> dict[str, tuple[float, float]]:

@@ -17,6 +17,7 @@ from stepwell.cli.options import (
     Json,
     Out,
     To,
+    drive_of,
     free,
     free_file,
     own,
@@ -88,7 +89,7 @@ def graph(
         with usable("--out"):
             reports.checked_suffix(out)
     with usable(design), progress("graph") as tell:
-        found = chain.graph(drive, start=start, progress=tell)
+        found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         record = results.graph_record(found, design=text)
     if out is not None:
         with usable("--out"):

@@ -79,8 +79,8 @@ def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
 def map_(record: dict[str, Any]) -> None:
     """Print what `results.map_record` returns."""
     across, up = (
-        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
-        f"{axis['count']} values"
+        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])}"
+        f"{_unit(axis['unit'])}, {axis['count']} values"
         for axis in (record["across"], record["up"])
     )
     show_lines(record["title"], "", f"Across {across}; up {up}")
@@ -104,6 +104,10 @@ def map_(record: dict[str, Any]) -> None:
         f"boundary.",
     )
     show_records("Boundaries", _BOUNDARY, record["boundaries"], most=None)
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {Quantity('', unit).sign}"
 
 
 def _error(boundary: Any) -> str:
