@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Column, Columns, Measure, __version__, amount, in_measure, number, shown
+from stepwell.base import Column, Columns, Measure, __version__, amount, number, shown
 from stepwell.mechanism import Cell, Chain, Element, Linear
-from stepwell.results import CYCLE, cell_schema, change_columns, event_columns, run_record
+from stepwell.results import cell_schema, change_columns, cycle_schema, event_columns, run_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,13 +92,13 @@ def _meaning(cycle: Cycle) -> str:
 
 def _numbers(chain: Chain, record: dict[str, Any]) -> str:
     measure = chain.measure
-    heads = ("Dissipated in a cycle", f"Peak actuator {measure.force}", f"Full {measure.stroke}")
-    dissipated, peak, full = (
-        (head, f"{q.cell(record)} {q.sign}")
-        for head, q in zip(heads, in_measure(CYCLE, measure), strict=True)
-    )
-    snaps = sum(event["kind"] == "snap" for event in record["events"])
-    found = [("Snaps", str(snaps)), peak, dissipated, full]
+    dissipated, peak, full, *driven = (f"{q.cell(record)} {q.sign}" for q in cycle_schema(chain))
+    found = [
+        ("Snaps", str(sum(event["kind"] == "snap" for event in record["events"]))),
+        (f"Peak actuator {measure.force}", peak),
+        ("Dissipated in a cycle", dissipated),
+        *([("Driven to", *driven)] if driven else [(f"Full {measure.stroke}", full)]),
+    ]
     if record["margin"] is not None:
         far = [change.get("distance_mm") for change in record["margin"]["changes"]]
         known = [distance for distance in far if distance is not None]

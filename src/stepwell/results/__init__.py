@@ -34,9 +34,9 @@ from stepwell.results.robot import (
 )
 from stepwell.results.run import (
     CELL,
-    CYCLE,
     cell_schema,
     change_columns,
+    cycle_schema,
     drive_schema,
     event_columns,
     force_scale,

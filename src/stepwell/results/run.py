@@ -63,11 +63,6 @@ _ENDS = {
     (False, True): "at the high end",
     (False, False): "none",
 }
-CYCLE: Schema = (
-    Quantity("dissipated", "mJ"),
-    Quantity("peak_force", "N"),
-    Quantity("full_stroke", "mm", read="chain.full_stroke"),
-)
 MARGIN: Schema = (
     Quantity("method"),
     Quantity("reach", "mm"),
@@ -75,12 +70,28 @@ MARGIN: Schema = (
 )
 
 
+def cycle_schema(chain: Chain) -> Schema:
+    """What is told of a cycle in numbers; ends of curves say little of how far it goes."""
+    drive = told_in(chain.drive_unit)[0]
+    schema = (
+        Quantity("dissipated", "mJ"),
+        Quantity("peak_force", "N"),
+        Quantity("full_stroke", "mm", read="chain.full_stroke"),
+        *(
+            [Quantity("turning_points", drive, read="path.turning_points")]
+            if chain.elements
+            else ()
+        ),
+    )
+    return in_measure(schema, chain.measure)
+
+
 def cell_schema(chain: Chain) -> Schema:
     """What is told of the cells of a chain: all that holds of an element, where it has any."""
     if not chain.elements:
         return CELL
     band = "±" if any(element.error_band for element in chain.elements) else ""
-    sheets = "sheets" if any(len(element.laws) > 1 for element in chain.elements) else ""
+    sheets = "sheets" if _folds(chain) else ""
     schema = (
         Quantity("name", head="cell"),
         Quantity("phases", head="phases", read=lambda cell: len(cell.phases), left=False),
@@ -96,6 +107,10 @@ def cell_schema(chain: Chain) -> Schema:
         Quantity("stable", head="stable in", read=_stable, left=True),
     )
     return in_measure(schema, chain.measure)
+
+
+def _folds(chain: Chain) -> bool:
+    return any(len(element.laws) > 1 for element in chain.elements)
 
 
 def _sheets(cell: Cell | Element) -> int:
@@ -128,6 +143,7 @@ def event_schema(chain: Chain) -> Schema:
         Quantity("cells"),
         Quantity("before", "mm"),
         Quantity("after", "mm"),
+        *((Quantity("sheets_before"), Quantity("sheets_after")) if _folds(chain) else ()),
         Quantity("force_before", "N", "force before"),
         Quantity("force_after", "N", "force after"),
         Quantity("released", "mJ", "released"),
@@ -170,7 +186,7 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
         "events": event_records(cycle.events, chain),
-        **record(in_measure(CYCLE, chain.measure), cycle),
+        **record(cycle_schema(chain), cycle),
         "margin": margin
         and record(MARGIN, margin)
         | {"changes": [_change(one, len(chain) <= LONGEST_BECOMING) for one in margin.changes]},
@@ -216,7 +232,11 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
                 f"{names[a['cell']]} {arrives} {a['state']}" for a in event["arrivals"]
             )
         rows = zip(event["cells"], event[here.key], event[there.key], strict=True)
-        return ", ".join(f"{names[cell]} {number(a)} → {number(b)}" for cell, a, b in rows)
+        # Lever cells tell by their travels where they arrive.
+        to = {a["cell"]: f" in phase {a['state']}" for a in event["arrivals"] if chain.elements}
+        return ", ".join(
+            f"{names[cell]} {number(a)} → {number(b)}{to.get(cell, '')}" for cell, a, b in rows
+        )
 
     def force(event: Any) -> str:
         before, after = before_.cell(event), after_.cell(event)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepwell.base import Column, Quantity, in_measure, number, signed, told_in
+from stepwell.base import Column, Quantity, number, signed, told_in
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
@@ -14,11 +14,11 @@ from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
     BUILT,
-    CYCLE,
     SENSITIVITY,
     TOLERANCES,
     cell_schema,
     change_columns,
+    cycle_schema,
     drive_schema,
     event_columns,
 )
@@ -32,13 +32,14 @@ MOST_CELLS = 12
 def run(record: dict[str, Any], chain: Chain) -> None:
     """Print what `results.run_record` returns of a chain."""
     names = list(chain.names)
-    dissipated, peak, _ = in_measure(CYCLE, chain.measure)
+    dissipated, peak, *_ = cycle_schema(chain)
     found = {
         "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
         "Pathway": (record["pathway"] or "").replace("_", " "),
         "Loading": _order(record["loading_order"], names),
         "Unloading": _order(record["unloading_order"], names),
         f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
+        "Driven": _driven(record, chain),
         "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
         "Margin": _nearest(record["margin"]),
     }
@@ -53,6 +54,14 @@ def run(record: dict[str, Any], chain: Chain) -> None:
     )
     if record["ties"]:
         show_lines("", "Too close to call", *record["ties"])
+
+
+def _driven(record: dict[str, Any], chain: Chain) -> str:
+    """Between which drives a full cycle goes; with levers alone the stops say so."""
+    if not chain.elements:
+        return ""
+    *_, points = cycle_schema(chain)
+    return _points(record[points.key], points.sign)
 
 
 def _order(cells: list[int], names: list[str]) -> str:
