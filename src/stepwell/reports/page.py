@@ -97,7 +97,7 @@ def _numbers(chain: Chain, record: dict[str, Any]) -> str:
         ("Snaps", str(sum(event["kind"] == "snap" for event in record["events"]))),
         (f"Peak actuator {measure.force}", peak),
         ("Dissipated in a cycle", dissipated),
-        *([("Driven to", *driven)] if driven else [(f"Full {measure.stroke}", full)]),
+        *([("Driven", *driven)] if driven else [(f"Full {measure.stroke}", full)]),
     ]
     if record["margin"] is not None:
         far = [change.get("distance_mm") for change in record["margin"]["changes"]]

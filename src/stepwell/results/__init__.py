@@ -7,11 +7,11 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 from stepwell.results.design import (
     BUILT,
     SENSITIVITY,
-    TOLERANCES,
     design_record,
     impossible_record,
     reprogram_record,
     survival_record,
+    tolerance_schema,
     yield_record,
 )
 from stepwell.results.graph import graph_record

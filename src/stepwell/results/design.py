@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, Schema, record, rows_of, told_in
+from stepwell.base import Quantity, Schema, in_measure, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
@@ -33,13 +33,6 @@ BUILT: Schema = (
     Quantity("limit", "deg"),
     *CELL[1:3],
 )
-TOLERANCES: Schema = (
-    Quantity("anchor", "mm", "anchors ±"),
-    Quantity("stiffness", "percent", "stiffness ±"),
-    Quantity("rest_length", "percent", "rest length ±"),
-    Quantity("lever", "mm", "levers ±"),
-    Quantity("friction", "N", "friction up to "),
-)
 COUNTED: Schema = (
     Quantity("share"),
     Quantity("share_low", read=lambda found: found.interval[0]),
@@ -47,8 +40,12 @@ COUNTED: Schema = (
     Quantity("samples", read="n"),
     Quantity("seed"),
     Quantity("successes"),
-    Quantity("tolerances", read=lambda found: record(TOLERANCES, found.tolerances)),
+    Quantity(
+        "tolerances", read=lambda found: record(tolerance_schema(found.chain), found.tolerances)
+    ),
 )
+
+
 CRITICAL: Schema = (
     Quantity("first"),
     Quantity("second"),
@@ -64,7 +61,7 @@ YIELD: Schema = (
         "outcomes",
         read=lambda found: [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
     ),
-    Quantity("critical", read=lambda found: found.critical and record(CRITICAL, found.critical)),
+    Quantity("critical", read=lambda found: _critical(found)),
     Quantity("by_engine"),
     Quantity("assumptions"),
     Quantity("gap_deviation", "N", read=lambda found: _of(found.sensitivities, "deviation")),
@@ -72,6 +69,23 @@ YIELD: Schema = (
     Quantity("gap_agreement", read=lambda found: _of(found.sensitivities, "agreed")),
     Quantity("sensitivities", read=lambda found: _sensitivities(found)),
 )
+
+
+def tolerance_schema(chain: Chain) -> Schema:
+    """What is told of the tolerances of a chain; each kind of cell has its own."""
+    levers = len(chain.elements) < len(chain)
+    of_levers = (
+        Quantity("anchor", "mm", "anchors ±"),
+        Quantity("stiffness", "percent", "stiffness ±"),
+        Quantity("rest_length", "percent", "rest length ±"),
+        Quantity("lever", "mm", "levers ±"),
+    )
+    schema = (
+        *(of_levers if levers else [Quantity("stiffness", "percent", "force ±")]),
+        Quantity("friction", "N", "friction up to "),
+        *([Quantity("travel", "percent", "travel ±")] if chain.elements else ()),
+    )
+    return in_measure(schema, chain.measure)
 
 
 def _share(value: float) -> str:
@@ -88,7 +102,7 @@ SENSITIVITY: Schema = (
 
 def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
     """How many built mechanisms do what is wanted, as docs/commands.md describes it."""
-    return {**_about("stepwell.yield/1", found, design), **record(YIELD, found)}
+    return {**_about("stepwell.yield/1", found, design), **_yield(found)}
 
 
 def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
@@ -123,7 +137,7 @@ def design_record(found: Design) -> dict[str, Any]:
         ],
         **record([Quantity("holes", "mm"), Quantity("candidates")], found),
         "robustness": None if found.robustness is None else _robustness(found.robustness),
-        "yield": record(YIELD, found.yield_),
+        "yield": _yield(found.yield_),
         "assumptions": found.assumptions,
     }
 
@@ -197,6 +211,18 @@ def _about(schema: str, found: Yield | Survival, design: str | None) -> dict[str
         "title": chain.title,
         "cells": list(chain.names),
     }
+
+
+def _yield(found: Yield) -> dict[str, Any]:
+    return record(in_measure(YIELD, found.chain.measure), found)
+
+
+def _critical(found: Yield) -> dict[str, Any] | None:
+    """The neighbours that go wrong first; names tell the phases of a cell apart."""
+    if found.critical is None:
+        return None
+    names = {"names": list(found.critical.names)} if found.chain.elements else {}
+    return record(CRITICAL, found.critical) | names
 
 
 def _of(table: Any, name: str) -> Any:

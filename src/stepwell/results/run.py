@@ -72,18 +72,18 @@ MARGIN: Schema = (
 
 def cycle_schema(chain: Chain) -> Schema:
     """What is told of a cycle in numbers; ends of curves say little of how far it goes."""
-    drive = told_in(chain.drive_unit)[0]
     schema = (
         Quantity("dissipated", "mJ"),
         Quantity("peak_force", "N"),
         Quantity("full_stroke", "mm", read="chain.full_stroke"),
-        *(
-            [Quantity("turning_points", drive, read="path.turning_points")]
-            if chain.elements
-            else ()
+        Quantity(
+            "turning_points",
+            told_in(chain.drive_unit)[0],
+            read="path.turning_points",
+            form=lambda points: " → ".join(map(number, points)),
         ),
     )
-    return in_measure(schema, chain.measure)
+    return in_measure(schema[: None if chain.elements else -1], chain.measure)
 
 
 def cell_schema(chain: Chain) -> Schema:

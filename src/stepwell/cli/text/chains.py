@@ -1,5 +1,6 @@
 """The results of commands about chains as people read them."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from stepwell.base import Column, Quantity, number, signed, told_in
@@ -15,12 +16,12 @@ from stepwell.mechanism import Chain
 from stepwell.results import (
     BUILT,
     SENSITIVITY,
-    TOLERANCES,
     cell_schema,
     change_columns,
     cycle_schema,
     drive_schema,
     event_columns,
+    tolerance_schema,
 )
 from stepwell.sequences import Pathway
 from stepwell.sequences.programs import turn_schema
@@ -32,14 +33,14 @@ MOST_CELLS = 12
 def run(record: dict[str, Any], chain: Chain) -> None:
     """Print what `results.run_record` returns of a chain."""
     names = list(chain.names)
-    dissipated, peak, *_ = cycle_schema(chain)
+    dissipated, peak, _, *driven = cycle_schema(chain)
     found = {
         "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
         "Pathway": (record["pathway"] or "").replace("_", " "),
         "Loading": _order(record["loading_order"], names),
         "Unloading": _order(record["unloading_order"], names),
         f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
-        "Driven": _driven(record, chain),
+        "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
         "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
         "Margin": _nearest(record["margin"]),
     }
@@ -54,14 +55,6 @@ def run(record: dict[str, Any], chain: Chain) -> None:
     )
     if record["ties"]:
         show_lines("", "Too close to call", *record["ties"])
-
-
-def _driven(record: dict[str, Any], chain: Chain) -> str:
-    """Between which drives a full cycle goes; with levers alone the stops say so."""
-    if not chain.elements:
-        return ""
-    *_, points = cycle_schema(chain)
-    return _points(record[points.key], points.sign)
 
 
 def _order(cells: list[int], names: list[str]) -> str:
@@ -225,13 +218,13 @@ def _displacement(record: dict[str, Any]) -> None:
 MOST_STATES = 16
 
 
-def design(record: dict[str, Any]) -> None:
-    """Print what `results.design_record` or `results.impossible_record` returns."""
-    if not record["possible"]:
+def design(record: dict[str, Any], chain: Chain | None) -> None:
+    """Print what `results.design_record` or `results.impossible_record` returns of a chain."""
+    if chain is None:
         show_lines(*wrapped(record["reason"]))
         return
     names = [cell["name"] for cell in record["cells"]]
-    shares = _shares(record["yield"], names) | {"Wanted": ""}
+    shares = _shares(record["yield"], chain) | {"Wanted": ""}
     found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
     show_facts({"title": ""}, found, 10)
     name, p, q, *others = BUILT
@@ -263,9 +256,9 @@ def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
 MOST_ROWS = 12
 
 
-def yields(record: dict[str, Any]) -> None:
-    """Print what `results.yield_record` or `results.survival_record` returns."""
-    show_facts(record, _shares(record, record["cells"]), 10)
+def yields(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.yield_record` or `results.survival_record` returns of a chain."""
+    show_facts(record, _shares(record, chain), 10)
     if "outcomes" not in record:
         show_text(record["assumptions"])
         return
@@ -293,14 +286,14 @@ def yields(record: dict[str, Any]) -> None:
     show_text(record["assumptions"])
 
 
-def _shares(record: dict[str, Any], names: list[str]) -> dict[str, str]:
+def _shares(record: dict[str, Any], chain: Chain) -> dict[str, str]:
     """Share, tolerances and critical pair of a yield."""
     low, high = _percent(record["share_low"]), _percent(record["share_high"])
     return {
         "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
         "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
-        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'])}",
-        "Critical": _critical(record.get("critical"), names),
+        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'], chain)}",
+        "Critical": _critical(record.get("critical"), chain.names),
     }
 
 
@@ -309,15 +302,16 @@ def _percent(share: float) -> str:
     return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
 
 
-def _tolerances(given: dict[str, float]) -> str:
-    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in TOLERANCES if given[q.key]]
+def _tolerances(given: dict[str, float], chain: Chain) -> str:
+    schema = tolerance_schema(chain)
+    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in schema if given[q.key]]
     return ", ".join(told) or "no tolerance"
 
 
-def _critical(pair: dict[str, Any] | None, names: list[str]) -> str:
+def _critical(pair: dict[str, Any] | None, names: Sequence[str]) -> str:
     if pair is None:
         return ""
-    first, second = names[pair["first"]], names[pair["second"]]
+    first, second = pair.get("names") or (names[pair["first"]], names[pair["second"]])
     return (
         f"{first} before {second} while {pair['while']}: in the other order in "
         f"{_percent(pair['share'])}"
