@@ -15,7 +15,14 @@ import numpy as np
 
 from stepwell.base import Column, Columns, Measure, __version__, amount, number, shown
 from stepwell.mechanism import Cell, Chain, Element, Linear
-from stepwell.results import cell_schema, change_columns, cycle_schema, event_columns, run_record
+from stepwell.results import (
+    cell_schema,
+    change_columns,
+    cycle_schema,
+    event_columns,
+    nearest_changes,
+    run_record,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,9 +107,9 @@ def _numbers(chain: Chain, record: dict[str, Any]) -> str:
         *([("Driven", *driven)] if driven else [(f"Full {measure.stroke}", full)]),
     ]
     if record["margin"] is not None:
-        far = [change.get("distance_mm") for change in record["margin"]["changes"]]
-        known = [distance for distance in far if distance is not None]
-        nearest = f"{number(min(known))} mm of an anchor" if known else "none within reach"
+        changes = nearest_changes(chain, record["margin"]["changes"])
+        kinds = ["anchor"] if _has_levers(chain) else list(changes)
+        nearest = next((changes[kind] for kind in kinds if kind in changes), "none within reach")
         found.append(("Nearest other sequence", nearest))
     return "\n".join(
         f"<div><dt>{escape(name)}</dt><dd>{escape(_minus(value))}</dd></div>"
@@ -151,8 +158,11 @@ def _cells(chain: Chain, records: list[dict[str, Any]]) -> str:
         )
         if any(element.error_band for element in chain.elements):
             about += " ±: how far measured points lie from the curve at most."
-    has_bands = len(chain.elements) < len(chain)
-    return _table([name, *([bands] if has_bands else []), *others], rows, about)
+    return _table([name, *([bands] if _has_levers(chain) else []), *others], rows, about)
+
+
+def _has_levers(chain: Chain) -> bool:
+    return len(chain.elements) < len(chain)
 
 
 def _bands(cell: Cell | Element) -> str:
@@ -194,11 +204,12 @@ def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) 
         if record["gap_over_kr"] is not None
         else ""
     )
+    reach = f"; anchors were moved by up to {number(record['reach_mm'])} mm"
     about = (
-        f"The smallest change of one thing at a time that gives another sequence ({how}); anchors "
-        f"were moved by up to {number(record['reach_mm'])} mm.{gap}"
+        f"The smallest change of one thing at a time that gives another sequence ({how})"
+        f"{reach if _has_levers(chain) else ''}.{gap}"
     )
-    return _table(change_columns(list(chain.names), changes), changes, about)
+    return _table(change_columns(chain, changes), changes, about)
 
 
 def _assumptions(chain: Chain) -> list[str]:

@@ -40,6 +40,7 @@ from stepwell.results.run import (
     drive_schema,
     event_columns,
     force_scale,
+    nearest_changes,
     program_record,
     run_record,
     unreachable_record,

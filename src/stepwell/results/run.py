@@ -260,8 +260,35 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
     )
 
 
-def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
+def nearest_changes(chain: Chain, changes: list[dict[str, Any]]) -> dict[str, str]:
+    """The smallest change of each kind of thing in words, where there is one."""
+    measure = chain.measure
+    kinds = {
+        "anchor": "mm of an anchor",
+        "stiffness": "% of a stiffness",
+        "force_scale": f"% in {measure.force}",
+        "travel_scale": f"% in {measure.travel}",
+        "friction": f"% of the largest {measure.force} in friction",
+    }
+    found: dict[str, str] = {}
+    for kind, told in kinds.items():
+        unit = "mm" if kind == "anchor" else "percent"
+        of_kind = (change[f"distance_{unit}"] for change in changes if change["parameter"] == kind)
+        known = [distance for distance in of_kind if distance is not None]
+        if known:
+            found[kind] = f"{number(min(known))} {told}"
+    return found
+
+
+def change_columns(chain: Chain, changes: list[dict[str, Any]]) -> Columns:
     """The columns of a table of changes; where a change leads is not known of long chains."""
+    names, measure = chain.names, chain.measure
+    changed = {
+        "stiffness": "k",
+        "force_scale": f"{measure.force}s",
+        "travel_scale": f"{measure.travel}s",
+        "friction": "friction",
+    }
 
     def far(change: Any) -> str:
         if change.get("distance_mm") is not None:
@@ -275,7 +302,9 @@ def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
             x, y = map(signed, change["move_mm"])
             return f"q by ({x}, {y}) mm"
         if change.get("distance_percent") is not None:
-            return f"k by {signed(change['move_percent'])} %"
+            what = change["parameter"]
+            of = f" of the largest {measure.force}" if what == "friction" else ""
+            return f"{changed[what]} by {signed(change['move_percent'])} %{of}"
         return ""
 
     _, what, *_, past = change_schema("")

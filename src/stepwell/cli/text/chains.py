@@ -21,6 +21,7 @@ from stepwell.results import (
     cycle_schema,
     drive_schema,
     event_columns,
+    nearest_changes,
     tolerance_schema,
 )
 from stepwell.sequences import Pathway
@@ -42,7 +43,7 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
         "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
         "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
-        "Margin": _nearest(record["margin"]),
+        "Margin": _nearest(record["margin"], chain),
     }
     show_facts(record, found, 2 + max(map(len, found)))
     show_records("Cells, innermost first", cell_schema(chain), record["cells"])
@@ -50,7 +51,7 @@ def run(record: dict[str, Any], chain: Chain) -> None:
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",
-        change_columns(names, changes),
+        change_columns(chain, changes),
         changes,
     )
     if record["ties"]:
@@ -62,15 +63,13 @@ def _order(cells: list[int], names: list[str]) -> str:
     return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
 
 
-def _nearest(margin: dict[str, Any]) -> str:
-    found: list[str] = []
-    for key, unit in (("distance_mm", "mm of an anchor"), ("distance_percent", "% of a stiffness")):
-        known = [c[key] for c in margin["changes"] if c.get(key) is not None]
-        if known:
-            found.append(f"{number(min(known))} {unit}")
-    if not found:
-        return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
-    return f"{' or '.join(found)} to another sequence ({margin['method']})"
+def _nearest(margin: dict[str, Any], chain: Chain) -> str:
+    found = nearest_changes(chain, margin["changes"]).values()
+    if found:
+        return f"{' or '.join(found)} to another sequence ({margin['method']})"
+    if len(chain.elements) == len(chain):
+        return "no other sequence by any change of one thing"
+    return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
 
 
 def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
@@ -171,19 +170,37 @@ def reprogram(record: dict[str, Any]) -> None:
     """Print what `results.reprogram_record` returns."""
     if not record["possible"]:
         wanted = record["target"] or "another sequence"
-        show_facts(record, {}, 0)
-        show_lines(
-            f"No displacement of {record['by']} up to {number(record['reach_mm'])} mm makes it "
-            f"{wanted} ({record['method']}).",
+        reach = record.get("reach_mm")
+        tried = (
+            f"value of {record['by']} that was looked at"
+            if reach is None
+            else f"displacement of {record['by']} up to {number(reach)} mm"
         )
-    elif not record["distance_mm"]:
+        show_facts(record, {}, 0)
+        show_lines(f"No {tried} makes it {wanted} ({record['method']}).")
+    elif not _told(record, "distance")[0]:
         show_facts(record, {}, 0)
         show_lines(f"It does {record['before']} already.")
         return
-    else:
+    elif record["way"]:
         _displacement(record)
+    else:
+        to, unit = _told(record, "place")
+        by, _ = _told(record, "displacement")
+        found = {
+            "Now": record["before"],
+            "Then": record["after"],
+            "Set": f"{record['by']} to {number(to)}{unit} ({signed(by)}; {record['method']})",
+        }
+        show_facts(record, found, 7)
     if record["resolution"]:
         show_text(f"Searched, not exact: {record['resolution']}")
+
+
+def _told(record: dict[str, Any], name: str) -> tuple[Any, str]:
+    """A number with the unit that stands in its key."""
+    key = next(key for key in record if key == name or key.startswith(f"{name}_"))
+    return record[key], _unit(key.removeprefix(name).removeprefix("_") or "1")
 
 
 def _displacement(record: dict[str, Any]) -> None:
