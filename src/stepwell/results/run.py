@@ -221,19 +221,16 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
         page: one with room for both forces and for the cause.
     """
     names, measure = chain.names, chain.measure
-    arrives = "in phase" if chain.elements else "at"
     schema = {q.attribute: q for q in event_schema(chain)}
     here, there = schema["before"], schema["after"]
     before_, after_, lost = (schema[key] for key in ("force_before", "force_after", "released"))
 
     def moves(event: Any) -> str:
         if event["kind"] == "switch":
-            return ", ".join(
-                f"{names[a['cell']]} {arrives} {a['state']}" for a in event["arrivals"]
-            )
+            return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in event["arrivals"])
         rows = zip(event["cells"], event[here.key], event[there.key], strict=True)
         # Lever cells tell by their travels where they arrive.
-        to = {a["cell"]: f" in phase {a['state']}" for a in event["arrivals"] if chain.elements}
+        to = {a["cell"]: f" at {a['state']}" for a in event["arrivals"] if chain.elements}
         return ", ".join(
             f"{names[cell]} {number(a)} → {number(b)}{to.get(cell, '')}" for cell, a, b in rows
         )
@@ -268,7 +265,7 @@ def nearest_changes(chain: Chain, changes: list[dict[str, Any]]) -> dict[str, st
         "stiffness": "% of a stiffness",
         "force_scale": f"% in {measure.force}",
         "travel_scale": f"% in {measure.travel}",
-        "friction": f"% of the largest {measure.force} in friction",
+        "friction": "% in friction",
     }
     found: dict[str, str] = {}
     for kind, told in kinds.items():
@@ -287,7 +284,6 @@ def change_columns(chain: Chain, changes: list[dict[str, Any]]) -> Columns:
         "stiffness": "k",
         "force_scale": f"{measure.force}s",
         "travel_scale": f"{measure.travel}s",
-        "friction": "friction",
     }
 
     def far(change: Any) -> str:
@@ -302,9 +298,10 @@ def change_columns(chain: Chain, changes: list[dict[str, Any]]) -> Columns:
             x, y = map(signed, change["move_mm"])
             return f"q by ({x}, {y}) mm"
         if change.get("distance_percent") is not None:
-            what = change["parameter"]
-            of = f" of the largest {measure.force}" if what == "friction" else ""
-            return f"{changed[what]} by {signed(change['move_percent'])} %{of}"
+            by = f"by {signed(change['move_percent'])} %"
+            if change["parameter"] == "friction":
+                return f"{by} of the largest {measure.force}"
+            return f"{changed[change['parameter']]} {by}"
         return ""
 
     _, what, *_, past = change_schema("")

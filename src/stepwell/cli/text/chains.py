@@ -64,9 +64,10 @@ def _order(cells: list[int], names: list[str]) -> str:
 
 
 def _nearest(margin: dict[str, Any], chain: Chain) -> str:
-    found = nearest_changes(chain, margin["changes"]).values()
+    found = list(nearest_changes(chain, margin["changes"]).values())
     if found:
-        return f"{' or '.join(found)} to another sequence ({margin['method']})"
+        listed = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
+        return f"{listed} to another sequence ({margin['method']})"
     if len(chain.elements) == len(chain):
         return "no other sequence by any change of one thing"
     return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
