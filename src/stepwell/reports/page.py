@@ -181,8 +181,9 @@ def _bands(cell: Cell | Element) -> str:
 def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
     arriving = "in another phase" if chain.elements else "at a stop"
     stroke = chain.measure.stroke
+    jump = "a jump that no stroke can stop" if stroke == "stroke" else f"a jump at a fixed {stroke}"
     about = (
-        f"A switch is a cell arriving {arriving}; a snap is a jump that no {stroke} can stop. "
+        f"A switch is a cell arriving {arriving}; a snap is {jump}. "
         f"{stroke.capitalize()}s are exact, not read off a grid."
     )
     return _table(event_columns(chain, page=True), events, about)

@@ -187,7 +187,7 @@ class Path(ByValue):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        return tuple(events_of(self.segments(), np.array(self.start), self.chain.stretches))
+        return tuple(events_of(self.segments(), np.array(self.start), self.chain))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
@@ -315,10 +315,13 @@ class Path(ByValue):
         measure = self.chain.measure
         volume = measure is Measure.VOLUME
         outermost = "sum over the cells" if volume else "displacement of the outermost block"
+        folds = any(len(element.laws) > 1 for element in self.chain.elements)
+        sheet = Quantity("sheet", doc="on which sheet of its curve each cell is", dims=("cell",))
         schema = (
             Quantity("drive", told_in(self.chain.drive_unit)[0], doc="actuator coordinate"),
             Quantity("stroke", "mm", doc=outermost),
             Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
+            *([sheet] if folds else []),
             Quantity("force", "N", doc="actuator force"),
             Quantity("energy", "mJ", doc="energy of all cells"),
             Quantity("branch", doc="number of the smooth branch"),
