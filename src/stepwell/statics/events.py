@@ -19,7 +19,7 @@ class Cause(Enum):
     STOP = "the blocks of a cell touch"
     FOLD = "the local minimum merges with a saddle and is gone"
     RELEASE = "a held cell lets go and the others cannot carry what it gives"
-    TURN = "the force of an element rises again"
+    TURN = "the curve of an element rises again"
     END = "the curve of an element folds back"
 
 
