@@ -5,8 +5,8 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 """
 
 from stepwell.results.design import (
-    BUILT,
     SENSITIVITY,
+    built_schema,
     design_record,
     impossible_record,
     reprogram_record,

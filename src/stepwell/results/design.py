@@ -9,7 +9,7 @@ from stepwell.base import Quantity, Schema, in_measure, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
-from stepwell.results.run import CELL, actuator_record
+from stepwell.results.run import CELL, actuator_record, cell_schema
 
 if TYPE_CHECKING:
     from stepwell.design import Design, Impossible, Reprogramming, Robustness, Survival, Yield
@@ -69,6 +69,17 @@ YIELD: Schema = (
     Quantity("gap_agreement", read=lambda found: _of(found.sensitivities, "agreed")),
     Quantity("sensitivities", read=lambda found: _sensitivities(found)),
 )
+
+
+def built_schema(chain: Chain) -> Schema:
+    """What has to be built: bands and anchors, or elements and their scales."""
+    if not chain.elements:
+        return BUILT
+    scales = (
+        Quantity("force_scale", head="force scale", left=False),
+        Quantity("travel_scale", head="travel scale", left=False),
+    )
+    return (*cell_schema(chain), *scales)
 
 
 def tolerance_schema(chain: Chain) -> Schema:
@@ -132,7 +143,7 @@ def design_record(found: Design) -> dict[str, Any]:
         "states_how": found.reached.how,
         "actuator": actuator_record(chain),
         "cells": [
-            record(BUILT, cell, name=name)
+            record(built_schema(chain), cell, name=name)
             for cell, name in zip(chain.cells, chain.names, strict=True)
         ],
         **record([Quantity("holes", "mm"), Quantity("candidates")], found),

@@ -14,8 +14,8 @@ from stepwell.cli.screen import (
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
-    BUILT,
     SENSITIVITY,
+    built_schema,
     cell_schema,
     change_columns,
     cycle_schema,
@@ -245,8 +245,12 @@ def design(record: dict[str, Any], chain: Chain | None) -> None:
     shares = _shares(record["yield"], chain) | {"Wanted": ""}
     found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
     show_facts({"title": ""}, found, 10)
-    name, p, q, *others = BUILT
-    show_records("Cells, innermost first", [name, q, p, *others], record["cells"])
+    schema = built_schema(chain)
+    if not chain.elements:
+        # What can be chosen stands before what is given.
+        name, p, q, *others = schema
+        schema = name, q, p, *others
+    show_records("Cells, innermost first", schema, record["cells"])
     more = f"more states may be in reach: {record['states_how']}"
     show_text(record["reason"], *([] if record["states_whole"] else [more]), record["assumptions"])
 
@@ -295,6 +299,7 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
         show_records(
             "Share of the variance of the smallest gap that a part makes, alone and with others",
             SENSITIVITY,
+            built_schema,
             sorted(record["sensitivities"], key=lambda one: -one["total"]),
             most=MOST_ROWS,
         )
