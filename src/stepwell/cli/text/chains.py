@@ -299,7 +299,6 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
         show_records(
             "Share of the variance of the smallest gap that a part makes, alone and with others",
             SENSITIVITY,
-            built_schema,
             sorted(record["sensitivities"], key=lambda one: -one["total"]),
             most=MOST_ROWS,
         )
