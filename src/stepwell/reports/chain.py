@@ -61,6 +61,7 @@ def _captions(measure: Measure) -> dict[str, str]:
         "landscape": "The energy landscape and the way through it",
         "force_stroke": f"Actuator {measure.force} against {measure.stroke}",
         "travel_stroke": f"{travel} of each cell against {measure.stroke}",
+        "element_curves": "What every element resists with, and where it leaves its phases",
     }
 
 
