@@ -187,7 +187,12 @@ ELEMENTS = [
         ),
         given=DESIGNS,
     ),
-    _both("elements/program", "program three.toml --from 11 --to 20", given=DESIGNS),
+    _both("elements/program", "program trilinear.toml --from 10 --to 01", given=DESIGNS),
+    Case(
+        "elements/phases",
+        ("program three.toml --to 21", "program three.toml --from 11 --to 20"),
+        given=DESIGNS,
+    ),
     _both("elements/own-program", "program balloons.toml", given=DESIGNS),
     _both(
         "elements/yield",
@@ -208,7 +213,7 @@ ELEMENTS = [
     ),
     _both(
         "elements/map",
-        "map trilinear.toml --across stiff.force_scale=0.5:2:6 --up soft.travel_scale=0.5:2:5",
+        "map mixed.toml --across dome.force_scale=1:2:3 --up lever.q.x=8:20:3",
         given=DESIGNS,
         slow=True,
     ),
@@ -218,7 +223,7 @@ ELEMENTS = [
             "map mixed.toml --cell dome",
             "map mixed.toml --across dome.q.x=0:20:3 --up dome.force_scale=0.5:2:3",
             "program three.toml --to 30",
-            "program three.toml --from 2-",
+            "program three.toml --from 2- --to 00",
             "graph twisting.toml",
             "reprogram balloons.toml --by thick.q",
             "reprogram balloons.toml --by thick.travel_scale",

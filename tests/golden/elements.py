@@ -25,7 +25,7 @@ name = "thick"
 table = { volume_mL = [0, 20, 60, 100], pressure_kPa = [0, 2.5, 1, 4.5] }
 
 [program]
-turning_points_mL = [0, 130, 60]
+turning_points_mL = [0, 130, 90]
 """
 
 TWISTING = """\
@@ -72,7 +72,7 @@ points = { travel_mm = [0, 1, 3, 5, 7, 9], force_N = [0, 1, -1, 1.5, -0.5, 2] }
 
 [[chain.cell]]
 name = "step"
-points = { travel_mm = [0, 1, 3, 5], force_N = [0, 1.2, -0.9, 1.5] }
+points = { travel_mm = [0, 1.1, 3, 5], force_N = [0, 1.2, -0.9, 1.5] }
 """
 
 FOLDED = """\
