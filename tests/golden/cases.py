@@ -211,12 +211,6 @@ ELEMENTS = [
         "reprogram balloons.toml --by thick.force_scale",
         given=DESIGNS,
     ),
-    _both(
-        "elements/map",
-        "map mixed.toml --across dome.force_scale=1:2:3 --up lever.q.x=8:20:3",
-        given=DESIGNS,
-        slow=True,
-    ),
     Case(
         "elements/wrong",
         (

@@ -251,3 +251,24 @@ def test_the_smallest_changes_are_told_by_what_they_change():
         ("none", ""),
         ("5 %", "by +5 % of the largest pressure"),
     ]
+
+
+def test_a_map_over_scales_has_no_unit_and_one_over_friction_that_of_the_chain(capsys):
+    chain = pair(Measure.VOLUME)
+    axes = ("stiff.force_scale", np.array([0.5, 1.0])), ("soft.friction", np.array([0.0, 100.0]))
+    found = results.map_record(sw.parameter_map(chain, *axes), [], (1.0, 0.0))
+    texts.map_(found)
+    screen = capsys.readouterr().out
+    assert "Across stiff.force_scale 0.5 to 1, 2 values; up soft.friction 0 to 0.1 kPa" in screen
+    assert (found["across"]["unit"], found["up"]["unit"]) == ("1", "kPa")
+
+
+def test_what_was_set_of_an_element_is_told(capsys):
+    chain = pair(Measure.VOLUME)
+    found = chain.reprogram(None, "stiff.force_scale")
+    told = results.reprogram_record(found)
+    texts.reprogram(told)
+    screen = capsys.readouterr().out
+    assert f"Set    stiff.force_scale to {number(found.place)} (" in screen
+    assert not re.search("state 0|Force|way", screen)
+    assert (told["distance"], told["way"]) == (found.distance, [])
