@@ -10,10 +10,12 @@ from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
     JOINED,
     JUMPED,
+    LANDED,
     STOPPED,
     UNDECIDED,
     Line,
     land,
+    pull_at,
 )
 from stepwell.statics.following.log import ENDS, FOLD, SNAP
 from stepwell.statics.following.pieces import find_among, find_piece, stand_all_on
@@ -134,6 +136,14 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
     outcome, shift, level = land(problem, line, 1e-7, 0.0)
     # The same with a little more pull and a little less: where it then lands elsewhere, the
     # choice between two landings hangs on less than any real mechanism can promise.
+    start = 1e-7
+    while outcome == LANDED and shift <= 1e-3 * size:
+        # So near to where it set out a landing may be rounding: it is one if past it something
+        # holds the cells back that a real mechanism has.
+        if pull_at(problem, line, 2.0 * shift) < -1e-12 * scale:
+            break
+        start = 4.0 * max(start, shift / size)
+        outcome, shift, level = land(problem, line, start, 0.0)
     tie = False
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
