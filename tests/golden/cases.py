@@ -202,7 +202,10 @@ ELEMENTS = [
     ),
     Case(
         "elements/yield-of-pressures",
-        ("yield balloons.toml --stiffness-spread 12 --samples 40", "yield balloons.toml --json"),
+        (
+            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --friction 0.05 --samples 40",
+            "yield balloons.toml --json",
+        ),
         given=DESIGNS,
         slow=True,
     ),

@@ -169,6 +169,7 @@ def yield_(
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
+    travel_spread: given.TravelSpread = 0.0,
     wanted: Annotated[
         str | None,
         typer.Option(
@@ -202,10 +203,16 @@ def yield_(
     from stepwell.cli.text import chains as texts
     from stepwell.design import survival, yields
 
-    spread = given.tolerances(
-        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
-    )
     text, chain = read_chain(design)
+    spread = given.tolerances(
+        anchor,
+        stiffness_spread,
+        rest_length_spread,
+        lever_tolerance,
+        friction,
+        travel_spread,
+        chain.measure,
+    )
     free(out, "yield", force, design=text)
     if program and (wanted or sensitivity):
         option = "--wanted" if wanted else "--sensitivity"
