@@ -127,7 +127,6 @@ DESIGNED = [
     _both("design/cycle", f"design '{_BACK}' --samples 100 --seed 3"),
     _both("design/all", "design all:3 --samples 50"),
     _both("design/states", "design 00,10,11 --samples 20 --drive 200"),
-    Case("design/free", (f"design '{_BACK}' --free p --samples 20",)),
     Case(
         "design/options",
         (
@@ -196,12 +195,6 @@ ELEMENTS = [
     ),
     _both("elements/own-program", "program balloons.toml", given=DESIGNS),
     _both(
-        "elements/design",
-        "design '00>10>11>01>00' --element trilinear --element mixed.toml --force-scale 0.5:2 "
-        "--travel-scale 1:1 --drive force --samples 20",
-        given=DESIGNS,
-    ),
-    _both(
         "elements/yield",
         "yield mixed.toml --stiffness-spread 12 --sensitivity --samples 40",
         given=DESIGNS,
@@ -210,7 +203,7 @@ ELEMENTS = [
     Case(
         "elements/yield-of-pressures",
         (
-            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --friction 0.05 --samples 40",
+            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --samples 40",
             "yield balloons.toml --json",
         ),
         given=DESIGNS,

@@ -208,10 +208,8 @@ def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, A
 
 def _robustness(found: Robustness) -> dict[str, Any]:
     meeting = found.meeting
-    # Of elements it is a share of all forces.
-    within = Quantity("share", "percent") if found.chain.elements else Quantity("radius", "mm")
     return {
-        **record([within, Quantity("limit")], found),
+        **record([Quantity("radius", "mm"), Quantity("limit")], found),
         "meet": meeting and [meeting.first, meeting.second],
         "while": meeting and meeting.way,
     }
