@@ -36,8 +36,8 @@ def pair(measure: Measure, stops: bool = False) -> sw.Chain:
     travel, force = SCALES[measure]
     cells = [
         sw.Element.from_points(
-            np.array([0.0, 10.0, 30.0, 50.0]) * travel,
-            np.array([0.0, peak, -peak, 2.0]) * force,
+            [at * travel for at in (0.0, 10.0, 30.0, 50.0)],
+            [at * force for at in (0.0, peak, -peak, 2.0)],
             name,
             stops=stops,
             measure=measure,
@@ -152,7 +152,7 @@ def test_samples_have_units_in_csv_and_the_names_of_the_path_in_xarray(tmp_path,
 def test_samples_tell_the_sheet_where_a_curve_folds_back(tmp_path):
     travel = np.linspace(0.0, 5e-3, 200)
     force = np.interp(travel, [0.0, 1e-3, 3e-3, 5e-3], [0.0, 1.0, -1.0, 1.5])
-    folded = sw.Element.from_curve(travel + force / 400, force, "folded")
+    folded = sw.Element.from_curve((travel + force / 400).tolist(), force.tolist(), "folded")
     cycle = sw.Chain([folded]).cycle()
     cycle.path.to_csv(tmp_path / "path.csv")
     assert "sheet_folded" in (tmp_path / "path.csv").read_text().partition("\n")[0]
@@ -269,6 +269,6 @@ def test_what_was_set_of_an_element_is_told(capsys):
     told = results.reprogram_record(found)
     texts.reprogram(told)
     screen = capsys.readouterr().out
-    assert f"Set    stiff.force_scale to {number(found.place)} (" in screen
+    assert f"Set    stiff.force_scale to {number(told['place'])} (" in screen
     assert not re.search("state 0|Force|way", screen)
     assert (told["distance"], told["way"]) == (found.distance, [])

@@ -114,6 +114,7 @@ def test_the_record_has_what_the_values_have_in_the_units_of_its_names():
         cycle = chain.cycle()
         found = results.run_record(cycle, None)
         for told, cell in zip(found["cells"], chain.cells, strict=True):
+            assert isinstance(cell, Cell)
             assert told["F0_N"] == cell.force_0
             assert told["peak_angle_deg"] == math.degrees(cell.peak_angle)
             assert told["full_travel_mm"] == pytest.approx(cell.full_travel / 1e-3, rel=1e-15)
