@@ -15,6 +15,7 @@ from stepwell.base.quantities import (
     Quantity,
     Schema,
     amount,
+    in_measure,
     number,
     plain,
     record,

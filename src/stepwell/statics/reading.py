@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.mechanism import Stretch, phase_at
+from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import log as logged
 
@@ -47,16 +47,15 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
         )
 
 
-def events_of(
-    segments: Iterable[Segment], start: Floats, stretches: tuple[tuple[Stretch, ...], ...]
-) -> Iterator[Event]:
+def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:
     """Every switch and snap of a path.
 
     Args:
         segments: of the path, in order.
         start: (N,) travels at its beginning [m].
-        stretches: (N,) where the phases of every cell lie.
+        chain: whose path it is.
     """
+    stretches, measure = chain.stretches, chain.measure
     travels = start.copy()
     for segment in segments:
         arrivals = list(_arrivals(segment, stretches))
@@ -79,6 +78,7 @@ def events_of(
                 segment.released,
                 tuple((segment.cells[m], phase) for m, phase in arrivals),
                 segment.tie,
+                measure,
             )
             continue
         for m, phase in arrivals:
@@ -100,6 +100,7 @@ def events_of(
                 0.0,
                 ((cell, phase),),
                 segment.tie,
+                measure,
             )
 
 

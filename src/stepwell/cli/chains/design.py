@@ -219,10 +219,11 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, write = results.impossible_record(why), None
+        record, chain, write = results.impossible_record(why), None, None
     else:
-        record, write = results.design_record(found), partial(reports.write_design, found)
-    finish(record, texts.design, as_json, out, force, write)
+        record, chain = results.design_record(found), found.chain
+        write = partial(reports.write_design, found)
+    finish(record, partial(texts.design, chain=chain), as_json, out, force, write)
     answered(record["possible"])
 
 
@@ -233,6 +234,7 @@ def yield_(
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
+    travel_spread: given.TravelSpread = 0.0,
     wanted: Annotated[
         str | None,
         typer.Option(
@@ -262,14 +264,20 @@ def yield_(
     interval, what the others do, and the two cells that go wrong first. With --out, figures,
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
     """
-    from stepwell import files, reports, results
+    from stepwell import reports, results
     from stepwell.cli.text import chains as texts
     from stepwell.design import survival, yields
 
+    text, chain = read_chain(design)
     spread = given.tolerances(
-        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+        anchor,
+        stiffness_spread,
+        rest_length_spread,
+        lever_tolerance,
+        friction,
+        travel_spread,
+        chain.measure,
     )
-    text = files.text_of(design)
     free(out, "yield", force, design=text)
     if program and (wanted or sensitivity):
         option = "--wanted" if wanted else "--sensitivity"
@@ -287,7 +295,7 @@ def yield_(
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
             found = yields(
-                files.loads_chain(text, design),
+                chain,
                 spread,
                 n=samples,
                 seed=seed,
@@ -297,7 +305,7 @@ def yield_(
             )
         record = results.yield_record(found, design=text)
         write = partial(reports.write_yield, found, design=text)
-    finish(record, texts.yields, as_json, out, force, write)
+    finish(record, partial(texts.yields, chain=chain), as_json, out, force, write)
 
 
 class Direction(NamedTuple):
