@@ -50,7 +50,7 @@ VALUES = [one for one in CLASSES if dataclasses.is_dataclass(one)]
 def filled(kind: type, changed: str = "") -> object:
     """A value of the class whose fields hold arrays and what is no number, unchecked."""
     if kind is sw.Sequence:  # its hash is that of its text
-        return sw.Sequence("01" if changed == "first" else "00", ((int(changed == "flips"),),))
+        return sw.Sequence("01" if changed == "first" else "00", (((changed == "changes", 1),),))
     value = object.__new__(kind)
     for i, field in enumerate(dataclasses.fields(kind)):
         other = float(field.name == changed)

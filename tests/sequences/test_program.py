@@ -416,7 +416,7 @@ def test_four_cells_of_any_kind_are_searched_exhaustively():
     loaded = sw.Cell(sw.Band((0, 0), (0.025, 0.002)), load=sw.Load.constant(0.05))
     chain = sw.Chain([slack, stiffening, loaded, sw.Cell(sw.Band((0, 0), (0.012, 0.0)))])
     branches = Branches(chain)
-    numbers = branches.all_from([branches.at((0.0,) * 4, 0.0)])
+    numbers = branches.all_from([branches.at(*branches.vertex("0000"))])
     reached = {state for number in numbers for state in branches[number].vertices}
     for to in states(4):
         if to in reached:

@@ -11,6 +11,7 @@ from stepwell.base import Floats
 from stepwell.kernels import kernel
 from stepwell.mechanism import (
     Cell,
+    Element,
     Laws,
     Linear,
     band_length,
@@ -34,9 +35,11 @@ class Simple(NamedTuple):
     sin_limit: float  # sin θc
 
 
-def simple(cell: Cell) -> Simple | None:
-    """The cell as plain numbers, or None: several bands, a bent law, a load or friction."""
-    if len(cell.bands) != 1 or cell.load is not None or cell.friction > 0:
+def simple(cell: Cell | Element) -> Simple | None:
+    """The cell as plain numbers, or None: several bands, a bent law, a load, friction; no bands."""
+    if isinstance(cell, Element) or len(cell.bands) != 1:
+        return None
+    if cell.load is not None or cell.friction > 0:
         return None
     band = cell.bands[0]
     if not isinstance(band.law, Linear):

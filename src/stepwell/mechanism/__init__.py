@@ -8,7 +8,7 @@ from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.cubics import cubic, value
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
-from stepwell.mechanism.elements import Element, Phase, Sheet, phase_at
+from stepwell.mechanism.elements import Element, Phase, Sheet, Stretch, phase_at
 from stepwell.mechanism.geometry import (
     band_direction,
     band_force,
@@ -26,7 +26,10 @@ from stepwell.mechanism.geometry import (
 from stepwell.mechanism.law import (
     Laws,
     beyond,
+    can_fall,
+    can_rise,
     change_sheet,
+    ends_of,
     law,
     pack,
     pick_rows,

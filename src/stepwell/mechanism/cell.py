@@ -13,7 +13,7 @@ from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Load
-from stepwell.mechanism.elements import Phase
+from stepwell.mechanism.elements import Phase, Stretch
 from stepwell.mechanism.geometry import sine_at, travel_of
 from stepwell.mechanism.sizes import SlipError
 
@@ -215,6 +215,12 @@ class Cell(ByValue):
     def measure(self) -> Measure:
         """What its travel and force are: a travel and a force."""
         return Measure.TRAVEL
+
+    @property
+    def stretches(self) -> tuple[Stretch, ...]:
+        """Sheet and travels [m] of its two states, which are the stops."""
+        full = self.full_travel
+        return (0, 0.0, 0.0), (0, full, full)
 
     @property
     def phases(self) -> tuple[Phase, ...]:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from stepwell.base import REACH, ByValue, InputError, Measure, finite, require, short
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell
-from stepwell.mechanism.elements import Element, Phase
+from stepwell.mechanism.elements import Element, Phase, Stretch
 from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Robustness, Survival, Tolerances, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
-    from stepwell.statics import Path
+    from stepwell.statics import Configuration, Path
 
 # Springs of an actuator [N/m]. A double holds a drive to a share of 1e-16: behind a softer spring
 # it loses the strokes beside λ/K, behind a stiffer one λ/K beside the strokes.
@@ -98,6 +98,11 @@ class Chain(ByValue):
         return tuple(cell.phases for cell in self.cells)
 
     @property
+    def stretches(self) -> tuple[tuple[Stretch, ...], ...]:
+        """Sheet and travels [m] of every phase of every cell."""
+        return tuple(cell.stretches for cell in self.cells)
+
+    @property
     def first_state(self) -> str:
         """The state with every cell in its first phase, such as "000"."""
         return "0" * len(self.cells)
@@ -105,7 +110,7 @@ class Chain(ByValue):
     @property
     def last_state(self) -> str:
         """The state with every cell in its last phase, such as "111"."""
-        return "".join(str(len(phases) - 1) for phases in self.phases)
+        return "".join(str(len(stretches) - 1) for stretches in self.stretches)
 
     @property
     def unusual(self) -> bool:
@@ -125,7 +130,7 @@ class Chain(ByValue):
         self,
         turning_points: Sequence[float],
         *,
-        start: str | Sequence[float] | None = None,
+        start: str | Configuration | Sequence[float] | None = None,
         prefer: Sequence[int] | None = None,
         progress: Callable[[float, float], None] | None = None,
     ) -> Path:
@@ -133,7 +138,8 @@ class Chain(ByValue):
 
         Args:
             turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
-            start: state such as "010" or (N,) travels [m]; all cells at 0 by default.
+            start: state such as "010", (N,) travels [m], or the `end_configuration` of another
+                path; all cells at 0 by default.
             prefer: cells by falling priority where two of them tie; by default the innermost
                 goes first, and cells of constant force share the motion.
             progress: called now and then with (done, total) of the way of the actuator.

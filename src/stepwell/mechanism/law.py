@@ -42,6 +42,7 @@ class Laws(NamedTuple):
     high: Floats  # (N,)
     sheet_first: Ints  # (N + 1,) sheets of cell i are sheet_first[i] .. sheet_first[i + 1]
     sheet_ends: Floats  # (T, 2) low, high
+    sheet_curve: Floats  # (T, 2) the same without what open ends go on beyond the curve
     sheet_rows: Ints  # (T, 2)
     sheet_next: Ints  # (T, 2) where it jumps to from below and above, by number in its cell; or -1
 
@@ -65,6 +66,31 @@ def change_sheet(laws: Laws, cell: int, sheet: int) -> None:
         laws.sheet_rows[at, 0],
         laws.sheet_rows[at, 1],
     )
+
+
+@kernel
+def ends_of(laws: Laws) -> tuple[float, float]:
+    """Least and largest Σ s that the cells have, with open ends as far as they go on."""
+    low, high = 0.0, 0.0
+    for i in range(len(laws.full)):
+        first, last = laws.sheet_first[i], laws.sheet_first[i + 1]
+        low += np.min(laws.sheet_ends[first:last, 0])
+        high += np.max(laws.sheet_ends[first:last, 1])
+    return low, high
+
+
+@kernel
+def can_fall(laws: Laws, cell: int, travel: float) -> bool:
+    """Whether a cell has somewhere to go from there with less travel: no stop is below it."""
+    at = laws.sheet_first[cell] + laws.sheet[cell]
+    return travel > laws.low[cell] or laws.sheet_next[at, 0] >= 0
+
+
+@kernel
+def can_rise(laws: Laws, cell: int, travel: float) -> bool:
+    """Whether a cell has somewhere to go from there with more travel: no stop is above it."""
+    at = laws.sheet_first[cell] + laws.sheet[cell]
+    return travel < laws.high[cell] or laws.sheet_next[at, 1] >= 0
 
 
 @kernel
@@ -95,9 +121,13 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
         out[slot] = row if laws.two_sided[b] or extension > 0.0 else -1
         slot += 1
     first, last = laws.load_rows[cell, 0], laws.load_rows[cell, 1]
-    row = first
-    while row + 1 < last and laws.rows[row + 1, 0] <= travel:
-        row += 1
+    row, after = first, last
+    while row + 1 < after:
+        middle = (row + after) // 2
+        if laws.rows[middle, 0] <= travel:
+            row = middle
+        else:
+            after = middle
     out[slot] = row if last > first else -1
 
 
@@ -179,7 +209,7 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
     sin_limit = np.array([0.0 if isinstance(cell, Element) else cell.sin_limit for cell in cells])
     # No band asks an element for its lever; this one leaves sine and cosine finite.
     lever = np.array([np.inf if isinstance(cell, Element) else cell.lever for cell in cells])
-    ends = np.array([end for load in loads for _, end, _ in load])
+    ends = np.array([end for load in loads for _, end, *_ in load])
     begin = sheet_first[:-1]
     return Laws(
         lever=lever,
@@ -197,19 +227,21 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
         high=ends[begin, 1],
         sheet_first=sheet_first,
         sheet_ends=ends,
+        sheet_curve=np.array([curve for load in loads for _, _, curve, _ in load]),
         sheet_rows=sheet_rows,
-        sheet_next=np.array([leads for load in loads for _, _, leads in load]),
+        sheet_next=np.array([leads for load in loads for *_, leads in load]),
     )
 
 
-_Sheet = tuple[Floats, tuple[float, float], tuple[int, int]]
+_Sheet = tuple[Floats, tuple[float, float], tuple[float, float], tuple[int, int]]
 
 
 def _loads(cell: Cell | Element, reach: float) -> list[_Sheet]:
-    """Rows, ends and what they lead to, of every sheet of a cell."""
+    """Rows, ends, ends of the curve itself and what they lead to, of every sheet of a cell."""
     if not isinstance(cell, Element):
         rows = np.empty((0, 6)) if cell.load is None else cell.load.pieces()
-        return [(rows, (0.0, cell.full_travel), (-1, -1))]
+        ends = 0.0, cell.full_travel
+        return [(rows, ends, ends, (-1, -1))]
     found: list[_Sheet] = []
     for sheet, rows in zip(cell.laws, cell.reaching(reach), strict=True):
         low, high = float(rows[0, 0]), sheet.end
@@ -217,7 +249,8 @@ def _loads(cell: Cell | Element, reach: float) -> list[_Sheet]:
             # An open end: straight on, as far as any force of the chain can pull it.
             high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * cell.full_travel)
         leads = (-1 if one is None else one for one in (sheet.below, sheet.above))
-        found.append((rows, (low, high), (next(leads), next(leads))))
+        curve = sheet.begin, sheet.end
+        found.append((rows, (low, high), curve, (next(leads), next(leads))))
     return found
 
 

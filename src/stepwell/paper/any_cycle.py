@@ -43,7 +43,7 @@ def cycle_of(cells: int, number: int) -> str:
         unloading = next(islice(permutations(loading), number, None))
     else:
         unloading = tuple(np.random.default_rng([cells, number]).permutation(cells).tolist())
-    return str(Sequence("0" * cells, tuple((cell,) for cell in (*loading, *unloading))))
+    return str(Sequence.full_cycle(loading, unloading))
 
 
 def share(anchor: float, cells: int, number: int) -> float:

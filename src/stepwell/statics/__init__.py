@@ -6,18 +6,21 @@ One word for one thing, here and in all rooms above:
   turning points to the next;
 - *path*: a chain's way through its equilibria while the actuator visits its turning points;
 - *segment*: a part of a path on which the same cells move; it holds, moves, or snaps;
-- *event*: a switch, where a cell arrives at a stop, or a snap;
+- *event*: a switch, where a cell arrives in another phase, or a snap;
 - *branch*: a connected family of stable equilibria, from snap to snap;
 - *passage*: what a path sees of one branch;
 - *section*: a part of a branch in one state;
-- *state*: for each cell 0 or 1, at its stops, or - between them;
+- *phase*: a stretch of a cell's travel that is stable under a prescribed force; a stop is one;
+- *state*: for each cell the number of its phase, or - in transit between two;
+- *sheet*: a stable stretch of the curve of an element that folds back in travel;
 - *piece*: a part of a cell's travel on which its force and its stiffness are monotone.
 """
 
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.problem import drive_range
+from stepwell.statics.places import Configuration, drive_range, read_state, standing
+from stepwell.statics.problem import problem_of
 from stepwell.statics.run import full_cycle, path
 
 __all__ = [
@@ -25,6 +28,7 @@ __all__ = [
     "Event",
     "EventKind",
     "Path",
+    "Configuration",
     "Segment",
     "SegmentKind",
     "StaticsError",

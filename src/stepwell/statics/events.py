@@ -9,7 +9,7 @@ from stepwell.base import ByValue
 class EventKind(Enum):
     """What happened."""
 
-    SWITCH = "a cell arrives at a stop"
+    SWITCH = "a cell arrives at a stop, or in another phase"
     SNAP = "the chain jumps at a fixed drive"
 
 
@@ -19,6 +19,8 @@ class Cause(Enum):
     STOP = "the blocks of a cell touch"
     FOLD = "the local minimum merges with a saddle and is gone"
     RELEASE = "a held cell lets go and the others cannot carry what it gives"
+    TURN = "the force of an element rises again"
+    END = "the curve of an element folds back"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,9 +35,10 @@ class Event(ByValue):
         cells: the cells that moved, for a snap also the one that set it off and came back; for a
             switch the one that arrived.
         before, after: their travels [m].
+        sheets_before, sheets_after: on which sheets of their curves.
         force_before, force_after: actuator force λ [N].
         released: energy turned into heat by the jump [J], without what friction took.
-        arrivals: (cell, 0 or 1) for every cell that arrived at a stop.
+        arrivals: (cell, phase) for every cell that arrived in another phase; a stop is one.
         tie: whether another outcome was closer than the tolerance.
     """
 
@@ -47,6 +50,8 @@ class Event(ByValue):
     cells: tuple[int, ...]
     before: tuple[float, ...]
     after: tuple[float, ...]
+    sheets_before: tuple[int, ...]
+    sheets_after: tuple[int, ...]
     force_before: float
     force_after: float
     released: float
@@ -100,6 +105,7 @@ class Segment(ByValue):
         force: (2,) actuator force λ at both ends [N].
         cells: (m,) the cells that move.
         before, after: (m,) their travels [m].
+        sheets_before, sheets_after: (m,) on which sheets of their curves.
         released: energy turned into heat by a snap [J].
         tie: whether another outcome was closer than the tolerance.
         cause: why it snapped; None where it did not.
@@ -112,6 +118,8 @@ class Segment(ByValue):
     cells: tuple[int, ...]
     before: tuple[float, ...]
     after: tuple[float, ...]
+    sheets_before: tuple[int, ...]
+    sheets_after: tuple[int, ...]
     released: float
     tie: bool
     cause: Cause | None

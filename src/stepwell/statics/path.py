@@ -35,6 +35,7 @@ from stepwell.statics.following import (
     sample,
 )
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
+from stepwell.statics.places import Configuration
 from stepwell.statics.problem import drive_weights, problem_of
 from stepwell.statics.reading import events_of, segments_of
 
@@ -57,6 +58,8 @@ class Path(ByValue):
         turning_points: positions of the actuator [m], or forces [N] under force control.
         start: (N,) travels [m] at the beginning.
         points: samples on each smooth branch.
+        start_sheet: (N,) sheets of the cells' curves at the beginning; all 0 but for curves that
+            fold back.
 
     Assumes: quasi-static motion, rigid levers and blocks, and after a snap overdamped flow at
     fixed drive with equal mobility on every travel (theory page, "Landing").
@@ -66,6 +69,7 @@ class Path(ByValue):
     turning_points: tuple[float, ...]
     start: tuple[float, ...]
     points: int
+    start_sheet: tuple[int, ...]
     _start_force: float = field(repr=False)
     _log: logged.Log = field(repr=False)
 
@@ -76,6 +80,7 @@ class Path(ByValue):
         samples = Samples(
             drive=np.empty(size),
             travel=np.empty((size, cells)),
+            sheet=np.zeros((size, cells), np.int64),
             force=np.empty(size),
             branch=np.zeros(size, np.int64),
             snap_after=np.zeros(size, np.int64),
@@ -83,11 +88,11 @@ class Path(ByValue):
             residual=np.empty(size),
             stability=np.empty(size),
         )
-        start = np.array(self.start)
+        start = np.array(self.start), np.array(self.start_sheet), self._start_force
 
         def fill(effort: Ints) -> int:
             limited = problem._replace(effort=effort)
-            return sample(limited, self._log, start, self._start_force, self.points, samples)
+            return sample(limited, self._log, *start, self.points, samples)
 
         used = watched(fill, long=size > _MANY)
         samples = Samples._make(values[:used] for values in samples)
@@ -120,6 +125,11 @@ class Path(ByValue):
         """(n, N) travel of every cell [m]."""
         return self._samples.travel
 
+    @property
+    def sheet(self) -> Ints:
+        """(n, N) the sheet of its curve on which every cell is; all 0 unless one folds back."""
+        return self._samples.sheet
+
     @cached_property
     def stroke(self) -> Floats:
         """(n,) displacement of the outermost block u = Σ s_i [m]."""
@@ -133,10 +143,12 @@ class Path(ByValue):
     @cached_property
     def energy(self) -> Floats:
         """(n,) energy of all cells [J], without the actuator's spring."""
-        columns = (
-            cell.energy(cell.angle(self.travel[:, i])) for i, cell in enumerate(self.chain.cells)
-        )
-        return np.sum(list(columns), axis=0)
+        total = np.zeros(len(self.drive))
+        for cell, travel, sheet in zip(self.chain.cells, self.travel.T, self.sheet.T, strict=True):
+            for number in np.unique(sheet):
+                here = sheet == number
+                total[here] += cell.energy_at(travel[here], int(number))
+        return total
 
     @property
     def branch(self) -> Ints:
@@ -173,8 +185,7 @@ class Path(ByValue):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        stops = np.array(self.chain.full_travels)
-        return tuple(events_of(self.segments(), np.array(self.start), stops))
+        return tuple(events_of(self.segments(), np.array(self.start), self.chain.stretches))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
@@ -206,11 +217,13 @@ class Path(ByValue):
     def work(self) -> float:
         """Work done by the actuator [J]: what was lost plus what is stored in addition."""
         _, beta = drive_weights(self.chain)
-        ends = [np.array(self.start), self.end]
-        cells = self.chain.cells
+        ends = (np.array(self.start), self.start_sheet), (self.end, self.end_sheet)
         stored = [
-            math.fsum(float(c.energy(c.angle(s))) for c, s in zip(cells, e, strict=True))
-            for e in ends
+            math.fsum(
+                float(cell.energy_at(s, on))
+                for cell, s, on in zip(self.chain.cells, travels, sheets, strict=True)
+            )
+            for travels, sheets in ends
         ]
         force = (self._start_force, self.end_force)
         softness = 0.0 if self.chain.actuator_stiffness == 0 else beta
@@ -248,6 +261,19 @@ class Path(ByValue):
         # Later rows overwrite earlier ones: NumPy assigns in order.
         travels[movers[:, logged.CELL].astype(int)] = movers[:, logged.TRAVEL_1]
         return travels
+
+    @cached_property
+    def end_sheet(self) -> tuple[int, ...]:
+        """(N,) sheets of the cells' curves at the end."""
+        sheets = np.array(self.start_sheet)
+        movers = self._log.movers[: self._log.used[1]]
+        sheets[movers[:, logged.CELL].astype(int)] = movers[:, logged.SHEET_1].astype(int)
+        return tuple(sheets.tolist())
+
+    @property
+    def end_configuration(self) -> Configuration:
+        """Where the cells stand at the end: another path can start there."""
+        return Configuration(tuple(self.end.tolist()), self.end_sheet)
 
     def resampled(self, points: int) -> Path:
         """The same path with `points` samples on each smooth branch, 2 or more."""

@@ -36,37 +36,17 @@ def problem_of(
     """
     laws = pack(chain.cells) if laws is None else laws
     pieces = cut(laws)
-    counts = np.diff(pieces.first)
+    counts = np.diff(pieces.sheet_first)
     worst = int(np.argmax(counts))
     if counts[worst] > MOST_PIECES:
+        cell = int(np.searchsorted(laws.sheet_first, worst, side="right")) - 1
         raise StaticsError(
-            f"the force of {chain.names[worst]} turns {counts[worst]} times over its travel, too "
+            f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
             f"often to follow: smooth its table, or look for a band whose ends nearly meet."
         )
     effort = np.array([0, UNLIMITED, 0])
     rank = _ranks(len(chain), prefer)
     return Problem(laws, pieces, *drive_weights(chain), force_scale(laws, pieces), rank, effort)
-
-
-def drive_range(chain: Chain) -> tuple[float, float]:
-    """Drives [m], or [N] under force control, that pull every cell to 0 and to 1.
-
-    Raises:
-        StaticsError: a force that turns too often to follow.
-    """
-    return range_of(problem_of(chain))
-
-
-def range_of(problem: Problem) -> tuple[float, float]:
-    """Drives that pull every cell to 0 and to 1."""
-    reach = problem.alpha * float(np.sum(problem.laws.full))
-    if problem.beta == 0:
-        return 0.0, reach
-    # A force below which no cell leaves 0, and one above which none leaves 1.
-    forces = np.concatenate([problem.pieces.force_left, problem.pieces.force_right])
-    rub, margin = float(np.max(problem.laws.friction)), 0.01 * problem.scale
-    low, high = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
-    return problem.beta * low, reach + problem.beta * high
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from stepwell.base import Floats
+from stepwell.mechanism import Stretch, phase_at
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import log as logged
 
@@ -15,6 +16,7 @@ _KINDS = {
     logged.DRIFT: SegmentKind.MOVE,
     logged.SNAP: SegmentKind.SNAP,
 }
+_CAUSES = {logged.RELEASE: Cause.RELEASE, logged.ENDS: Cause.END}
 
 
 def segments_of(log: logged.Log) -> Iterator[Segment]:
@@ -23,7 +25,7 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
         movers = log.movers[log.first[k] : log.first[k + 1]]
         kind, cause = _KINDS[int(row[logged.KIND])], None
         if kind is SegmentKind.SNAP:
-            cause = Cause.RELEASE if row[logged.CAUSE] == logged.RELEASE else Cause.FOLD
+            cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
         yield Segment(
             kind,
             int(row[logged.DIRECTION]),
@@ -32,40 +34,77 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
             tuple(movers[:, logged.CELL].astype(int).tolist()),
             tuple(movers[:, logged.TRAVEL_0].tolist()),
             tuple(movers[:, logged.TRAVEL_1].tolist()),
+            tuple(movers[:, logged.SHEET_0].astype(int).tolist()),
+            tuple(movers[:, logged.SHEET_1].astype(int).tolist()),
             row[logged.RELEASED],
             row[logged.TIE_A] >= 0,
             cause,
         )
 
 
-def events_of(segments: Iterable[Segment], start: Floats, stops: Floats) -> Iterator[Event]:
+def events_of(
+    segments: Iterable[Segment], start: Floats, stretches: tuple[tuple[Stretch, ...], ...]
+) -> Iterator[Event]:
     """Every switch and snap of a path.
 
     Args:
         segments: of the path, in order.
         start: (N,) travels at its beginning [m].
-        stops: (N,) full travels [m].
+        stretches: (N,) where the phases of every cell lie.
     """
     travels = start.copy()
     for segment in segments:
-        cells, after = segment.cells, segment.after
-        moved = list(zip(cells, segment.before, after, strict=True))
-        arrivals = [(c, a, b) for c, a, b in moved if a != b and (b == 0.0 or b == stops[c])]
+        arrivals = list(_arrivals(segment, stretches))
         stroke = float(np.sum(travels))
-        travels[list(cells)] = after
+        travels[list(segment.cells)] = segment.after
         if segment.kind is SegmentKind.SNAP:
             assert segment.cause is not None
-            what, moves = (
-                (EventKind.SNAP, segment.cause),
-                [(cells, segment.before, after, arrivals)],
+            yield Event(
+                EventKind.SNAP,
+                segment.cause,
+                segment.drive[0],
+                stroke,
+                segment.direction,
+                segment.cells,
+                segment.before,
+                segment.after,
+                segment.sheets_before,
+                segment.sheets_after,
+                *segment.force,
+                segment.released,
+                tuple((segment.cells[m], phase) for m, phase in arrivals),
+                segment.tie,
             )
-            place, force = (segment.drive[0], stroke, segment.direction), segment.force
-        else:
-            what = EventKind.SWITCH, Cause.STOP
-            moves = [((c,), (a,), (b,), [(c, a, b)]) for c, a, b in arrivals]
-            place = segment.drive[1], float(np.sum(travels)), segment.direction
-            force = segment.force[1], segment.force[1]
-        for which, begin, end, arrived in moves:
-            stopped = tuple((c, int(b > 0)) for c, _, b in arrived)
-            heat = segment.released if what[0] is EventKind.SNAP else 0.0
-            yield Event(*what, *place, which, begin, end, *force, heat, stopped, segment.tie)
+            continue
+        for m, phase in arrivals:
+            cell, sheets = segment.cells[m], (segment.sheets_after[m],)
+            _, low, high = stretches[cell][phase]
+            yield Event(
+                EventKind.SWITCH,
+                Cause.STOP if low == high else Cause.TURN,
+                segment.drive[1],
+                float(np.sum(travels)),
+                segment.direction,
+                (cell,),
+                (segment.before[m],),
+                (segment.after[m],),
+                sheets,
+                sheets,
+                segment.force[1],
+                segment.force[1],
+                0.0,
+                ((cell, phase),),
+                segment.tie,
+            )
+
+
+def _arrivals(
+    segment: Segment, stretches: tuple[tuple[Stretch, ...], ...]
+) -> Iterator[tuple[int, int]]:
+    """Movers, by number in the segment, that arrive in another phase, and the phase."""
+    for m, cell in enumerate(segment.cells):
+        after = phase_at(stretches[cell], segment.sheets_after[m], segment.after[m])
+        if after != "-":
+            before = phase_at(stretches[cell], segment.sheets_before[m], segment.before[m])
+            if before != after:
+                yield m, int(after)

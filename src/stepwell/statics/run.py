@@ -6,9 +6,9 @@ from time import monotonic
 
 import numpy as np
 
-from stepwell.base import Floats, InputError
+from stepwell.base import Floats, InputError, Measure, told_in
 from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
-from stepwell.mechanism import Chain, pack
+from stepwell.mechanism import Chain, ends_of, pack
 from stepwell.statics.following import (
     DONE,
     GAVE_UP,
@@ -21,12 +21,14 @@ from stepwell.statics.following import (
     drive_of,
     follow,
     log as logged,
+    stand_all_on,
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
 from stepwell.statics.path import Path
-from stepwell.statics.problem import problem_of, range_of
+from stepwell.statics.places import Configuration, full_range
+from stepwell.statics.problem import problem_of
 from stepwell.statics.sorted_cycle import WORTH_SORTING, sorted_cycle
-from stepwell.statics.start import start_travels, starting_state
+from stepwell.statics.start import starting_configuration, starting_state
 
 # A path that needs more is not a path but a loop.
 _MOST_SEGMENTS = 4_000_000
@@ -48,7 +50,7 @@ def path(
     chain: Chain,
     turning_points: Sequence[float],
     *,
-    start: str | Sequence[float] | None = None,
+    start: str | Configuration | Sequence[float] | None = None,
     prefer: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
@@ -56,9 +58,11 @@ def path(
 
     All else as for `Chain.path`.
     """
-    points = _checked_turns(chain, turning_points)
+    points = _finite_turns(turning_points)
     problem = problem_of(chain, prefer=prefer)
-    state = starting_state(chain, problem, start_travels(chain, start), points[0])
+    points = _reached_turns(chain, problem, points)
+    place = starting_configuration(chain, problem, start, float(points[0]))
+    state = starting_state(chain, problem, place, float(points[0]))
     return _follow_from(chain, problem, points, state, progress)
 
 
@@ -75,10 +79,11 @@ def full_cycle(
         if proved is not None:
             log, force = proved
             reach = float(np.sum(laws.full))
-            return _as_path(chain, None, np.array([0.0, reach, 0.0]), laws.full * 0, force, log)
+            begin = Configuration((0.0,) * len(chain), (0,) * len(chain))
+            return _as_path(chain, None, np.array([0.0, reach, 0.0]), begin, force, log)
     problem = problem_of(chain, laws, prefer)
-    low, high = range_of(problem)
-    state = starting_state(chain, problem, np.zeros(len(chain)), low)
+    begin, (low, high) = full_range(chain, problem)
+    state = starting_state(chain, problem, begin, low)
     return _follow_from(chain, problem, np.array([low, high, low]), state, progress)
 
 
@@ -89,11 +94,13 @@ def _follow_from(
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
+    sheets = problem.laws.sheet.copy()
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
         log = logged.empty_log(room, 4 * room)
         state = State._make([*(values.copy() for values in start[:-1]), log])
+        stand_all_on(problem.laws, problem.pieces, sheets)
         problem.effort[:] = 0, most if aside else min(most, few), 0
         try:
             if aside:
@@ -114,13 +121,14 @@ def _follow_from(
     if status != DONE:
         refuse_failure(status, chain, state.travel, float(state.force[0]))
     broken, promise, by = watched(
-        lambda effort: audit(problem._replace(effort=effort), log, start.travel),
+        lambda effort: audit(problem._replace(effort=effort), log, start.travel, sheets),
         long=int(log.used[0]) > _MANY_SEGMENTS,
     )
     if promise != KEPT:
         drive = float(log.segments[broken, logged.DRIVE_1])
         refuse_broken(promise, chain, drive, by, problem.scale)
-    return _as_path(chain, problem, turning, start.travel, float(start.force[0]), log)
+    begin = Configuration(tuple(start.travel.tolist()), tuple(sheets.tolist()))
+    return _as_path(chain, problem, turning, begin, float(start.force[0]), log)
 
 
 def _watched(problem: Problem, turning: Floats, state: State, progress: Progress | None) -> int:
@@ -149,31 +157,40 @@ def _as_path(
     chain: Chain,
     problem: Problem | None,
     turning: Floats,
-    travels: Floats,
+    begin: Configuration,
     force: float,
     log: logged.Log,
 ) -> Path:
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
-    turns, start = tuple(turning.tolist()), tuple(travels.tolist())
-    return Path(chain, turns, start, points, force, logged.written(log)).with_problem(problem)
+    turns, written = tuple(turning.tolist()), logged.written(log)
+    found = Path(chain, turns, begin.travel, points, begin.sheet, force, written)
+    return found.with_problem(problem)
 
 
-def _checked_turns(chain: Chain, turning_points: Sequence[float]) -> Floats:
+def _finite_turns(turning_points: Sequence[float]) -> Floats:
     points = np.asarray(turning_points, float)
     if points.ndim != 1 or len(points) < 1 or not np.all(np.isfinite(points)):
         raise InputError(
             f"turning_points = {turning_points!r}: must be one or more finite numbers, where the "
             f"actuator starts and where it turns."
         )
-    if math.isinf(chain.actuator_stiffness):
-        most = chain.full_stroke
-        outside = (points < -1e-9 * most) | (points > (1 + 1e-9) * most)
-        if outside.any():
-            worst = float(points[outside][0])
-            raise InputError(
-                f"turning_points: {worst * 1e3:.6g} mm is out of reach: must be between 0 and "
-                f"{most * 1e3:.6g} mm, the sum of all travels (strokes are in m)."
-            )
-        points = np.clip(points, 0.0, most)
     return points
+
+
+def _reached_turns(chain: Chain, problem: Problem, points: Floats) -> Floats:
+    if problem.beta > 0:
+        return points
+    least, most = ends_of(problem.laws)
+    slip = 1e-9 * chain.full_stroke
+    outside = (points < least - slip) | (points > most + slip)
+    if outside.any():
+        worst, measure = float(points[outside][0]), chain.measure
+        unit, factor = told_in(measure.travel_unit)
+        what = "all travels" if measure is Measure.TRAVEL else f"every {measure.travel}"
+        raise InputError(
+            f"turning_points: {worst * factor:.6g} {unit} is out of reach: must be between "
+            f"{least * factor:.6g} and {most * factor:.6g} {unit}, the sum of {what} "
+            f"({measure.stroke}s are in {measure.travel_unit})."
+        )
+    return np.clip(points, least, most)

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import Floats, InputError
-from stepwell.mechanism import Chain
+from stepwell.base import Floats, InputError, told_in
+from stepwell.mechanism import Chain, can_fall, can_rise
 from stepwell.statics.following import (
     FREE,
     NO_FORCE,
@@ -17,49 +17,68 @@ from stepwell.statics.following import (
     hold,
     inverse_slope,
     log as logged,
+    stand_all_on,
 )
+from stepwell.statics.places import Configuration, place_at
 
 EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.
 _BLUNT = 1e-2
 
 
-def start_travels(chain: Chain, start: str | Sequence[float] | None) -> Floats:
-    """(N,) travels [m] of a start given as a state such as "010", as travels, or not at all.
+def starting_configuration(
+    chain: Chain,
+    problem: Problem,
+    start: str | Configuration | Sequence[float] | None,
+    drive: float,
+) -> Configuration:
+    """Where a start is, given as a state such as "010", as a place, as travels, or not at all.
+
+    Travels alone are on the first sheets of the curves.
 
     Raises:
-        ValueError: a state of another length or with other characters, a travel past a stop.
+        ValueError: a state that the chain does not have or in which it does not stand at `drive`,
+            a travel past a stop, or past the end of its sheet.
     """
-    full = np.array(chain.full_travels)
-    if start is None:
-        return np.zeros(len(full))
-    if isinstance(start, str):
-        if len(start) != len(full) or set(start) - {"0", "1"}:
+    if start is None or isinstance(start, str):
+        return place_at(chain, problem, chain.first_state if start is None else start, drive)
+    given, sheets = start if isinstance(start, Configuration) else (start, (0,) * len(chain))
+    travels = np.asarray(given, float)
+    if travels.shape != (len(chain),):
+        raise InputError(f"start has shape {travels.shape}: must be ({len(chain)},) travels [m].")
+    laws, (unit, factor) = problem.laws, told_in(chain.measure.travel_unit)
+    counts = np.diff(laws.sheet_first)
+    if len(sheets) != len(chain) or any(
+        not 0 <= k < n for k, n in zip(sheets, counts, strict=True)
+    ):
+        raise InputError(
+            f"start.sheet = {sheets!r}: must name one sheet a cell, counted from 0, of as many as "
+            f"its curve has: {', '.join(map(str, counts.tolist()))}."
+        )
+    low, high = laws.sheet_ends[laws.sheet_first[:-1] + np.array(sheets)].T
+    slip = 1e-9 * laws.full
+    ends = zip(chain.names, travels, low, high, slip, strict=True)
+    for name, s, least, most, near in ends:
+        if not least - near <= s <= most + near:
             raise InputError(
-                f"start = {start!r}: must be {len(full)} characters 0 or 1, inner cell first; to "
-                f"start between the stops pass the travels in m."
+                f"start: {name} at {s * factor:.6g} {unit}: must be between {least * factor:.6g} "
+                f"and {most * factor:.6g} {unit}."
             )
-        return np.array([float(c == "1") for c in start]) * full
-    travels = np.asarray(start, float)
-    if travels.shape != full.shape:
-        raise InputError(f"start has shape {travels.shape}: must be ({len(full)},) travels [m].")
-    for name, s, most in zip(chain.names, travels, full, strict=True):
-        if not -1e-9 * most <= s <= (1 + 1e-9) * most:
-            raise InputError(
-                f"start: {name} at {s * 1e3:.6g} mm: must be between 0 and {most * 1e3:.6g} mm."
-            )
-    near = np.where(travels < 1e-9 * full, 0.0, travels)
-    return np.where(near > (1 - 1e-9) * full, full, near)
+    travels = np.where(travels < low + slip, low, travels)
+    travels = np.where(travels > high - slip, high, travels)
+    return Configuration(tuple(travels.tolist()), tuple(sheets))
 
 
-def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float) -> State:
-    """The state in which the chain stands at `travels` while the actuator is at `drive`.
+def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: float) -> State:
+    """The state in which the chain stands at a place while the actuator is at `drive`.
 
     Raises:
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
     laws, pieces, alpha, beta, scale, *_ = problem
+    travels = np.array(place.travel)
+    stand_all_on(laws, pieces, np.array(place.sheet))
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
             raise InputError(
@@ -86,7 +105,8 @@ def starting_state(chain: Chain, problem: Problem, travels: Floats, drive: float
     for i in range(n):
         hold(problem, state, i)
         state.piece[i] = find_piece(pieces, i, travels[i], 0)
-        if 0 < travels[i] < laws.full[i] and laws.friction[i] == 0:
+        inside = can_fall(laws, i, travels[i]) and can_rise(laws, i, travels[i])
+        if inside and laws.friction[i] == 0:
             state.mode[i] = FREE
     forces = state.at_rest.copy()
     free = state.mode == FREE
@@ -119,8 +139,8 @@ def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, fo
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]
-        low = forces[i] - rub if state.travel[i] > 0 else -math.inf
-        high = forces[i] + rub if state.travel[i] < laws.full[i] else math.inf
+        low = forces[i] - rub if can_fall(laws, i, state.travel[i]) else -math.inf
+        high = forces[i] + rub if can_rise(laws, i, state.travel[i]) else math.inf
         parts.append(f"{name} at {state.travel[i] * 1e3:.6g} mm stands for {low:.4g}..{high:.4g} N")
     given = f" and the actuator gives {force:.4g} N" if problem.beta > 0 else ""
     return (

@@ -1,5 +1,5 @@
 """Elements: cells that are a force law over their own travel."""
 
 from stepwell.mechanism.elements.element import Element
-from stepwell.mechanism.elements.phase import Phase, phase_at
+from stepwell.mechanism.elements.phase import Phase, Stretch, phase_at
 from stepwell.mechanism.elements.sheet import Sheet

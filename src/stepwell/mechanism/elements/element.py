@@ -13,7 +13,7 @@ from stepwell.mechanism.cubics import Force, end_of, integral, signs, value
 from stepwell.mechanism.elements import build
 from stepwell.mechanism.elements.beside import beside
 from stepwell.mechanism.elements.fold import folded
-from stepwell.mechanism.elements.phase import Phase
+from stepwell.mechanism.elements.phase import Phase, Stretch
 from stepwell.mechanism.elements.sheet import Sheet
 
 Stops = bool | tuple[bool, bool]
@@ -222,6 +222,11 @@ class Element(ByValue):
     def phases(self) -> tuple[Phase, ...]:
         """Where it can stand under a prescribed force, in the order of the curve."""
         return self._phases
+
+    @property
+    def stretches(self) -> tuple[Stretch, ...]:
+        """Sheet and travels [m] of every phase, in their order."""
+        return tuple((phase.sheet, phase.low, phase.high) for phase in self._phases)
 
     @property
     def low(self) -> float:

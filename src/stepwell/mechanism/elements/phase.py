@@ -25,14 +25,19 @@ class Phase(ByValue):
     force_low: float
     force_high: float
 
-    def holds(self, sheet: int, travel: float) -> bool:
-        """Whether a cell that stands on this sheet at this travel [m] is in the phase."""
-        return sheet == self.sheet and self.low <= travel <= self.high
+
+# Where a phase lies: its sheet, and the travels between which [m].
+Stretch = tuple[int, float, float]
 
 
-def phase_at(phases: tuple[Phase, ...], sheet: int, travel: float) -> str:
-    """The digit of the phase that holds a place [m], or - in transit between two."""
-    for digit, phase in enumerate(phases):
-        if phase.holds(sheet, travel):
+def phase_at(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> str:
+    """The digit of the phase that holds a place [m], or - in transit between two.
+
+    Args:
+        stretches: where the phases of the cell lie, in their order.
+        sheet, travel: the place.
+    """
+    for digit, (own, low, high) in enumerate(stretches):
+        if own == sheet and low <= travel <= high:
             return str(digit)
     return "-"

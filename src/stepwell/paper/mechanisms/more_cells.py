@@ -20,8 +20,8 @@ _TRIED, _MADE = 20_000, 1_000_000
 
 def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
     """Anchors for the cycle that goes back the way it came: last in, first out."""
-    order = tuple((i,) for i in range(cells))
-    return design(str(Sequence("0" * cells, order + order[::-1])), tolerances=tolerances, n=n)
+    cycle = Sequence.full_cycle(range(cells), reversed(range(cells)))
+    return design(str(cycle), tolerances=tolerances, n=n)
 
 
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
@@ -30,8 +30,8 @@ def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
     Proved where of every two cells the one that loads first unloads first, which this cycle says;
     so what makes it counts (theory page, "Stroke programs").
     """
-    order = tuple((i,) for i in range(cells))
-    return design(str(Sequence("0" * cells, order + order)), tolerances=tolerances, n=n)
+    cycle = Sequence.full_cycle(range(cells), range(cells))
+    return design(str(cycle), tolerances=tolerances, n=n)
 
 
 @cache

@@ -15,7 +15,16 @@ from dataclasses import dataclass
 from stepwell.base import InputError, most, problem
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.passages import Passage, Section, passages_of, state_of
-from stepwell.statics import Path, Segment, Tie, drive_range, path
+from stepwell.statics import (
+    Configuration,
+    Path,
+    Segment,
+    Tie,
+    drive_range,
+    path,
+    problem_of,
+    standing,
+)
 
 # Two places are one when they differ by less than this share of what there is to travel.
 _SAME = 1e-7
@@ -24,9 +33,8 @@ _ROUNDING = 1e-14
 # How far past the last event a drive without stops is looked at, as a share of its range.
 _BEYOND = 0.1
 
-Travels = tuple[float, ...]
-# The snap that ends a passage, and travels and drive after it; None where the drive ends.
-Landing = tuple[Segment, Travels, float] | None
+# The snap that ends a passage, and place and drive after it; None where the drive ends.
+Landing = tuple[Segment, Configuration, float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +42,7 @@ class Exit:
     """The snap at an end of a branch, and the branch that it leads to."""
 
     snap: Segment
-    travel: Travels  # after it
+    place: Configuration  # after it
     branch: int
 
 
@@ -56,7 +64,7 @@ class Branch:
 
     @property
     def vertices(self) -> tuple[str, ...]:
-        """States on it with all cells at a stop, by rising drive."""
+        """States on it with all cells in a phase, by rising drive."""
         return tuple(section.state for section in self.sections if "-" not in section.state)
 
     def find(self, state: str, drive: float) -> int:
@@ -106,7 +114,9 @@ class Branches:
         stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
         self.slip = drive_slip(self.range[1] - self.range[0], stroke)
         self.ties: dict[Tie, None] = {}
-        self._full = chain.full_travels
+        self._stretches = chain.stretches
+        self._levers = not chain.elements
+        self._problem = problem_of(chain)
         self._branches: list[Branch] = []
         self._landings: dict[tuple[int, int], Landing] = {}
         self._where: dict[str, list[int]] = {}
@@ -118,18 +128,18 @@ class Branches:
     def __len__(self) -> int:
         return len(self._branches)
 
-    def at(self, travels: Travels, drive: float) -> int:
+    def at(self, place: Configuration, drive: float) -> int:
         """Number of the branch on which the chain stands there."""
-        state = state_of(travels, self._full)
+        state = state_of(self._stretches, place)
         known = self._known(state, drive)
         if known is not None:
             return known
-        up, after_up = self._passage(travels, drive, +1)
-        down, after_down = self._passage(travels, drive, -1)
+        up, after_up = self._passage(place, drive, +1)
+        down, after_down = self._passage(place, drive, -1)
         back = [section.reversed for section in reversed(down.sections)]
         first = up.sections[0]
         # Both runs begin with the section that the chain stands on.
-        middle = back[-1].until(first.drive[1], first.force[1], first.travel[1])
+        middle = back[-1].until(first.drive[1], first.force[1], first.place[1])
         branch = Branch((*back[:-1], middle, *up.sections[1:]))
         number = self._same(branch)
         if number is None:
@@ -146,24 +156,15 @@ class Branches:
         landing = self._landings[number, direction]
         if landing is None:
             return None
-        snap, travels, drive = landing
-        return Exit(snap, travels, self.at(travels, drive))
+        snap, place, drive = landing
+        return Exit(snap, place, self.at(place, drive))
 
-    def vertex(self, state: str) -> tuple[Travels, float] | None:
-        """Travels and drive of a state such as "010", or None where it is no equilibrium."""
-        cells = list(zip(self.chain.cells, state, strict=True))
-        low = max((c.force_1 - c.friction for c, s in cells if s == "1"), default=-math.inf)
-        high = min((c.force_0 + c.friction for c, s in cells if s == "0"), default=math.inf)
-        travels = tuple(f if s == "1" else 0.0 for f, s in zip(self._full, state, strict=True))
-        stroke = math.fsum(travels)
-        if low > high:
-            return None
-        if self._rigid:
-            return travels, stroke
-        # Nearest to no force at all.
-        force = min(max(0.0, low), high)
-        stiffness = self.chain.actuator_stiffness
-        return travels, force if stiffness == 0 else stroke + force / stiffness
+    def vertex(self, state: str) -> tuple[Configuration, float] | None:
+        """Configuration and drive of a state such as "010", or None where it is no equilibrium.
+
+        Of all places in that state the one of the force that is nearest to none.
+        """
+        return standing(self.chain, self._problem, state)
 
     def all_from(
         self, numbers: list[int], progress: Callable[[int, int], None] | None = None
@@ -195,11 +196,11 @@ class Branches:
     def _known(self, state: str, drive: float) -> int | None:
         """The branch known to hold this place, where state and drive tell it.
 
-        A vertex that the actuator can press stands at all forces between two, so that there is
-        one of each state. A rigid one tells more: where a single cell is in transit, its travel
-        is what is left of the stroke.
+        A vertex stands at all forces between two, so that there is one of each state; two of
+        lever cells under a rigid actuator may meet at a tie. That tells more: where a single cell
+        is in transit between stops, its travel is what is left of the stroke.
         """
-        if not self._rigid:
+        if not (self._rigid and self._levers):
             vertices = self._where.get(state, ()) if "-" not in state else ()
             return next(iter(vertices), None)
         if state.count("-") > 1:
@@ -224,15 +225,18 @@ class Branches:
                 return number
         return None
 
-    def _key(self, travels: Travels, drive: float, direction: int) -> tuple[int, ...]:
+    def _key(self, place: Configuration, drive: float, direction: int) -> tuple[int, ...]:
         least = _SAME * self.chain.full_stroke
-        return (*(round(s / least) for s in travels), round(drive / self.slip), direction)
+        travels = (round(s / least) for s in place.travel)
+        return (*travels, *place.sheet, round(drive / self.slip), direction)
 
-    def _passage(self, travels: Travels, drive: float, direction: int) -> tuple[Passage, Landing]:
-        key = self._key(travels, drive, direction)
+    def _passage(
+        self, place: Configuration, drive: float, direction: int
+    ) -> tuple[Passage, Landing]:
+        key = self._key(place, drive, direction)
         if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]
-            found = path(self.chain, [drive, end], start=travels)
+            found = path(self.chain, [drive, end], start=place)
             self._keep(found, direction)
         return self._passages[key]
 
@@ -243,10 +247,10 @@ class Branches:
         passages = passages_of(found)
         for passage, following in zip(passages, [*passages[1:], None], strict=True):
             first = passage.sections[0]
-            travels, drive = first.travel[0], first.drive[0]
-            key = self._key(travels, drive, direction)
+            place, drive = first.place[0], first.drive[0]
+            key = self._key(place, drive, direction)
             landing = None
             if passage.snap is not None and following is not None:
                 after = following.sections[0]
-                landing = (passage.snap, after.travel[0], after.drive[0])
+                landing = (passage.snap, after.place[0], after.drive[0])
             self._passages.setdefault(key, (passage, landing))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from stepwell.base import InputError
 from stepwell.mechanism import Chain
+from stepwell.statics import read_state
 
 Drive = str | float | None
 
@@ -35,9 +36,6 @@ def refuse_friction(chain: Chain) -> None:
 
 
 def checked_state(chain: Chain, name: str, state: str) -> str:
-    """The state, if it has one character 0 or 1 a cell; raises ValueError otherwise."""
-    if len(state) != len(chain) or set(state) - {"0", "1"}:
-        raise InputError(
-            f"{name} = {state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
-        )
+    """The state, if the chain can have it; raises ValueError otherwise."""
+    read_state(chain, name, state)
     return state

@@ -2,31 +2,37 @@
 
 from dataclasses import dataclass, replace
 
-from stepwell.statics import Path, Segment, SegmentKind
+from stepwell.mechanism import Stretch, phase_at
+from stepwell.statics import Configuration, Path, Segment, SegmentKind
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A run of equilibria with the same cells at 0, at 1 and in transit, from a to b."""
+    """A run of equilibria with every cell in the same phase or in transit, from a to b."""
 
     state: str
     drive: tuple[float, float]
     force: tuple[float, float]
-    travel: tuple[tuple[float, ...], tuple[float, ...]]
+    place: tuple[Configuration, Configuration]
+
+    @property
+    def travel(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Travels at both ends [m]."""
+        return self.place[0].travel, self.place[1].travel
 
     @property
     def reversed(self) -> "Section":
         """The same run from b to a."""
-        (a, b), (f, g), (s, t) = self.drive, self.force, self.travel
+        (a, b), (f, g), (s, t) = self.drive, self.force, self.place
         return Section(self.state, (b, a), (g, f), (t, s))
 
-    def until(self, drive: float, force: float, travel: tuple[float, ...]) -> "Section":
+    def until(self, drive: float, force: float, place: Configuration) -> "Section":
         """The run with another end."""
         return replace(
             self,
             drive=(self.drive[0], drive),
             force=(self.force[0], force),
-            travel=(self.travel[0], travel),
+            place=(self.place[0], place),
         )
 
 
@@ -38,21 +44,20 @@ class Passage:
     snap: Segment | None
 
 
-def state_of(travels: tuple[float, ...], full: tuple[float, ...]) -> str:
-    """One character a cell: 0, 1, or - between the stops."""
-    return "".join(
-        "0" if s == 0 else "1" if s == f else "-" for s, f in zip(travels, full, strict=True)
-    )
+def state_of(stretches: tuple[tuple[Stretch, ...], ...], place: Configuration) -> str:
+    """One character a cell: the digit of its phase, or - in transit."""
+    own = zip(stretches, place.sheet, place.travel, strict=True)
+    return "".join(phase_at(cell, sheet, travel) for cell, sheet, travel in own)
 
 
 def passages_of(path: Path) -> list[Passage]:
     """The passages of a path between its snaps."""
-    full = path.chain.full_travels
-    travels = path.start
+    stretches = path.chain.stretches
+    place = Configuration(path.start, path.start_sheet)
     passages: list[Passage] = []
 
     def resting(drive: float, force: float) -> Section:
-        return Section(state_of(travels, full), (drive, drive), (force, force), (travels, travels))
+        return Section(state_of(stretches, place), (drive, drive), (force, force), (place, place))
 
     sections = [resting(path.turning_points[0], path.start_force)]
     landed: Segment | None = None
@@ -66,47 +71,64 @@ def passages_of(path: Path) -> list[Passage]:
                 # At a fold rounding may find the fold itself again, and then the way on.
                 landed = _joined(landed, segment)
                 passages[-1] = replace(passages[-1], snap=landed)
-            travels = _after(travels, segment)
+            place = _after(place, segment)
             sections = [resting(drive, force)]
             continue
         landed = None
         if segment.kind is SegmentKind.MOVE:
-            moving = list(state_of(travels, full))
-            for cell, a, b in zip(segment.cells, segment.before, segment.after, strict=True):
-                if a != b:
-                    moving[cell] = "-"
-            state = "".join(moving)
+            state = _moving(stretches, place, segment)
             if state != sections[-1].state:
                 at, pull = segment.drive[0], segment.force[0]
-                sections.append(Section(state, (at, at), (pull, pull), (travels, travels)))
-            travels = _after(travels, segment)
-        sections[-1] = sections[-1].until(drive, force, travels)
-        if state_of(travels, full) != sections[-1].state:
+                sections.append(Section(state, (at, at), (pull, pull), (place, place)))
+            place = _after(place, segment)
+        sections[-1] = sections[-1].until(drive, force, place)
+        if state_of(stretches, place) != sections[-1].state:
             sections.append(resting(drive, force))
     passages.append(Passage(tuple(sections), None))
     return passages
 
 
+def _moving(
+    stretches: tuple[tuple[Stretch, ...], ...], place: Configuration, segment: Segment
+) -> str:
+    """The state while cells move: on a segment each is all the way in one phase or in transit."""
+    state = list(state_of(stretches, place))
+    for cell, sheet, a, b in zip(
+        segment.cells, segment.sheets_before, segment.before, segment.after, strict=True
+    ):
+        if a != b:
+            state[cell] = phase_at(stretches[cell], sheet, 0.5 * (a + b))
+    return "".join(state)
+
+
 def _joined(first: Segment, second: Segment) -> Segment:
     """Two snaps at one drive as one."""
-    before = dict(zip(second.cells, second.before, strict=True))
-    before |= dict(zip(first.cells, first.before, strict=True))
-    after = dict(zip(first.cells, first.after, strict=True))
-    after |= dict(zip(second.cells, second.after, strict=True))
+    before = dict(
+        zip(second.cells, zip(second.before, second.sheets_before, strict=True), strict=True)
+    )
+    before |= dict(
+        zip(first.cells, zip(first.before, first.sheets_before, strict=True), strict=True)
+    )
+    after = dict(zip(first.cells, zip(first.after, first.sheets_after, strict=True), strict=True))
+    after |= dict(
+        zip(second.cells, zip(second.after, second.sheets_after, strict=True), strict=True)
+    )
     cells = tuple(sorted(before))
     return replace(
         first,
         force=(first.force[0], second.force[1]),
         cells=cells,
-        before=tuple(before[cell] for cell in cells),
-        after=tuple(after[cell] for cell in cells),
+        before=tuple(before[cell][0] for cell in cells),
+        after=tuple(after[cell][0] for cell in cells),
+        sheets_before=tuple(before[cell][1] for cell in cells),
+        sheets_after=tuple(after[cell][1] for cell in cells),
         released=first.released + second.released,
         tie=first.tie or second.tie,
     )
 
 
-def _after(travels: tuple[float, ...], segment: Segment) -> tuple[float, ...]:
-    moved = list(travels)
-    for cell, travel in zip(segment.cells, segment.after, strict=True):
-        moved[cell] = travel
-    return tuple(moved)
+def _after(place: Configuration, segment: Segment) -> Configuration:
+    travels, sheets = list(place.travel), list(place.sheet)
+    for m, cell in enumerate(segment.cells):
+        travels[cell], sheets[cell] = segment.after[m], segment.sheets_after[m]
+    return Configuration(tuple(travels), tuple(sheets))

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches.branches import reach
-from stepwell.statics import EventKind, path
+from stepwell.statics import Configuration, EventKind, path
 
 
 def windows(
@@ -25,18 +25,18 @@ def windows(
     inner = turning_points[1:-1]
     if any(cell.friction > 0 for cell in chain.cells):
         return [(point, point) for point in inner]
-    travels: str | tuple[float, ...] = start
+    begin: str | Configuration = start
     limits = reach(chain)
     found: list[tuple[float, float]] = []
     for before, point in pairwise(turning_points[:-1]):
         rises = point > before
         end = max(point, limits[1]) if rises else min(point, limits[0])
-        whole = path(chain, [before, end], start=travels)
+        whole = path(chain, [before, end], start=begin)
         snaps = [event.drive for event in whole.events if event.kind is EventKind.SNAP]
         done = [drive for drive in snaps if (drive <= point) == rises or drive == point]
         ahead = [drive for drive in snaps if drive not in done]
         last = done[-1] if done else before
         next_ = ahead[0] if ahead else whole.turning_points[-1]
         found.append((min(last, next_), max(last, next_)))
-        travels = tuple(path(chain, [before, point], start=travels).end.tolist())
+        begin = path(chain, [before, point], start=begin).end_configuration
     return found

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from stepwell.base import ByValue
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element, phase_at
 from stepwell.sequences.cycles.sequence import Pathway, Sequence, pathway_of
 from stepwell.statics import Event, EventKind, Path, Tie, full_cycle
 
@@ -16,52 +16,59 @@ _AT_STOP = 0.01
 
 
 def arrival(path: Path) -> str:
-    """The state in which a path ends, such as "010"; - for a cell between its stops.
+    """The state in which a path ends, such as "010"; - for a cell in transit between phases.
 
-    A cell counts as at a stop within a hundredth of its travel.
+    A cell counts as in a phase within a hundredth of its travel.
     """
-    travels = zip(path.end.tolist(), path.chain.cells, strict=True)
-    parts = (travel / cell.full_travel for travel, cell in travels)
-    return "".join("0" if p <= _AT_STOP else "1" if p >= 1 - _AT_STOP else "-" for p in parts)
+    places = zip(path.chain.cells, path.end.tolist(), path.end_sheet, strict=True)
+    return "".join(_nearest(cell, travel, sheet) for cell, travel, sheet in places)
+
+
+def _nearest(cell: Cell | Element, travel: float, sheet: int) -> str:
+    exact = phase_at(cell.stretches, sheet, travel)
+    if exact != "-":
+        return exact
+    slip = _AT_STOP * cell.full_travel
+    return phase_at(tuple((s, a - slip, b + slip) for s, a, b in cell.stretches), sheet, travel)
 
 
 def sequence_of(path: Path) -> Sequence:
-    """Every state with all cells at a stop that the path visits, in order.
+    """Every state with all cells in a phase that the path visits, in order.
 
-    A path that starts between the stops begins with the first vertex it reaches.
+    A path that starts in transit begins with the first vertex it reaches.
     """
-    full = path.chain.full_travels
-    at = [0 if s == 0 else 1 if s == f else -1 for s, f in zip(path.start, full, strict=True)]
-    between = sum(a < 0 for a in at)
+    stretches = path.chain.stretches
+    starts = zip(stretches, path.start_sheet, path.start, strict=True)
+    at = [phase_at(own, sheet, s) for own, sheet, s in starts]
+    between = at.count("-")
     vertex = at.copy()
-    first: str | None = None if between else "".join(map(str, at))
-    flips: list[tuple[int, ...]] = []
+    first: str | None = None if between else "".join(at)
+    changes: list[tuple[tuple[int, int], ...]] = []
     touched: set[int] = set()
     for segment in path.segments():
-        for cell, travel in zip(segment.cells, segment.after, strict=True):
-            now = 0 if travel == 0 else 1 if travel == full[cell] else -1
-            between += (now < 0) - (at[cell] < 0)
+        moved = zip(segment.cells, segment.after, segment.sheets_after, strict=True)
+        for cell, travel, sheet in moved:
+            now = phase_at(stretches[cell], sheet, travel)
+            between += (now == "-") - (at[cell] == "-")
             at[cell] = now
             touched.add(cell)
         if between:
             continue
         if first is None:
-            first = "".join(map(str, at))
+            first = "".join(at)
         else:
-            flip = tuple(sorted(cell for cell in touched if at[cell] != vertex[cell]))
-            if flip:
-                flips.append(flip)
+            change = tuple((c, int(at[c])) for c in sorted(touched) if at[c] != vertex[c])
+            if change:
+                changes.append(change)
         for cell in touched:
             vertex[cell] = at[cell]
         touched.clear()
-    if first is None:
-        first = "".join("-" if a < 0 else str(a) for a in at)
-    return Sequence(first, tuple(flips))
+    return Sequence("".join(at) if first is None else first, tuple(changes))
 
 
 @dataclass(frozen=True, eq=False)
 class Cycle(ByValue):
-    """A chain loaded from all cells at 0 to all at 1 and unloaded again.
+    """A chain loaded from all cells at 0 to all in their last phases and unloaded again.
 
     Attributes:
         path: the way through the equilibria, with its certificates.
@@ -96,7 +103,7 @@ class Cycle(ByValue):
 
     @cached_property
     def switches(self) -> tuple[Event, ...]:
-        """The arrivals at a stop outside of snaps."""
+        """The arrivals in another phase outside of snaps; a stop is one."""
         return tuple(e for e in self.events if e.kind is EventKind.SWITCH)
 
     @property
@@ -116,24 +123,23 @@ class Cycle(ByValue):
 
     @cached_property
     def loading_order(self) -> tuple[int, ...]:
-        """Cells in the order in which they are first counted at 1."""
-        return self._order(range(len(self.sequence.flips)), "0")
+        """Cells in the order in which they first come to their last phase, 1 for lever cells."""
+        return self._order(range(len(self.sequence.changes)), self.chain.last_state)
 
     @cached_property
     def unloading_order(self) -> tuple[int, ...]:
-        """Cells in the order in which they are first counted at 0 after all were at 1."""
-        states = self.sequence.states
-        full = "1" * len(self.chain)
-        if full not in states:
+        """Cells in the order in which they first come back to 0 after all were at their last."""
+        states, last = self.sequence.states, self.chain.last_state
+        if last not in states:
             return ()
-        return self._order(range(states.index(full), len(self.sequence.flips)), "1")
+        first = self.chain.first_state
+        return self._order(range(states.index(last), len(self.sequence.changes)), first)
 
-    def _order(self, steps: range, leaves: str) -> tuple[int, ...]:
+    def _order(self, steps: range, target: str) -> tuple[int, ...]:
         order: dict[int, None] = {}
         for k in steps:
-            before = self.sequence.states[k]
-            for cell in self.sequence.flips[k]:
-                if before[cell] == leaves:
+            for cell, phase in self.sequence.changes[k]:
+                if str(phase) == target[cell]:
                     order.setdefault(cell)
         return tuple(order)
 

@@ -10,53 +10,65 @@ from itertools import pairwise
 
 from stepwell.base import ByValue, InputError
 
+_DIGITS = frozenset("0123456789")
+
 
 @dataclass(frozen=True, eq=False)
 class Sequence(ByValue):
-    """States with every cell at a stop, in the order of the visit, such as 00>10>11>01>00.
+    """States with every cell in a phase, in the order of the visit, such as 00>10>11>01>00.
 
-    Kept as what flips from one vertex to the next, so that it stays small for long chains.
+    Kept as what changes from one vertex to the next, so that it stays small for long chains.
 
     Attributes:
-        first: state at the first vertex, one character 0 or 1 a cell, inner first.
-        flips: for every later vertex the cells that have changed since the one before.
+        first: state at the first vertex, the phase of every cell as a digit, inner first.
+        changes: for every later vertex (cell, phase) of all that have changed since the one before.
     """
 
     first: str
-    flips: tuple[tuple[int, ...], ...]
+    changes: tuple[tuple[tuple[int, int], ...], ...]
 
     @classmethod
     def parse(cls, text: str) -> Sequence:
         """The sequence that a text such as "00>10>11>01>00" says; spaces do not count.
 
         Raises:
-            ValueError: states that are not equally many characters 0 or 1.
+            ValueError: states that are not equally many digits.
         """
         states = text.replace(" ", "").split(">")
-        if any(len(s) != len(states[0]) or not s or set(s) - {"0", "1"} for s in states):
+        if any(len(s) != len(states[0]) or not s or set(s) - _DIGITS for s in states):
             raise InputError(
                 f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
-                f"are cells, as in 00>10>11>01>00."
+                f"are cells, as in 00>10>11>01>00; of elements with more phases, their digits."
             )
-        flips = tuple(
-            tuple(i for i, (was, now) in enumerate(zip(a, b, strict=True)) if was != now)
+        changes = tuple(
+            tuple(
+                (i, int(now)) for i, (was, now) in enumerate(zip(a, b, strict=True)) if was != now
+            )
             for a, b in pairwise(states)
         )
-        return cls(states[0], flips)
+        return cls(states[0], changes)
 
     @classmethod
     def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> Sequence:
         """The cycle in which the cells load, then unload, one by one in these orders."""
-        flips = tuple((cell,) for cell in (*loading, *unloading))
-        return cls("0" * (len(flips) // 2), flips)
+        up = tuple(((cell, 1),) for cell in loading)
+        return cls("0" * len(up), (*up, *(((cell, 0),) for cell in unloading)))
+
+    @property
+    def flips(self) -> tuple[tuple[int, ...], ...]:
+        """For every later vertex the cells that have changed since the one before."""
+        return tuple(tuple(cell for cell, _ in change) for change in self.changes)
 
     @property
     def orders(self) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
         """Cells in order of loading and of unloading; None unless each goes once, one by one."""
-        cells = len(self.first)
-        order = tuple(cell for flip in self.flips for cell in flip)
-        if len(self.flips) != 2 * cells or len(order) != 2 * cells or "1" in self.first:
+        cells, twice = len(self.first), 2 * len(self.first)
+        moves = [move for change in self.changes for move in change]
+        if len(self.changes) != twice or len(moves) != twice or set(self.first) != {"0"}:
             return None
+        if any(phase != (k < cells) for k, (_, phase) in enumerate(moves)):
+            return None
+        order = tuple(cell for cell, _ in moves)
         loading, unloading = order[:cells], order[cells:]
         if len(set(loading)) < cells or len(set(unloading)) < cells:
             return None
@@ -67,9 +79,9 @@ class Sequence(ByValue):
         """All vertices as strings."""
         state = list(self.first)
         found = [self.first]
-        for flip in self.flips:
-            for cell in flip:
-                state[cell] = "1" if state[cell] == "0" else "0"
+        for change in self.changes:
+            for cell, phase in change:
+                state[cell] = str(phase)
             found.append("".join(state))
         return tuple(found)
 
@@ -77,7 +89,7 @@ class Sequence(ByValue):
         return iter(self.states)
 
     def __len__(self) -> int:
-        return len(self.flips) + 1
+        return len(self.changes) + 1
 
     def __getitem__(self, index: int) -> str:
         return self.states[index]

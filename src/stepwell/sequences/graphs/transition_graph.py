@@ -210,7 +210,7 @@ def _require(limit: str, chain: Chain) -> None:
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
     """The branches as a graph."""
     chain = branches.chain
-    full = chain.full_travels
+    stretches = chain.stretches
     names = _labels(branches, numbers)
     found = TransitionGraph()
     for place, number in enumerate(numbers):
@@ -233,7 +233,7 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             if exit_ is None:
                 continue
             snap, at = exit_.snap, exit_.snap.drive[0]
-            target = branches[exit_.branch].find(state_of(exit_.travel, full), at)
+            target = branches[exit_.branch].find(state_of(stretches, exit_.place), at)
             what = TransitionKind.SNAP, direction, at, snap.cells, snap.released, snap.tie
             join(found, names[number, k], names[exit_.branch, target], Transition(*what))
     found.graph.update(

@@ -14,9 +14,9 @@ from functools import partial
 
 from stepwell.base import bisected
 from stepwell.mechanism import Chain
-from stepwell.sequences.branches import Branches, Section, Travels, passages_of
+from stepwell.sequences.branches import Branches, Section, passages_of, state_of
 from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
-from stepwell.statics import StaticsError, path
+from stepwell.statics import Configuration, StaticsError, path
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
@@ -28,31 +28,32 @@ def search_with_friction(
     branches: Branches,
     start: str,
     to: str,
-    origin: tuple[Travels, float],
+    origin: tuple[Configuration, float],
     progress: Callable[[int, int], None] | None,
 ) -> Program:
     """The first program found, fewest turns first; as `sequences.program`."""
     chain = branches.chain
     least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
-    waiting: deque[tuple[Travels, float, int, tuple[float, ...]]] = deque()
+    waiting: deque[tuple[Configuration, float, int, tuple[float, ...]]] = deque()
     for direction in (+1, -1):
         waiting.append((*origin, direction, ()))
     seen: set[tuple[int, ...]] = set()
     while waiting and len(seen) < _MOST_PLACES:
-        travels, drive, direction, turns = waiting.popleft()
-        key = (*(round(s / least) for s in travels), round(drive / slip), direction)
+        place, drive, direction, turns = waiting.popleft()
+        travels = (round(s / least) for s in place.travel)
+        key = (*travels, *place.sheet, round(drive / slip), direction)
         if key in seen:
             continue
         seen.add(key)
         if progress is not None:
             progress(len(seen), _MOST_PLACES)
-        for section in _sections(chain, travels, drive, branches.range[direction > 0]):
+        for section in _sections(chain, place, drive, branches.range[direction > 0]):
             if section.state == to:
                 low, high = sorted(section.drive)
                 return _widened(branches, start, to, origin, turns, (low, high))
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
                 middle = sum(section.drive) / 2
-                stopped = tuple(path(chain, [drive, middle], start=travels).end.tolist())
+                stopped = path(chain, [drive, middle], start=place).end_configuration
                 waiting.append((stopped, middle, -direction, (*turns, middle)))
     raise Unreachable(
         f"no program from {start} to {to} was found: {len(seen)} places with up to {_MOST_TURNS} "
@@ -62,9 +63,9 @@ def search_with_friction(
     )
 
 
-def _sections(chain: Chain, travels: Travels, drive: float, end: float) -> list[Section]:
+def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> list[Section]:
     try:
-        passages = passages_of(path(chain, [drive, end], start=travels))
+        passages = passages_of(path(chain, [drive, end], start=place))
         return [section for passage in passages for section in passage.sections]
     except (StaticsError, ValueError):
         # A place between two events that balance to the last digit: others are near by.
@@ -75,14 +76,12 @@ def _widened(
     branches: Branches,
     start: str,
     to: str,
-    origin: tuple[Travels, float],
+    origin: tuple[Configuration, float],
     turns: tuple[float, ...],
     ends: tuple[float, float],
 ) -> Program:
     """The program, each window bisected with the other turns where they are."""
     chain = branches.chain
-    full = chain.full_travels
-    wanted = [f if c == "1" else 0.0 for f, c in zip(full, to, strict=True)]
     points = [origin[1], *turns, sum(ends) / 2]
 
     def works(k: int, drive: float) -> bool:
@@ -90,7 +89,7 @@ def _widened(
             found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=origin[0])
         except (StaticsError, ValueError):
             return False
-        return found.end.tolist() == wanted
+        return state_of(chain.stretches, found.end_configuration) == to
 
     windows: list[Turn] = []
     for k in range(1, len(points) - 1):

@@ -14,14 +14,14 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
     Order,
-    Travels,
     checked_state,
     order_kept,
     passages_of,
+    state_of,
 )
 from stepwell.sequences.programs.friction import search_with_friction
 from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
-from stepwell.statics import path
+from stepwell.statics import Configuration, path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
@@ -64,7 +64,7 @@ def _unstable(chain: Chain, state: str) -> str:
 
 
 def _by_fields(
-    branches: Branches, start: str, to: str, origin: tuple[Travels, float]
+    branches: Branches, start: str, to: str, origin: tuple[Configuration, float]
 ) -> Program | None:
     """The plan of relays, aimed by one run a stroke; None where it may not or does not hold."""
     chain = branches.chain
@@ -97,17 +97,17 @@ def _by_fields(
 
 
 def _aimed(
-    branches: Branches, origin: tuple[Travels, float], states: tuple[str, ...]
+    branches: Branches, origin: tuple[Configuration, float], states: tuple[str, ...]
 ) -> tuple[tuple[Turn, ...], float, float] | None:
     """Windows for turning at each of these states in turn; None where one is not on the way."""
-    travels, drive = origin
+    place, drive = origin
     turns: list[Turn] = []
     low = high = drive
     for state in states:
-        full = zip(travels, branches.chain.cells, strict=True)
-        rises = state.count("1") > sum(s > 0.5 * cell.full_travel for s, cell in full)
+        now = state_of(branches.chain.stretches, place)
+        rises = sum(map(int, state)) > sum(map(int, now))
         end = branches.range[1] if rises else branches.range[0]
-        for passage in passages_of(path(branches.chain, [drive, end], start=travels)):
+        for passage in passages_of(path(branches.chain, [drive, end], start=place)):
             section = next((one for one in passage.sections if one.state == state), None)
             if section is not None:
                 break
@@ -117,7 +117,7 @@ def _aimed(
         low, high = sorted(section.drive)
         vertices = tuple(p.state for p in passage.sections if "-" not in p.state)
         turns.append(Turn((first + last) / 2, first, last, vertices))
-        travels, drive = section.travel[0], section.drive[0]
+        place, drive = section.place[0], section.drive[0]
     return tuple(turns[:-1]), low, high
 
 
@@ -141,7 +141,7 @@ def _by_branches(
     branches: Branches,
     start: str,
     to: str,
-    origin: tuple[Travels, float],
+    origin: tuple[Configuration, float],
     progress: Progress | None,
 ) -> Program:
     first = branches.at(*origin)

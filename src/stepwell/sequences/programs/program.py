@@ -13,7 +13,7 @@ from stepwell.base import ByValue, Quantity, Schema, StepwellError, told_in, wri
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
-from stepwell.statics import Path
+from stepwell.statics import Configuration, Path
 
 
 class ProgramMethod(StrEnum):
@@ -88,7 +88,7 @@ class Program(ByValue):
     high: float
     method: ProgramMethod
     shortest: bool
-    _start_travel: tuple[float, ...] = field(repr=False)
+    _start: Configuration = field(repr=False)
 
     @classmethod
     def given(
@@ -123,7 +123,8 @@ class Program(ByValue):
         )
         to, ends = to or arrival(path), (points[-1], points[-1])
         method = ProgramMethod.GIVEN
-        return cls(chain, start, to, points[0], turns, *ends, method, False, path.start)
+        begin = Configuration(path.start, path.start_sheet)
+        return cls(chain, start, to, points[0], turns, *ends, method, False, begin)
 
     @property
     def end(self) -> float:
@@ -150,7 +151,7 @@ class Program(ByValue):
     @cached_property
     def path(self) -> Path:
         """The chain on its way, by the engine."""
-        return self.chain.path(self.turning_points, start=self._start_travel)
+        return self.chain.path(self.turning_points, start=self._start)
 
     @property
     def arrives(self) -> str:

@@ -13,7 +13,16 @@ from stepwell.statics.following.certificate import (
     audit,
 )
 from stepwell.statics.following.follow import follow
-from stepwell.statics.following.pieces import MOST_PIECES, NO_FORCE, cut, find_piece, force_scale
+from stepwell.statics.following.pieces import (
+    MOST_PIECES,
+    NO_FORCE,
+    cut,
+    find_piece,
+    force_scale,
+    invert,
+    of_curve,
+    stand_all_on,
+)
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.state import (
     DONE,

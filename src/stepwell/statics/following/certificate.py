@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Laws, law, stored
+from stepwell.mechanism import Laws, can_fall, can_rise, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,
@@ -14,12 +14,13 @@ from stepwell.statics.following.log import (
     OFFSET,
     PIECE,
     RELEASED,
+    SHEET_1,
     SNAP,
     TRAVEL_0,
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece
+from stepwell.statics.following.pieces import Pieces, find_piece, stand_all_on, stand_on
 from stepwell.statics.following.state import Movers, Problem, nobody
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY = 0, 1, 2, 3
@@ -54,11 +55,12 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction
-        if travel[i] < laws.full[i]:
+        rises, falls = can_rise(laws, i, travel[i]), can_fall(laws, i, travel[i])
+        if rises:
             worst = max(worst, -forward)
-        if travel[i] > 0.0:
+        if falls:
             worst = max(worst, -backward)
-        inside = 0.0 < travel[i] < laws.full[i]
+        inside = rises and falls
         if mine >= 0 and inside:
             worst = max(worst, abs(value + movers.offset[mine] - force))
         if inside and (friction == 0.0 or mine >= 0):
@@ -80,15 +82,15 @@ def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> 
 @kernel
 def _beyond(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
     """κ on the other side of a joint of two pieces; inf away from one."""
-    if travel == pieces.left[piece] and travel > 0.0:
+    if travel == pieces.left[piece] and travel > laws.low[cell]:
         return _slope(laws, pieces, cell, piece - 1, travel)
-    if travel == pieces.right[piece] and travel < laws.full[cell]:
+    if travel == pieces.right[piece] and travel < laws.high[cell]:
         return _slope(laws, pieces, cell, piece + 1, travel)
     return np.inf
 
 
 @entry()
-def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
+def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int, int, float]:
     """The first segment of a log that breaks a promise, which one, and by how much.
 
     KEPT if none does. At the end of every segment all cells are in equilibrium; on a smooth one,
@@ -99,6 +101,7 @@ def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
     laws, pieces, scale = problem.laws, problem.pieces, problem.scale
     n = len(start)
     now = start.copy()
+    stand_all_on(laws, pieces, sheets)
     lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
     for i in range(n):
         _stands(problem, i, -1, now[i], lowest, highest)
@@ -114,6 +117,8 @@ def audit(problem: Problem, log: Log, start: Floats) -> tuple[int, int, float]:
             mover = log.movers[j]
             i, piece = int(mover[CELL]), int(mover[PIECE])
             now[i] = mover[TRAVEL_1]
+            if laws.sheet[i] != int(mover[SHEET_1]):
+                stand_on(laws, pieces, i, int(mover[SHEET_1]))
             value = _stands(problem, i, piece, now[i], lowest, highest)
             if piece >= 0:
                 gap = max(gap, abs(value + mover[OFFSET] - force))
@@ -156,8 +161,9 @@ def _stands(
     laws, pieces = problem.laws, problem.pieces
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
-    lowest[cell] = value - laws.friction[cell] if travel > 0.0 else -np.inf
-    highest[cell] = value + laws.friction[cell] if travel < laws.full[cell] else np.inf
+    falls, rises = can_fall(laws, cell, travel), can_rise(laws, cell, travel)
+    lowest[cell] = value - laws.friction[cell] if falls else -np.inf
+    highest[cell] = value + laws.friction[cell] if rises else np.inf
     return float(value)
 
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Laws, law, pick_rows, summed
+from stepwell.mechanism import Laws, beyond, can_fall, can_rise, law, pick_rows, summed
 from stepwell.statics.following.branch import smallest_eigenvalue
+from stepwell.statics.following.pieces import stand_on
 from stepwell.statics.following.state import Problem
 
 _STEPS = 30_000
@@ -28,9 +29,9 @@ class Point(NamedTuple):
 def _rate(laws: Laws, i: int, travel: float, force: float, shared: float) -> float:
     """ds_i/dt at unit mobility: stops and Coulomb friction may hold the cell."""
     friction = laws.friction[i]
-    if shared > force + friction and travel < laws.full[i]:
+    if shared > force + friction and can_rise(laws, i, travel):
         return shared - force - friction
-    if shared < force - friction and travel > 0.0:
+    if shared < force - friction and can_fall(laws, i, travel):
         return shared - force + friction
     return 0.0
 
@@ -88,7 +89,7 @@ def _smooth_rates(problem: Problem, at: Point, travel: Floats, out: Floats) -> N
     total, count = 0.0, 0
     for i in range(len(travel)):
         if sense[i] != 0:
-            place = min(max(travel[i], 0.0), laws.full[i])
+            place = min(max(travel[i], laws.low[i]), laws.high[i])
             pick_rows(laws, i, place, rows)
             out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
             total += out[i]
@@ -125,7 +126,7 @@ def _polish(
     offset = np.zeros(n)
     for i in range(n):
         if laws.friction[i] == 0.0:
-            active[i] = 0.0 < travel[i] < laws.full[i]
+            active[i] = can_fall(laws, i, travel[i]) and can_rise(laws, i, travel[i])
         elif rate[i] != 0.0:
             active[i] = True
             offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
@@ -171,8 +172,8 @@ def _polish(
         shared += change
         for i in range(n):
             if (
-                out[i] < 0.0
-                or out[i] > laws.full[i]
+                out[i] < laws.low[i]
+                or out[i] > laws.high[i]
                 or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]
             ):
                 return False, shared
@@ -183,9 +184,9 @@ def _polish(
         value = law(laws, i, rows, out[i])[0]
         slack = laws.friction[i] + 1e-9 * (abs(value) + abs(shared))
         if not active[i]:
-            if out[i] < laws.full[i] and shared > value + slack:
+            if can_rise(laws, i, out[i]) and shared > value + slack:
                 return False, shared
-            if out[i] > 0.0 and shared < value - slack:
+            if can_fall(laws, i, out[i]) and shared < value - slack:
                 return False, shared
     return True, shared
 
@@ -223,7 +224,8 @@ def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floa
         _solve(problem, at, h, rates, out)
         stays = False
         for i in range(len(travel)):
-            bound = laws.friction[i] > 0.0 or travel[i] == 0.0 or travel[i] == laws.full[i]
+            ends = travel[i] == laws.low[i] or travel[i] == laws.high[i]
+            bound = laws.friction[i] > 0.0 or ends
             if sense[i] != 0 and bound and out[i] * sense[i] < 0.0:
                 sense[i] = 0
                 stays = True
@@ -237,7 +239,7 @@ def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floa
 def _turned(laws: Laws, at: Point, step: Floats) -> int:
     """A cell that a step pushes into the stop that it was to leave, or -1."""
     for i in range(len(step)):
-        bound = at.travel[i] == 0.0 or at.travel[i] == laws.full[i]
+        bound = at.travel[i] == laws.low[i] or at.travel[i] == laws.high[i]
         if at.sense[i] != 0 and bound and step[i] * at.sense[i] < 0.0:
             return i
     return -1
@@ -300,6 +302,8 @@ def flow(
         if overspent(problem.effort, 4 * n):
             break
         shared = _rates(problem, at, shared, f0)
+        if _jumps(problem, at, f0):
+            continue
         fastest = np.max(np.abs(f0))
         # The longest step moves no cell by more than rounding: this is rest, whether or not
         # Newton can say so (two cells of constant force have no single place to be).
@@ -350,21 +354,35 @@ def flow(
         share, first = 1.0, -1
         for i in range(n):
             move = h * k2[i]
-            room = laws.full[i] - travel[i] if move > 0.0 else travel[i]
+            room = laws.high[i] - travel[i] if move > 0.0 else travel[i] - laws.low[i]
             if abs(move) * share > room:
                 share, first = room / abs(move), i
         for i in range(n):
             if sense[i] != 0:
                 move = share * h * k2[i]
                 rubbed[i] += abs(move)
-                travel[i] = min(max(travel[i] + move, 0.0), laws.full[i])
+                travel[i] = min(max(travel[i] + move, laws.low[i]), laws.high[i])
                 if i == first:
                     # Not by the sign of `move`: a cell that was there already moves by zero.
-                    travel[i] = laws.full[i] if k2[i] > 0.0 else 0.0
+                    travel[i] = laws.high[i] if k2[i] > 0.0 else laws.low[i]
                 _look(laws, at, i)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
         h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
     return False, shared
+
+
+@kernel
+def _jumps(problem: Problem, at: Point, rates: Floats) -> bool:
+    """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
+    laws, some = problem.laws, False
+    for i in range(len(rates)):
+        out = at.travel[i] >= laws.high[i] if rates[i] > 0.0 else at.travel[i] <= laws.low[i]
+        to = beyond(laws, i, at.travel[i]) if rates[i] != 0.0 and out else -1
+        if to >= 0:
+            stand_on(laws, problem.pieces, i, to)
+            _look(laws, at, i)
+            some = True
+    return some
 
 
 @kernel

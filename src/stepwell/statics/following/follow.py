@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import SPENT, STROKES, entry, kernel, overspent
-from stepwell.mechanism import summed
+from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD
 from stepwell.statics.following.smooth import (
     FLAT,
@@ -47,7 +47,8 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
     """Drive the chain through `turning`, writing every segment to the log; how it ended."""
     effort, n = problem.effort, len(state.mode)
     goes = np.zeros(n, np.int64)
-    slack, reach = drive_slack(problem), summed(problem.laws.full)
+    slack = drive_slack(problem)
+    lowest, highest = ends_of(problem.laws)
     for turn in range(1, len(turning)):
         effort[STROKES] = turn - 1
         target = turning[turn]
@@ -58,7 +59,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
         _come_to_rest(problem, state, direction)
         # With all the stroke used up every cell is at its stop: ask for that and not for a number,
         # which rounding could meet one cell early.
-        ends = target >= reach - slack if direction > 0 else target <= slack
+        ends = target >= highest - slack if direction > 0 else target <= lowest + slack
         to_the_end = problem.beta == 0.0 and ends
         if to_the_end:
             target = direction * np.inf

@@ -14,7 +14,7 @@ from stepwell.mechanism import law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import Problem
 
-LANDED, STOPPED, JOINED, UNDECIDED = 0, 1, 2, 3
+LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
 
 
 class Line(NamedTuple):
@@ -74,9 +74,9 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     lowest, highest = line.lowest - tolerance, line.highest + tolerance
     limit = np.inf
     if forth >= 0:
-        limit = min(limit, laws.full[forth] - from_forth)
+        limit = min(limit, laws.high[forth] - from_forth)
     if back >= 0:
-        limit = min(limit, from_back)
+        limit = min(limit, from_back - laws.low[back])
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     near = 1e-12 * size
     start *= size

@@ -9,13 +9,13 @@ from stepwell.base import Floats, Ints
 # What happens on a segment; on a drift, cells of constant force move.
 HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
 # Why a snap happened.
-FOLD, RELEASE, KINK = 1, 2, 3
+FOLD, RELEASE, KINK, ENDS = 1, 2, 3, 4
 
 SEGMENT_COLUMNS = 11
 KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
 RELEASED, RUBBED, CAUSE, TIE_A, TIE_B = range(6, SEGMENT_COLUMNS)
-MOVER_COLUMNS = 5
-CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1 = range(MOVER_COLUMNS)
+MOVER_COLUMNS = 7
+CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 
 
 class Log(NamedTuple):

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, Ints
+from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Laws, law, pick_rows, travel_of, turn_at
+from stepwell.mechanism import Laws, change_sheet, law, pick_rows, travel_of, turn_at
 
 _NODES = 13
 _DEPTH = 40
@@ -26,9 +26,11 @@ NO_FORCE = 1e-12
 
 
 class Pieces(NamedTuple):
-    """P monotone pieces of all cells, in order of cell and travel."""
+    """P monotone pieces of all cells, in order of cell, sheet and travel; T sheets."""
 
-    first: Ints  # (N + 1,) pieces of cell i are first[i] .. first[i + 1]
+    sheet_first: Ints  # (T + 1,) pieces of sheet t are sheet_first[t] .. sheet_first[t + 1]
+    first: Ints  # (N,) pieces of the sheet on which cell i stands are first[i] .. last[i]
+    last: Ints  # (N,)
     left: Floats  # (P,) travel where the piece begins
     right: Floats  # (P,)
     force_left: Floats  # (P,)
@@ -54,13 +56,18 @@ _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 @kernel
 def cut_points(laws: Laws, cell: int) -> Floats:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
-    r, sin_limit, full = laws.lever[cell], laws.sin_limit[cell], laws.full[cell]
+    r, sin_limit, low, high = (
+        laws.lever[cell],
+        laws.sin_limit[cell],
+        laws.low[cell],
+        laws.high[cell],
+    )
     count = 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         count += 2 * (laws.band_rows[b + 1] - laws.band_rows[b]) + 2
     count += laws.load_rows[cell, 1] - laws.load_rows[cell, 0]
     points = np.empty(count)
-    points[0], points[1] = 0.0, full
+    points[0], points[1] = low, high
     used = 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, _, rest = laws.band[b]
@@ -70,7 +77,7 @@ def cut_points(laws: Laws, cell: int) -> Floats:
         sine = dy / reach if reach > 0.0 else 2.0
         for side in (-1.0, 1.0):
             travel = travel_of(side * sine, r, sin_limit)
-            if 0.0 < travel < full:
+            if low < travel < high:
                 points[used] = travel
                 used += 1
         for row in range(laws.band_rows[b], laws.band_rows[b + 1]):
@@ -85,20 +92,20 @@ def cut_points(laws: Laws, cell: int) -> Floats:
                 angle = math.atan2(math.sin(angle), math.cos(angle))
                 if abs(angle) < np.pi / 2:
                     travel = travel_of(math.sin(angle), r, sin_limit)
-                    if 0.0 < travel < full:
+                    if low < travel < high:
                         points[used] = travel
                         used += 1
     for row in range(laws.load_rows[cell, 0], laws.load_rows[cell, 1]):
-        if 0.0 < laws.rows[row, 0] < full:
+        if low < laws.rows[row, 0] < high:
             points[used] = laws.rows[row, 0]
             used += 1
     points = np.sort(points[:used])
     kept = 1
     for i in range(1, used):
-        if points[i] - points[kept - 1] > 1e-12 * full:
+        if points[i] - points[kept - 1] > 1e-12 * laws.full[cell]:
             points[kept] = points[i]
             kept += 1
-    points[kept - 1] = full
+    points[kept - 1] = high
     return points[:kept]
 
 
@@ -222,89 +229,135 @@ def cut(laws: Laws) -> Pieces:
     slots = int(np.max(np.diff(laws.band_first))) + 1
     room = 16 * cells + 64
     while True:
-        columns = np.zeros(cells + 1, np.int64), *np.empty((4, room)), np.empty(room, np.int64)
-        pieces = Pieces._make((*columns, np.full((room, slots), -1, np.int64)))
+        among = np.zeros(len(laws.sheet_ends) + 1, np.int64), *np.zeros((2, cells), np.int64)
+        columns = *np.empty((4, room)), np.empty(room, np.int64)
+        pieces = Pieces._make((*among, *columns, np.full((room, slots), -1, np.int64)))
         total = _cut(laws, pieces)
         if total >= 0:
-            return Pieces._make((pieces.first, *(column[:total].copy() for column in pieces[1:])))
+            return Pieces._make((*among, *(column[:total].copy() for column in pieces[3:])))
         room *= 2
 
 
 @entry(6e-3, "laws.lever")
 def _cut(laws: Laws, out: Pieces) -> int:
     """Fill the pieces; how many there are, or -1 where they are more than fit in."""
-    first, left, right, force_left, force_right, sign, picked = out
-    cells = len(laws.lever)
     found = np.empty(4 * MOST_PIECES)
-    rows = np.full(picked.shape[1], -1, np.int64)
+    rows = np.full(out.picked.shape[1], -1, np.int64)
     total = 0
-    for i in range(cells):
-        first[i] = total
-        points = cut_points(laws, i)
-        before = np.nan
-        for j in range(len(points) - 1):
-            a, b = points[j], points[j + 1]
-            pick_rows(laws, i, 0.5 * (a + b), rows)
-            flat = rows[laws.band_first[i + 1] - laws.band_first[i]] < 0
-            load_row = rows[laws.band_first[i + 1] - laws.band_first[i]]
-            if load_row >= 0:
-                flat = (
-                    laws.rows[load_row, 2] == 0.0
-                    and laws.rows[load_row, 3] == 0.0
-                    and laws.rows[load_row, 4] == 0.0
-                )
-            for slot in range(laws.band_first[i + 1] - laws.band_first[i]):
-                flat = flat and rows[slot] < 0
-            used = 0
-            if not flat:
-                force, slope = _largest(laws, i, rows, a, b)
-                flat = slope * (b - a) <= _FLAT * force
-                if not flat:
-                    used = _roots(Derivative(laws, i, rows, 1, 0.0), a, b, found, used)
-                    steady = _FLAT * slope / (b - a)
-                    used = _roots(Derivative(laws, i, rows, 2, steady), a, b, found, used)
-            cuts = np.empty(used + 2)
-            cuts[0], cuts[1] = a, b
-            cuts[2:] = found[:used]
-            cuts = np.sort(cuts)
-            for c in range(len(cuts) - 1):
-                lo, hi = cuts[c], cuts[c + 1]
-                if hi - lo <= 1e-13 * laws.full[i] and c + 2 < len(cuts):
-                    cuts[c + 1] = lo
-                    continue
-                if total == len(left):
-                    return -1
-                begin = law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
-                end = begin if flat else law(laws, i, rows, hi)[0]
-                if flat and not np.isnan(before):
-                    # A flat stretch is exact, the curve that runs into it is rounded.
-                    force_right[total - 1] = begin
-                left[total], right[total] = lo, hi
-                force_left[total], force_right[total] = begin, end
-                sign[total] = 0 if end == begin else (1 if end > begin else -1)
-                picked[total] = rows
-                before = end
-                total += 1
-    first[cells] = total
+    for i in range(len(laws.lever)):
+        for sheet in range(laws.sheet_first[i + 1] - laws.sheet_first[i]):
+            change_sheet(laws, i, sheet)
+            out.sheet_first[laws.sheet_first[i] + sheet] = total
+            total = _cut_sheet(laws, i, out, found, rows, total)
+            if total < 0:
+                return -1
+            out.sheet_first[laws.sheet_first[i] + sheet + 1] = total
+        stand_on(laws, out, i, 0)
     return total
 
 
+@kernel
+def _cut_sheet(laws: Laws, i: int, out: Pieces, found: Floats, rows: Ints, total: int) -> int:
+    """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
+    left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
+    sign, picked = out.sign, out.picked
+    bands = laws.band_first[i + 1] - laws.band_first[i]
+    points = cut_points(laws, i)
+    before = np.nan
+    for j in range(len(points) - 1):
+        a, b = points[j], points[j + 1]
+        pick_rows(laws, i, 0.5 * (a + b), rows)
+        flat = rows[bands] < 0
+        load_row = rows[bands]
+        if load_row >= 0:
+            flat = (
+                laws.rows[load_row, 2] == 0.0
+                and laws.rows[load_row, 3] == 0.0
+                and laws.rows[load_row, 4] == 0.0
+            )
+        for slot in range(bands):
+            flat = flat and rows[slot] < 0
+        used = 0
+        if not flat:
+            force, slope = _largest(laws, i, rows, a, b)
+            flat = slope * (b - a) <= _FLAT * force
+            # The pieces of an element come cut where they turn.
+            if not flat and bands > 0:
+                used = _roots(Derivative(laws, i, rows, 1, 0.0), a, b, found, used)
+                steady = _FLAT * slope / (b - a)
+                used = _roots(Derivative(laws, i, rows, 2, steady), a, b, found, used)
+        cuts = np.empty(used + 2)
+        cuts[0], cuts[1] = a, b
+        cuts[2:] = found[:used]
+        cuts = np.sort(cuts)
+        for c in range(len(cuts) - 1):
+            lo, hi = cuts[c], cuts[c + 1]
+            if hi - lo <= 1e-13 * laws.full[i] and c + 2 < len(cuts):
+                cuts[c + 1] = lo
+                continue
+            if total == len(left):
+                return -1
+            begin = law(laws, i, rows, lo)[0] if np.isnan(before) or flat else before
+            end = begin if flat else law(laws, i, rows, hi)[0]
+            if flat and not np.isnan(before):
+                # A flat stretch is exact, the curve that runs into it is rounded.
+                force_right[total - 1] = begin
+            left[total], right[total] = lo, hi
+            force_left[total], force_right[total] = begin, end
+            sign[total] = 0 if end == begin else (1 if end > begin else -1)
+            picked[total] = rows
+            before = end
+            total += 1
+    return total
+
+
+def of_curve(laws: Laws, pieces: Pieces) -> Bools:
+    """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
+    own = np.repeat(np.arange(len(laws.sheet_curve)), np.diff(pieces.sheet_first))
+    begin, end = laws.sheet_curve[own].T
+    return (pieces.right > begin) & (pieces.left < end)
+
+
 def force_scale(laws: Laws, pieces: Pieces) -> float:
-    """Largest force of any cell on its way [N], against which tolerances are measured."""
-    largest = max(np.max(np.abs(pieces.force_left)), np.max(np.abs(pieces.force_right)))
-    return float(max(largest, np.max(laws.friction), NO_FORCE))
+    """Largest force of any cell on its curve [N], against which tolerances are measured."""
+    own = of_curve(laws, pieces)
+    forces = np.abs(np.concatenate([pieces.force_left[own], pieces.force_right[own]]))
+    return float(max(np.max(forces), np.max(laws.friction), NO_FORCE))
+
+
+@kernel
+def stand_on(laws: Laws, pieces: Pieces, cell: int, sheet: int) -> None:
+    """Let a cell stand on a sheet of its curve."""
+    change_sheet(laws, cell, sheet)
+    at = laws.sheet_first[cell] + sheet
+    pieces.first[cell], pieces.last[cell] = pieces.sheet_first[at], pieces.sheet_first[at + 1] - 1
+
+
+@kernel
+def stand_all_on(laws: Laws, pieces: Pieces, sheets: Ints) -> None:
+    """Let every cell stand on its sheet, (N,) by number in the cell."""
+    for i in range(len(sheets)):
+        if laws.sheet[i] != sheets[i]:
+            stand_on(laws, pieces, i, sheets[i])
 
 
 @kernel
 def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
     """The piece of `cell` at `travel`; at a joint the one that lies in `direction`."""
-    piece = pieces.first[cell]
-    last = pieces.first[cell + 1] - 1
-    while piece < last and (
-        pieces.right[piece] < travel or (direction > 0 and pieces.right[piece] <= travel)
-    ):
-        piece += 1
-    return piece
+    return find_among(pieces, pieces.first[cell], pieces.last[cell], travel, direction)
+
+
+@kernel
+def find_among(pieces: Pieces, first: int, last: int, travel: float, direction: int) -> int:
+    """The piece at `travel` from `first` to `last`; at a joint the one in `direction`."""
+    while first < last:
+        middle = (first + last) // 2
+        right = pieces.right[middle]
+        if right < travel or (direction > 0 and right <= travel):
+            first = middle + 1
+        else:
+            last = middle
+    return first
 
 
 @kernel

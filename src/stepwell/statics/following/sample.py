@@ -22,12 +22,13 @@ from stepwell.statics.following.log import (
     MOVE,
     OFFSET,
     PIECE,
+    SHEET_1,
     SNAP,
     TRAVEL_0,
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import find_piece
+from stepwell.statics.following.pieces import find_piece, stand_all_on, stand_on
 from stepwell.statics.following.state import Movers, Problem, drive_of, nobody
 
 
@@ -36,6 +37,7 @@ class Samples(NamedTuple):
 
     drive: Floats  # (n,)
     travel: Floats  # (n, N)
+    sheet: Ints  # (n, N)
     force: Floats  # (n,) λ
     branch: Ints  # (n,) number of the smooth branch
     snap_after: Ints  # (n,) 1 where the next one is the landing of a snap
@@ -56,14 +58,21 @@ def count_samples(log: Log, points: int) -> int:
 
 @entry(1e-4, "samples.travel")
 def sample(
-    problem: Problem, log: Log, start: Floats, start_force: float, points: int, samples: Samples
+    problem: Problem,
+    log: Log,
+    start: Floats,
+    sheets: Ints,
+    start_force: float,
+    points: int,
+    samples: Samples,
 ) -> int:
     """Fill the samples; evenly in the drive along a branch, both ends of every jump."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    drive, travel, force, branch, snap_after, direction, residual, stability = samples
+    drive, travel, sheet, force, branch, snap_after, direction, residual, stability = samples
+    stand_all_on(laws, pieces, sheets)
     now, number = start.copy(), 0
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
-    branch[0], snap_after[0] = number, 0
+    sheet[0], branch[0], snap_after[0] = sheets, number, 0
     direction[0] = int(log.segments[0, DIRECTION]) if log.used[0] > 0 else 1
     residual[0], stability[0] = certify(problem, now, start_force, nobody())
     at = 1
@@ -105,11 +114,13 @@ def sample(
                 level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places)
             for j in range(m):
                 now[movers.cell[j]] = places[j]
+                if laws.sheet[movers.cell[j]] != int(rows[j, SHEET_1]):
+                    stand_on(laws, pieces, movers.cell[j], int(rows[j, SHEET_1]))
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
                 continue
-            drive[at], travel[at], force[at] = u, now, level
+            drive[at], travel[at], sheet[at], force[at] = u, now, laws.sheet, level
             branch[at], snap_after[at], direction[at] = number, 0, toward
             residual[at], stability[at] = certify(problem, now, level, moving)
             at += 1

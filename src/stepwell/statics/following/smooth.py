@@ -6,7 +6,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Laws, law, summed
+from stepwell.mechanism import Laws, can_fall, can_rise, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert
@@ -199,7 +199,7 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
         state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * room
         friction_work += float(laws.friction[i]) * room
     drive = drive_of(problem, state.travel, begun.force)
-    status = write(state, DRIFT, begun, movers, drive, (0.0, friction_work))
+    status = write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):
         i = movers.cell[m]
         if not reached and state.travel[i] == ends[m]:
@@ -211,8 +211,9 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
 @kernel
 def _until_letting_go(laws: Laws, state: State, i: int, toward: int) -> float:
     """How far λ has to go `toward` until held cell i lets go; inf where it never does."""
-    stop = laws.full[i] if toward > 0 else 0.0
-    if state.mode[i] != HELD or state.travel[i] == stop:
+    travel = state.travel[i]
+    free = can_rise(laws, i, travel) if toward > 0 else can_fall(laws, i, travel)
+    if state.mode[i] != HELD or not free:
         return np.inf
     return max(0.0, toward * (state.at_rest[i] - state.force[0]) + laws.friction[i])
 
@@ -253,9 +254,9 @@ def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int
 
 @kernel
 def _turns_over(laws: Laws, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
-    """Sign of a cell's κ past the end of its piece; 2 where that is a stop."""
+    """Sign of a cell's κ past the end of its piece; 2 where that is the end of its sheet."""
     end = pieces.right[piece] if heading > 0 else pieces.left[piece]
-    stop = laws.full[cell] if heading > 0 else 0.0
+    stop = laws.high[cell] if heading > 0 else laws.low[cell]
     return 2 if end == stop else pieces.sign[piece + heading]
 
 
@@ -396,7 +397,7 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
             return RUNS_AWAY
         # Nothing is left to happen: the drive only changes the force.
         state.force[0] = (target - alpha * summed(begun.travel)) / beta
-        status = write(state, HOLD, begun, movers, target, (0.0, 0.0))
+        status = write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
         return DONE if status == GOES_ON else status
     count = len(movers.cell)
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
@@ -424,7 +425,7 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
     state.force[0] = level
     if moves:
         kind = MOVE if count > 0 else HOLD
-        status = write(state, kind, begun, movers, drive, (0.0, friction_work))
+        status = write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
         if status != GOES_ON:
             return status
     if reached:

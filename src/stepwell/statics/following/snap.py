@@ -4,12 +4,12 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import kernel
-from stepwell.mechanism import law, stored, summed
+from stepwell.mechanism import can_fall, can_rise, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
-from stepwell.statics.following.landing import JOINED, STOPPED, UNDECIDED, Line, land
-from stepwell.statics.following.log import FOLD, SNAP
-from stepwell.statics.following.pieces import find_piece
+from stepwell.statics.following.landing import JOINED, JUMPED, STOPPED, UNDECIDED, Line, land
+from stepwell.statics.following.log import ENDS, FOLD, SNAP
+from stepwell.statics.following.pieces import find_among, find_piece, stand_all_on
 from stepwell.statics.following.state import (
     DUE,
     FREE,
@@ -18,11 +18,13 @@ from stepwell.statics.following.state import (
     SENSE,
     STALLED,
     TRIGGER,
+    WHY,
     Movers,
     Problem,
     State,
     begin,
     held_range,
+    jump,
     set_snap,
     set_tie,
     settle,
@@ -37,9 +39,13 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     begun = begin(problem, state, direction)
     before, trigger = begun.travel, state.next_snap[TRIGGER]
     rubbed = np.zeros(len(before))
-    outcome, close = _along_line(problem, state, rubbed)
-    if outcome == JOINED:
-        settled, closer = _by_flow(problem, state, begun.drive, rubbed)
+    outcome, close = JUMPED, False
+    if not (
+        state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
+    ):
+        outcome, close = _along_line(problem, state, rubbed)
+    if outcome == JOINED or outcome == JUMPED:
+        settled, closer = _by_flow(problem, state, begun.drive, rubbed, outcome == JUMPED)
         if not settled:
             return NOT_SETTLED
         close = close or closer
@@ -47,7 +53,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     # A snap at a prescribed stroke that does not keep it is no answer.
     if problem.beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full):
         return NOT_SETTLED
-    changed = state.travel != before
+    changed = (state.travel != before) | (laws.sheet != begun.sheet)
     if not np.any(changed):
         return STALLED
     # The cell that let go belongs to the snap even where the flow brings it back to its stop.
@@ -56,7 +62,9 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     released = 0.0
     for m in range(len(moved)):
         i = int(moved[m])
-        on = pieces.picked[find_piece(pieces, i, before[i], 0)]
+        sheet = laws.sheet_first[i] + begun.sheet[i]
+        first, last = pieces.sheet_first[sheet], pieces.sheet_first[sheet + 1] - 1
+        on = pieces.picked[find_among(pieces, first, last, before[i], 0)]
         to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
         released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
     # A cell that yields and comes back has rubbed as well.
@@ -71,7 +79,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
         set_tie(state.tie, trigger, trigger)
     movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
     heat = (released - friction_work, friction_work)
-    status = write(state, SNAP, begun, movers, begun.drive, heat)
+    status = write(problem, state, SNAP, begun, movers, heat, begun.drive)
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     return status
@@ -126,15 +134,23 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
         outcome, shift, level = JOINED, 0.0, line.force
     if forth >= 0:
         state.travel[forth] += shift
-        if laws.full[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
-            state.travel[forth] = laws.full[forth]
+        if laws.high[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
+            state.travel[forth] = laws.high[forth]
         rubbed[forth] = shift
     if back >= 0:
         state.travel[back] -= shift
-        if state.travel[back] <= 1e-15 * laws.full[back]:
-            state.travel[back] = 0.0
+        if state.travel[back] - laws.low[back] <= 1e-15 * laws.full[back]:
+            state.travel[back] = laws.low[back]
         rubbed[back] = shift
     state.force[0] = level
+    if outcome == STOPPED:
+        jumps = (
+            forth >= 0 and state.travel[forth] == laws.high[forth] and jump(problem, state, forth)
+        )
+        if back >= 0 and state.travel[back] == laws.low[back]:
+            jumps = jump(problem, state, back) or jumps
+        if jumps:
+            return JUMPED, tie
     if outcome == STOPPED and rigid:
         # One of the two has stopped and no longer takes its part of the force: the other
         # may now push a third one off its place, and the snap goes on.
@@ -147,17 +163,24 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
 
 
 @kernel
-def _by_flow(problem: Problem, state: State, drive: float, rubbed: Floats) -> tuple[bool, bool]:
-    """Let the flow bring all cells to rest; whether it did, and whether by a tie."""
-    full, force = problem.laws.full, state.force[0]
+def _by_flow(
+    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool
+) -> tuple[bool, bool]:
+    """Let the flow bring all cells to rest; whether it did, and whether by a tie.
+
+    Where a cell has `jumped` to another sheet they are on their way already.
+    """
+    laws, pieces, force = problem.laws, problem.pieces, state.force[0]
+    sheets = laws.sheet.copy()
     start, worn = state.travel.copy(), rubbed.copy()
     again, settled, level = start, False, force
-    on_its_way = worn[state.next_snap[TRIGGER]] != 0.0
+    on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
     # The place next to a fold can be too narrow for the flow to get out of; then the way
     # out is begun further on, where the one unstable direction still holds.
     for share in (1e-4, 1e-3, 1e-2):
         state.travel[:] = start
         rubbed[:] = worn
+        stand_all_on(laws, pieces, sheets)
         if not on_its_way:
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
@@ -169,14 +192,18 @@ def _by_flow(problem: Problem, state: State, drive: float, rubbed: Floats) -> tu
         return False, False
     # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
     # between two landings hangs on less than any real mechanism can promise.
+    landed = laws.sheet.copy()
+    stand_all_on(laws, pieces, sheets)
     settled, _ = flow(problem, again, drive, force, 1e-4, worn)
     state.force[0] = level
-    tie = not settled or _elsewhere(problem, state, again)
-    for i in range(len(full)):
-        if abs(state.travel[i]) <= 1e-13 * full[i]:
-            state.travel[i] = 0.0
-        elif abs(state.travel[i] - full[i]) <= 1e-13 * full[i]:
-            state.travel[i] = full[i]
+    elsewhere = np.any(laws.sheet != landed)
+    stand_all_on(laws, pieces, landed)
+    tie = not settled or elsewhere or _elsewhere(problem, state, again)
+    for i in range(len(landed)):
+        if abs(state.travel[i] - laws.low[i]) <= 1e-13 * laws.full[i]:
+            state.travel[i] = laws.low[i]
+        elif abs(state.travel[i] - laws.high[i]) <= 1e-13 * laws.full[i]:
+            state.travel[i] = laws.high[i]
     return True, tie
 
 
@@ -204,9 +231,9 @@ def _elsewhere(problem: Problem, state: State, there: Floats) -> bool:
             # A cell that slid all the way rests where its force and friction meet λ: between two
             # such places it is off by the bend of its force.
             slip = laws.friction[i] + 1e-4 * problem.scale
-            if travel > 0.0:
+            if can_fall(laws, i, travel):
                 low = max(low, value - slip)
-            if travel < laws.full[i]:
+            if can_rise(laws, i, travel):
                 high = min(high, value + slip)
         if low > high or (problem.beta > 0.0 and not low <= level <= high):
             return True
@@ -257,7 +284,8 @@ def _leave(problem: Problem, state: State, share: float) -> None:
     # One length for all cells, short of every stop, or the stroke would not stay what it is.
     for m in range(count):
         i = movers[m]
-        room = laws.full[i] - state.travel[i] if step * way[m] > 0.0 else state.travel[i]
+        up = step * way[m] > 0.0
+        room = laws.high[i] - state.travel[i] if up else state.travel[i] - laws.low[i]
         if abs(step * way[m]) > 0.5 * room:
             step *= 0.5 * room / abs(step * way[m])
     for m in range(count):

@@ -6,13 +6,14 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Laws, law, summed
+from stepwell.mechanism import Laws, beyond, can_fall, can_rise, law, summed
 from stepwell.statics.following.log import (
     CAUSE,
     CELL,
     DIRECTION,
     DRIVE_0,
     DRIVE_1,
+    ENDS,
     FORCE_0,
     FORCE_1,
     KIND,
@@ -20,6 +21,8 @@ from stepwell.statics.following.log import (
     PIECE,
     RELEASED,
     RUBBED,
+    SHEET_0,
+    SHEET_1,
     SNAP,
     TIE_A,
     TIE_B,
@@ -27,7 +30,7 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece
+from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
 
 # What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
 # friction; has just reached the force at which it lets go.
@@ -83,6 +86,7 @@ class Begin(NamedTuple):
     drive: float
     force: float
     travel: Floats  # (N,)
+    sheet: Ints  # (N,)
 
 
 @kernel
@@ -101,7 +105,8 @@ def drive_slack(problem: Problem) -> float:
 def begin(problem: Problem, state: State, direction: int) -> Begin:
     """The beginning of a segment: where the chain is now."""
     travel, force = state.travel.copy(), state.force[0]
-    return Begin(direction, drive_of(problem, travel, force), force, travel)
+    drive, sheet = drive_of(problem, travel, force), problem.laws.sheet.copy()
+    return Begin(direction, drive, force, travel, sheet)
 
 
 @kernel
@@ -123,7 +128,13 @@ def nobody() -> Movers:
 
 @kernel
 def write(
-    state: State, kind: int, begun: Begin, movers: Movers, drive: float, heat: tuple[float, float]
+    problem: Problem,
+    state: State,
+    kind: int,
+    begun: Begin,
+    movers: Movers,
+    heat: tuple[float, float],
+    drive: float,
 ) -> int:
     """Append the segment that ends here at `drive`, and forget the tie that it tells of.
 
@@ -146,6 +157,7 @@ def write(
         mover = log.movers[m + j]
         mover[CELL], mover[PIECE], mover[OFFSET] = i, movers.piece[j], movers.offset[j]
         mover[TRAVEL_0], mover[TRAVEL_1] = begun.travel[i], state.travel[i]
+        mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], problem.laws.sheet[i]
     log.used[0] = k + 1
     log.used[1] = m + len(movers.cell)
     log.first[k + 1] = m + len(movers.cell)
@@ -184,9 +196,9 @@ def held_range(laws: Laws, state: State) -> tuple[float, float]:
     low, high = -np.inf, np.inf
     for i in range(len(state.mode)):
         if state.mode[i] == HELD:
-            if state.travel[i] > 0.0:
+            if can_fall(laws, i, state.travel[i]):
                 low = max(low, state.at_rest[i] - laws.friction[i])
-            if state.travel[i] < laws.full[i]:
+            if can_rise(laws, i, state.travel[i]):
                 high = min(high, state.at_rest[i] + laws.friction[i])
     return low, high
 
@@ -197,7 +209,7 @@ def settle(problem: Problem, state: State) -> None:
     laws, pieces = problem.laws, problem.pieces
     free, total = 0, 0.0
     for i in range(len(state.mode)):
-        inside = 0.0 < state.travel[i] < laws.full[i]
+        inside = can_fall(laws, i, state.travel[i]) and can_rise(laws, i, state.travel[i])
         if inside and laws.friction[i] == 0.0:
             state.mode[i], state.sense[i] = FREE, 0
             piece = find_piece(pieces, i, state.travel[i], 0)
@@ -216,11 +228,27 @@ def settle(problem: Problem, state: State) -> None:
 
 @kernel
 def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
-    """A cell has reached the end of its piece: it rests at a stop, or goes on to the next."""
-    stop = problem.laws.full[cell] if heading > 0 else 0.0
-    if state.travel[cell] == stop:
-        hold(problem, state, cell)
+    """A cell has reached the end of its piece: it rests at a stop, jumps, or goes on."""
+    laws = problem.laws
+    end = laws.high[cell] if heading > 0 else laws.low[cell]
+    if state.travel[cell] == end:
+        if beyond(laws, cell, state.travel[cell]) < 0:
+            hold(problem, state, cell)
+        else:
+            # Its curve folds back here: it has to jump.
+            state.next_snap[WHY], state.next_snap[DUE] = ENDS, 1
         return
     state.piece[cell] += heading
     if state.mode[cell] == SLIDES:
         state.mode[cell] = LETS_GO
+
+
+@kernel
+def jump(problem: Problem, state: State, cell: int) -> bool:
+    """Let a cell whose sheet ends where it stands jump to the next one; whether it does."""
+    to = beyond(problem.laws, cell, state.travel[cell])
+    if to < 0:
+        return False
+    stand_on(problem.laws, problem.pieces, cell, to)
+    state.piece[cell] = find_piece(problem.pieces, cell, state.travel[cell], 0)
+    return True

@@ -1,0 +1,208 @@
+"""Where a chain stands in a state: every cell in its phase, all at one force."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, told_in
+from stepwell.mechanism import Chain, Stretch, ends_of
+from stepwell.statics.following import Problem, invert, of_curve
+from stepwell.statics.problem import problem_of
+
+# Beyond the last force at which a cell goes on to another phase, as a share of all forces.
+_BEYOND = 0.05
+
+
+class Configuration(NamedTuple):
+    """Where the cells of a chain stand."""
+
+    travel: tuple[float, ...]  # (N,) [m]
+    sheet: tuple[int, ...]  # (N,) of their curves
+
+
+def read_state(chain: Chain, name: str, state: str) -> tuple[int, ...]:
+    """The phases that a state such as "010" names; raises ValueError where it names none."""
+    counts = [len(stretches) for stretches in chain.stretches]
+    wrong = len(state) != len(counts)
+    for digit, count in zip(state, counts, strict=False):
+        wrong = wrong or not (digit.isascii() and digit.isdecimal() and int(digit) < count)
+    if wrong:
+        most = max(counts)
+        allowed = "0 or 1" if counts == [2] * len(counts) else f"0 to {most - 1}"
+        own = ""
+        if min(counts) < most:
+            each = zip(chain.names, counts, strict=True)
+            own = f" ({', '.join(f'{cell} has {n}' for cell, n in each)})"
+        raise InputError(
+            f"{name} = {state!r}: must be {len(counts)} characters {allowed}, inner cell first, "
+            f"each the phase of a cell{own}."
+            if allowed != "0 or 1"
+            else f"{name} = {state!r}: must be {len(counts)} characters 0 or 1, inner cell first."
+        )
+    return tuple(map(int, state))
+
+
+def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Configuration:
+    """Where the chain stands in a state with the actuator at `drive` [m], or [N].
+
+    Raises:
+        ValueError: a state that the chain cannot have, or in which it does not stand at that drive.
+    """
+    phases = read_state(chain, "start", state)
+    stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
+    if all(low == high for _, low, high in stretches):
+        return _place(np.array([low for _, low, _ in stretches]), stretches)
+    low, high = _forces(chain, problem, phases)
+    if low > high:
+        # Whoever begins there is told what does not balance.
+        return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
+    weights = problem.alpha, problem.beta
+
+    def gap(travel: Floats, force: float) -> float:
+        return weights[0] * math.fsum(travel.tolist()) + weights[1] * force - drive
+
+    first, last = _at(problem, stretches, low), _at(problem, stretches, high)
+    below, above = gap(first, low), gap(last, high)
+    slip = problem.alpha * 1e-9 * chain.full_stroke + problem.beta * 1e-9 * problem.scale
+    if below > slip or above < -slip:
+        _refuse_drive(chain, state, drive, drive + below, drive + above)
+    for step in range(200):
+        if above - below <= 1e-3 * slip or not low < high:
+            break
+        share = 0.5 if step % 3 == 2 else min(max(-below / (above - below), 0.0), 1.0)
+        force = low + share * (high - low)
+        if not low < force < high:
+            force = 0.5 * (low + high)
+            if not low < force < high:
+                break
+        travel = _at(problem, stretches, force)
+        here = gap(travel, force)
+        if here <= 0.0:
+            low, first, below = force, travel, here
+        if here >= 0.0:
+            high, last, above = force, travel, here
+    # Where a force is constant the travel is not told by it: what is left of the drive does.
+    share = min(max(-below / (above - below), 0.0), 1.0) if above > below else 0.0
+    return _place(first + share * (last - first), stretches)
+
+
+def drive_range(chain: Chain) -> tuple[float, float]:
+    """Drives [m], or [N] under force control, that pull every cell to its first and last phase.
+
+    Raises:
+        StaticsError: a force that turns too often to follow.
+    """
+    _, (low, high) = full_range(chain, problem_of(chain))
+    return low, high
+
+
+def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[float, float]]:
+    """Where a full cycle begins, and the drives between which it goes.
+
+    Stops end what a rigid actuator can do. Any other, and one that pulls curves with open ends,
+    goes a little beyond all forces at which a cell leaves a phase.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
+        low, high = ends_of(laws)
+        begin = _place(
+            laws.sheet_ends[laws.sheet_first[:-1], 0], [own[0] for own in chain.stretches]
+        )
+        if problem.beta == 0:
+            return begin, (low, high)
+        # A force below which no cell leaves 0, and one above which none leaves 1.
+        forces = np.concatenate([pieces.force_left, pieces.force_right])
+        rub, margin = float(np.max(laws.friction)), 0.01 * problem.scale
+        least, most = float(np.min(forces)) - rub - margin, float(np.max(forces)) + rub + margin
+        reach = problem.alpha * high
+        return begin, (problem.beta * least, reach + problem.beta * most)
+    finite = [
+        force
+        for phases in chain.phases
+        for phase in phases
+        for force in (phase.force_low, phase.force_high)
+        if math.isfinite(force)
+    ]
+    if not finite:
+        own = of_curve(laws, pieces)
+        finite = [*pieces.force_left[own], *pieces.force_right[own]]
+    more = _BEYOND * problem.scale + float(np.max(laws.friction))
+    least, most = min(0.0, min(finite) - more), max(0.0, max(finite) + more)
+    first, last = ([own[k] for own in chain.stretches] for k in (0, -1))
+    begin, end = (
+        _place(_at(problem, stretches, force), stretches)
+        for stretches, force in ((first, least), (last, most))
+    )
+    return begin, (_drive(problem, begin, least), _drive(problem, end, most))
+
+
+def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration, float] | None:
+    """Where the chain stands in a state under the force nearest to none, and the drive there.
+
+    None where no force holds all cells in these phases.
+
+    Raises:
+        ValueError: a state that the chain cannot have.
+    """
+    phases = read_state(chain, "state", state)
+    low, high = _forces(chain, problem, phases)
+    if low > high:
+        return None
+    force = min(max(0.0, low), high)
+    stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
+    place = _place(_at(problem, stretches, force), stretches)
+    return place, _drive(problem, place, force)
+
+
+def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
+    return Configuration(tuple(travel.tolist()), tuple(sheet for sheet, *_ in stretches))
+
+
+def _drive(problem: Problem, place: Configuration, force: float) -> float:
+    return problem.alpha * math.fsum(place.travel) + problem.beta * force
+
+
+def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[float, float]:
+    """Forces between which all cells stay in these phases [N], as far as open ends go on."""
+    own = [cell[k] for cell, k in zip(chain.phases, phases, strict=True)]
+    rub = problem.laws.friction.tolist()
+    low = max(phase.force_low - f for phase, f in zip(own, rub, strict=True))
+    high = min(phase.force_high + f for phase, f in zip(own, rub, strict=True))
+    pieces = problem.pieces
+    reach = float(max(np.max(pieces.force_right), np.max(-pieces.force_left))) + problem.scale
+    return max(low, -reach), min(high, reach)
+
+
+def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
+    """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
+    found = [_travel(problem, i, stretch, force) for i, stretch in enumerate(stretches)]
+    return np.array(found)
+
+
+def _travel(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+    sheet, low, high = stretch
+    if low == high:
+        return low
+    laws, pieces = problem.laws, problem.pieces
+    at = laws.sheet_first[cell] + sheet
+    begin, end = int(pieces.sheet_first[at]), int(pieces.sheet_first[at + 1])
+    # A phase begins and ends where pieces do.
+    first = begin + int(np.searchsorted(pieces.left[begin:end], low))
+    last = begin + int(np.searchsorted(pieces.right[begin:end], high, side="right")) - 1
+    if force <= pieces.force_left[first]:
+        return float(pieces.left[first])
+    if force >= pieces.force_right[last]:
+        return float(pieces.right[last])
+    piece = first + int(np.searchsorted(pieces.force_right[first : last + 1], force))
+    return float(invert(laws, pieces, cell, piece, force))
+
+
+def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:
+    unit, factor = told_in(chain.drive_unit)
+    raise InputError(
+        f"turning_points[0] = {drive * factor:.9g} {unit}: in the state {state} the chain stands "
+        f"from {low * factor:.9g} to {high * factor:.9g} {unit}; begin "
+        f"there, or pass another start."
+    )
