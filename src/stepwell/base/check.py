@@ -38,6 +38,17 @@ def not_negative(name: str, value: float, unit: str) -> float:
     return number
 
 
+def whole(name: str, value: float, least: int) -> int:
+    """`value` as an int; raises ValueError unless it is a whole number and at least `least`."""
+    try:
+        number = int(value)
+    except (TypeError, ValueError, OverflowError):
+        number = None
+    if number is None or number != value or number < least:
+        raise InputError(f"{name} = {value!r}: must be a whole number >= {least}.")
+    return number
+
+
 def short(number: float) -> str:
     """A bound as messages write it: 1e-6, 0.01."""
     return f"{number:g}".replace("e-0", "e-").replace("e+", "e")

@@ -18,6 +18,7 @@ from stepwell.base import (
     Quantity,
     ReadOnly,
     __version__,
+    check,
     require,
     write_csv,
 )
@@ -267,9 +268,8 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
             f"Tolerances(anchor=0.0005, stiffness=0.05)."
         )
-    for name, value, least in (("n", n, 1), ("seed", seed, 0)):
-        if int(value) != value or value < least:
-            raise InputError(f"{name} = {value!r}: must be a whole number >= {least}.")
+    check.whole("n", n, 1)
+    check.whole("seed", seed, 0)
     require("samples", n, "n =")
     shortest = min(cell.lever for cell in chain.cells)
     if tolerances.lever >= shortest:
