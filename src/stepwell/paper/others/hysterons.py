@@ -45,18 +45,18 @@ def reached(graph: Graph) -> Graph:
     seen, waiting = {"00"}, ["00"]
     while waiting:
         state = waiting.pop()
-        targets = {target(way) for way in graph if way.startswith(state)}
+        targets = {stations(way)[-1] for way in graph if way.startswith(state)}
         waiting += targets - seen
         seen |= targets
     return tuple(way for way in graph if way[:2] in seen)
 
 
-def target(way: str) -> str:
-    """The state to which a way leads."""
-    state = way[:2]
+def stations(way: str) -> tuple[str, ...]:
+    """The states through which a way leads, from the first to the last."""
+    found = [way[:2]]
     for cell in way[3:]:
-        state = _flipped(state, int(cell) - 1)
-    return state
+        found.append(_flipped(found[-1], int(cell) - 1))
+    return tuple(found)
 
 
 def way_to(state: str, sign: str, first: int, end: str) -> str:
@@ -67,7 +67,7 @@ def way_to(state: str, sign: str, first: int, end: str) -> str:
     way, cell = f"{state}{sign}", first
     for _ in range(3):
         way += str(cell + 1)
-        if target(way) == end:
+        if stations(way)[-1] == end:
             return way
         cell = 1 - cell
     raise AssertionError(f"no way from {state} to {end}")
