@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from stepwell import elements
     from stepwell.base import InputError, Measure, StepwellError, __version__
     from stepwell.design import (
         Margin,
@@ -78,6 +79,9 @@ _DOORS = {
     "yields": "design",
 }
 
+# `sw.design` can be called, `sw.elements` holds the library.
+_ROOMS = "design", "elements"
+
 __all__ = [
     "Arena",
     "Band",
@@ -108,6 +112,7 @@ __all__ = [
     "__version__",
     "boundaries",
     "design",
+    "elements",
     "load",
     "load_arena",
     "load_chain",
@@ -126,9 +131,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "design":
-        # The room itself, which can be called: once it is open, Python puts it under this name.
-        return import_module("stepwell.design")
+    if name in _ROOMS:
+        # The room itself: once it is open, Python puts it under this name.
+        return import_module(f"stepwell.{name}")
     if name in _DOORS:
         return getattr(import_module(f"stepwell.{_DOORS[name]}"), name)
     raise AttributeError(f"module 'stepwell' has no attribute {name!r}")

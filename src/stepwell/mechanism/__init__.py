@@ -6,7 +6,7 @@ from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
-from stepwell.mechanism.cubics import cubic, value
+from stepwell.mechanism.cubics import cubic, through, value
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.elements import Element, Phase, Sheet, Stretch, phase_at
 from stepwell.mechanism.geometry import (

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import InputError
+from stepwell.base import InputError, Measure
 from stepwell.mechanism.curves import Cubic, Table
+from stepwell.mechanism.elements import Element
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -139,6 +140,8 @@ def slips(cell: Cell) -> tuple[Slip, ...]:
 
 def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     """Positions [m], or forces [N], of the actuator that the chain takes in another unit only."""
+    if chain.measure is not Measure.TRAVEL:
+        return ()
     points = np.ravel(np.asarray(turning_points, float))
     most, unit = chain.full_stroke, "m"
     # A little out of a rigid actuator's reach is no slip, and refused where the chain is followed.
@@ -146,8 +149,7 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
     if not math.isinf(chain.actuator_stiffness):
         if chain.unusual:
             return ()
-        ends = [abs(f) for cell in chain.cells for f in (cell.force_0, cell.force_1)]
-        own = max([own_force(cell, cell.lever) for cell in chain.cells] + ends)
+        own = max(_pull(cell) for cell in chain.cells)
         most = most + own / chain.actuator_stiffness if chain.actuator_stiffness else own
         noticed, unit = FORCES * most, "m" if chain.actuator_stiffness else "N"
     why = f"is far past what moves the whole chain, about {most:.4g} {unit}"
@@ -156,6 +158,13 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
         for i, drive in enumerate(points.tolist())
         if abs(drive) > noticed and (likely := meant(drive, 0.0, 10 * most)) is not None
     )
+
+
+def _pull(cell: Cell | Element) -> float:
+    """About what a cell pulls with [N]."""
+    if isinstance(cell, Element):
+        return cell.largest_force
+    return max(own_force(cell, cell.lever), abs(cell.force_0), abs(cell.force_1))
 
 
 def _slips(cell: Cell) -> Iterator[Slip]:

@@ -3,6 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from stepwell.sequences.branches import element_of
 from stepwell.sequences.cycles import Cycle, Pathway, cycle
 from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable
 

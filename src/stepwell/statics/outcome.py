@@ -4,7 +4,7 @@ import math
 from typing import NoReturn
 
 from stepwell.base import Floats, StepwellError, told_in
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics.following import (
     ENERGY,
     EQUILIBRIUM,
@@ -42,10 +42,14 @@ _FAILURES = {
 
 def refuse_failure(status: int, chain: Chain, travels: Floats, force: float) -> NoReturn:
     """Raise StaticsError with the advice that belongs to `status`."""
+    measure, (unit, factor) = chain.measure, told_in(chain.measure.travel_unit)
+    pull, by = told_in(measure.force_unit)
     inside = ", ".join(
-        f"{name} {s * 1e3:.4g} mm" for name, s in zip(chain.names[:8], travels[:8], strict=True)
+        f"{name} {s * factor:.4g} {unit}"
+        for name, s in zip(chain.names[:8], travels[:8], strict=True)
     )
-    place = f"stroke {math.fsum(travels) * 1e3:.6g} mm, {force:.4g} N ({inside})"
+    stroke = f"{measure.stroke} {math.fsum(travels) * factor:.6g} {unit}"
+    place = f"{stroke}, {force * by:.4g} {pull} ({inside})"
     raise StaticsError(_FAILURES[status].format(place=place))
 
 
@@ -80,7 +84,7 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bo
     if len(cells) == 1:
         return (
             f"Two landings of the snap of {names[0]} at {where} are closer than the tolerance, so "
-            f"friction will decide. Move an anchor of {names[0]} by 0.1 mm or more and look again."
+            f"friction will decide. {_nudge(chain, cells[0])} and look again."
         )
     if drifts:
         return (
@@ -88,11 +92,16 @@ def advice_on_tie(chain: Chain, cells: tuple[int, ...], drive: float, drifts: bo
             f"friction tells how they share the motion. Keep a band taut, give one of them "
             f"friction, or pass prefer= to say which one goes first."
         )
-    step = _anchor_step(chain, cells[1])
+    other = chain.cells[cells[1]]
+    way = (
+        f"Scale the forces of {names[1]} by more than one percent"
+        if isinstance(other, Element)
+        else f"Move an anchor of {names[1]} by more than {_anchor_step(other) * 1e3:.2g} mm to set "
+        f"them one percent of its peak force apart"
+    )
     return (
         f"{names[0]} and {names[1]} tie at {where}, so friction will decide; {names[0]} was taken "
-        f"first. Move an anchor of {names[1]} by more than {step * 1e3:.2g} mm to set them one "
-        f"percent of its peak force apart, or pass prefer= to say which one you mean."
+        f"first. {way}, or pass prefer= to say which one you mean."
     )
 
 
@@ -101,9 +110,15 @@ def _drive(chain: Chain, drive: float) -> str:
     return f"drive {drive * factor:.6g} {unit}"
 
 
-def _anchor_step(chain: Chain, index: int) -> float:
+def _nudge(chain: Chain, index: int) -> str:
+    """What sets two outcomes of a cell apart."""
+    if isinstance(chain.cells[index], Element):
+        return f"Scale the forces of {chain.names[index]} by a percent or more"
+    return f"Move an anchor of {chain.names[index]} by 0.1 mm or more"
+
+
+def _anchor_step(cell: Cell) -> float:
     """Anchor move along x [m] that changes F0 by one percent of the cell's peak force."""
-    cell = chain.cells[index]
     step = 1e-5
     dx, dy = cell.bands[0].q
     moved = cell.with_anchors(q=(dx + step, dy)) if len(cell.bands) == 1 else cell

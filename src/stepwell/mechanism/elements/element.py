@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,9 @@ from stepwell.mechanism.elements.beside import beside
 from stepwell.mechanism.elements.fold import folded
 from stepwell.mechanism.elements.phase import Phase, Stretch
 from stepwell.mechanism.elements.sheet import Sheet
+
+if TYPE_CHECKING:
+    from stepwell.mechanism import Chain
 
 Stops = bool | tuple[bool, bool]
 
@@ -28,8 +32,8 @@ _LEAST_RISE = 1e-6
 class Element(ByValue):
     """A cell that is a force law: anything that snaps, given by its force against its travel.
 
-    Make one with `from_table`, `from_points`, `from_law` or `from_curve`, or take one from
-    `stepwell.elements`. In a chain it stands wherever a `Cell` may.
+    Make one with `from_table`, `from_points`, `from_law`, `from_curve` or `from_chain`, or take
+    one from `stepwell.elements`. In a chain it stands wherever a `Cell` may.
 
     Args:
         sheets: the stable stretches of its curve; one, but for curves that fold back in travel.
@@ -186,6 +190,27 @@ class Element(ByValue):
         """
         sheets = folded(travel, force, measure)
         return cls(sheets, stops, friction, name, measure)
+
+    @classmethod
+    def from_chain(cls, chain: Chain, name: str = "") -> Element:
+        """A chain as one element: its total travel, and the force that it resists with.
+
+        Its sheets are the branches that a prescribed stroke can bring it to, so that it is an
+        element with freedoms of its own inside; they are much faster than what is outside.
+
+        Args:
+            chain: what is inside, without friction; its own actuator does not count.
+            name: of the element.
+
+        Raises:
+            ValueError: a chain with friction, or with too many branches.
+            StaticsError: the engine cannot follow the chain.
+
+        Source: ours (theory page, "Elements").
+        """
+        from stepwell.sequences import element_of
+
+        return element_of(chain, name)
 
     @classmethod
     def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:

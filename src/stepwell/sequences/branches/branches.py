@@ -48,9 +48,17 @@ class Exit:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """Parts in rising order of the drive."""
+    """Parts in rising order of the drive.
+
+    Attributes:
+        sections: the parts.
+        begin: where the chain stood when the branch was found.
+        drive: the drive there [m], or [N] under force control.
+    """
 
     sections: tuple[Section, ...]
+    begin: Configuration
+    drive: float
 
     @property
     def low(self) -> float:
@@ -140,7 +148,7 @@ class Branches:
         first = up.sections[0]
         # Both runs begin with the section that the chain stands on.
         middle = back[-1].until(first.drive[1], first.force[1], first.place[1])
-        branch = Branch((*back[:-1], middle, *up.sections[1:]))
+        branch = Branch((*back[:-1], middle, *up.sections[1:]), place, drive)
         number = self._same(branch)
         if number is None:
             number = len(self._branches)

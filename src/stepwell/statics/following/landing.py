@@ -53,6 +53,22 @@ def _ends(
 
 
 @kernel
+def pull_at(problem: Problem, line: Line, x: float) -> float:
+    """What pulls less what resists after a shift x, as far as the line goes [N]."""
+    laws, pieces, on_forth, on_back = problem.laws, problem.pieces, 0, 0
+    if line.forth >= 0:
+        x = min(x, laws.high[line.forth] - line.from_forth)
+    if line.back >= 0:
+        x = min(x, line.from_back - laws.low[line.back])
+    if line.forth >= 0:
+        on_forth = find_piece(pieces, line.forth, line.from_forth + x, -1)
+    if line.back >= 0:
+        on_back = find_piece(pieces, line.back, line.from_back - x, 1)
+    pull, _, resist, _ = _ends(problem, line, on_forth, on_back, 0.0, x)
+    return float(pull - resist)
+
+
+@kernel
 def _level(line: Line, pull: float, resist: float) -> float:
     """λ where a snap comes to rest."""
     if line.forth >= 0 and line.back >= 0:

@@ -7,7 +7,16 @@ from stepwell.kernels import kernel
 from stepwell.mechanism import can_fall, can_rise, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
-from stepwell.statics.following.landing import JOINED, JUMPED, STOPPED, UNDECIDED, Line, land
+from stepwell.statics.following.landing import (
+    JOINED,
+    JUMPED,
+    LANDED,
+    STOPPED,
+    UNDECIDED,
+    Line,
+    land,
+    pull_at,
+)
 from stepwell.statics.following.log import ENDS, FOLD, SNAP
 from stepwell.statics.following.pieces import find_among, find_piece, stand_all_on
 from stepwell.statics.following.state import (
@@ -43,7 +52,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     if not (
         state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
     ):
-        outcome, close = _along_line(problem, state, rubbed)
+        outcome, close = _along_line(problem, state, direction, rubbed)
     if outcome == JOINED or outcome == JUMPED:
         settled, closer = _by_flow(problem, state, begun.drive, rubbed, outcome == JUMPED)
         if not settled:
@@ -94,7 +103,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
 
 
 @kernel
-def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bool]:
+def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
     """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
 
     JOINED where there is more than one degree of freedom, or from where on there is.
@@ -119,12 +128,22 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
     at_back = state.travel[back] if back >= 0 else 0.0
     softness = 0.0 if rigid else problem.alpha / problem.beta
     line = Line(forth, back, at_forth, at_back, state.force[0], softness, low, high)
+    size = laws.full[forth] if forth >= 0 else laws.full[back]
+    if state.next_snap[WHY] != FOLD and _is_neutral(problem, line):
+        line = _driven_on(line, direction, 1e-10 * size)
     # The start is itself an equilibrium, at a fold a double one, and next to a double root
     # the sign of the pull is rounding noise: no landing is looked for this near to it.
     outcome, shift, level = land(problem, line, 1e-7, 0.0)
     # The same with a little more pull and a little less: where it then lands elsewhere, the
     # choice between two landings hangs on less than any real mechanism can promise.
-    size = laws.full[forth] if forth >= 0 else laws.full[back]
+    start = 1e-7
+    while outcome == LANDED and shift <= 1e-3 * size:
+        # So near to where it set out a landing may be rounding: it is one if past it something
+        # holds the cells back that a real mechanism has.
+        if pull_at(problem, line, 2.0 * shift) < -1e-12 * scale:
+            break
+        start = 4.0 * max(start, shift / size)
+        outcome, shift, level = land(problem, line, start, 0.0)
     tie = False
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
@@ -133,12 +152,12 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
     if outcome == UNDECIDED:
         outcome, shift, level = JOINED, 0.0, line.force
     if forth >= 0:
-        state.travel[forth] += shift
+        state.travel[forth] = line.from_forth + shift
         if laws.high[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
             state.travel[forth] = laws.high[forth]
         rubbed[forth] = shift
     if back >= 0:
-        state.travel[back] -= shift
+        state.travel[back] = line.from_back - shift
         if state.travel[back] - laws.low[back] <= 1e-15 * laws.full[back]:
             state.travel[back] = laws.low[back]
         rubbed[back] = shift
@@ -160,6 +179,37 @@ def _along_line(problem: Problem, state: State, rubbed: Floats) -> tuple[int, bo
         if low > high + slip or not low - slip <= state.force[0] <= high + slip:
             outcome = JOINED
     return outcome, tie
+
+
+@kernel
+def _is_neutral(problem: Problem, line: Line) -> bool:
+    """Whether slopes that are each other's opposite leave a whole line in balance.
+
+    Then rounding would choose the landing; the drive, ever so little further, is what does.
+    """
+    laws, pieces = problem.laws, problem.pieces
+    total, size = line.softness, abs(line.softness)
+    for cell, travel, heading in (
+        (line.forth, line.from_forth, 1),
+        (line.back, line.from_back, -1),
+    ):
+        if cell >= 0:
+            picked = pieces.picked[find_piece(pieces, cell, travel, heading)]
+            slope = law(laws, cell, picked, travel)[1]
+            total += slope
+            size += abs(slope)
+    return bool(abs(total) <= 1e-9 * size)
+
+
+@kernel
+def _driven_on(line: Line, direction: int, by: float) -> Line:
+    """The same line with the drive further on by so little travel."""
+    forth, back, at_forth, at_back, force, softness, low, high = line
+    if forth >= 0 and (direction > 0 or back < 0):
+        at_forth += direction * by
+    else:
+        at_back += direction * by
+    return Line(forth, back, at_forth, at_back, force, softness, low, high)
 
 
 @kernel

@@ -5,18 +5,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stepwell.base import ReadOnly
+from stepwell.base import ByValue, ReadOnly
+from stepwell.elements.balloon import balloon
+from stepwell.elements.curved_beam import curved_beam
+from stepwell.elements.dome import dome
+from stepwell.elements.kresling import kresling
+from stepwell.elements.trilinear import trilinear
+from stepwell.elements.von_mises_truss import von_mises_truss
 from stepwell.mechanism import Element
-from stepwell.mechanism.library.balloon import balloon
-from stepwell.mechanism.library.curved_beam import curved_beam
-from stepwell.mechanism.library.dome import dome
-from stepwell.mechanism.library.kresling import kresling
-from stepwell.mechanism.library.trilinear import trilinear
-from stepwell.mechanism.library.von_mises_truss import von_mises_truss
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+@dataclass(frozen=True, slots=True, eq=False)
+class LibraryEntry(ByValue):
     """One element of the library.
 
     Args:
@@ -38,39 +38,39 @@ class Entry:
         return {one.name: one.default for one in parameters if one.name != "name"}
 
 
-LIBRARY: Mapping[str, Entry] = ReadOnly(
+LIBRARY: Mapping[str, LibraryEntry] = ReadOnly(
     {
-        "trilinear": Entry(
+        "trilinear": LibraryEntry(
             trilinear,
             "two rising branches with a falling one between them",
             "all three straight",
             "Puglisi & Truskinovsky 2000",
         ),
-        "von-mises-truss": Entry(
+        "von-mises-truss": LibraryEntry(
             von_mises_truss,
             "two inclined springs whose apex is pushed through",
             "springs that stay straight, an apex on the axis of symmetry",
             "von Mises 1923",
         ),
-        "curved-beam": Entry(
+        "curved-beam": LibraryEntry(
             curved_beam,
             "cosine-shaped beams, clamped at both ends and joined in the middle",
             "small slopes, a linear material, rigid clamps, no turning of the middle",
             "Qiu, Lang & Slocum 2004",
         ),
-        "balloon": Entry(
+        "balloon": LibraryEntry(
             balloon,
             "a spherical rubber balloon, pressure against volume",
             "a thin Mooney-Rivlin membrane that stays a sphere, without loss",
             "Rivlin & Saunders 1951",
         ),
-        "kresling": Entry(
+        "kresling": LibraryEntry(
             kresling,
             "a paper cylinder that twists as it shortens, one end free to turn",
             "creases that are springs along themselves and turn for nothing, rigid ends",
             "Yasuda & Yang 2015",
         ),
-        "dome": Entry(
+        "dome": LibraryEntry(
             dome,
             "a rubber dome of a keyboard switch, from a measured table",
             "one specimen, the half while pressed, friction of its stem within the force",

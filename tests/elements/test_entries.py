@@ -4,8 +4,9 @@ import inspect
 
 import pytest
 
-from stepwell.mechanism import Chain, library
-from stepwell.mechanism.library import LIBRARY
+from stepwell.elements import LIBRARY
+from stepwell import elements as library
+from stepwell.mechanism import Chain
 
 
 def test_every_element_of_the_library_is_in_its_table():
