@@ -4,8 +4,8 @@ import inspect
 
 import pytest
 
-from stepwell.elements import LIBRARY
 from stepwell import elements as library
+from stepwell.elements import LIBRARY
 from stepwell.mechanism import Chain
 
 

@@ -69,11 +69,11 @@ def monotone(rows: Floats, end: float) -> Floats:
     out: list[Floats] = []
     for row, width in zip(rows, ends - rows[:, 0], strict=True):
         _, c1, c2, c3 = row[1:5]
-        # Without its last digits a straight line has no bend that could turn.
+        # What bends so little beside the slope is rounding, and turns nothing.
         size = abs(c1) + abs(c2) * width + abs(c3) * width * width
         quadratic = [3.0 * c3, 2.0 * c2, c1]
         terms = (abs(3.0 * c3) * width**2, abs(2.0 * c2) * width, abs(c1))
-        turns = [q if t > 1e-14 * size else 0.0 for q, t in zip(quadratic, terms, strict=True)]
+        turns = [q if t > 1e-10 * size else 0.0 for q, t in zip(quadratic, terms, strict=True)]
         with np.errstate(all="ignore"):
             roots = np.roots(np.trim_zeros(turns, "f")) if any(turns[:2]) else np.empty(0)
         places = [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * width]
@@ -121,10 +121,11 @@ def _smooth(force: Force, low: float, high: float, error: float) -> Floats:
         rough = np.max(off, axis=1) > error
         if not rough.any():
             return rows
-        if len(x) > _MOST_ROWS:
-            worst = float(x[:-1][rough][0])
+        steepest = float(np.min(np.diff(x)[rough]))
+        if len(x) > _MOST_ROWS or steepest < _NEAR * (high - low):
+            worst = float(x[:-1][rough][np.argmin(np.diff(x)[rough])])
             raise InputError(
-                f"force: near travel {worst!r} it bends too sharply for {_MOST_ROWS} cubics: name "
+                f"force: near travel {worst!r} it jumps, or bends too sharply for cubics: name "
                 f"the travel in kinks= if its slope jumps there, or allow a larger accuracy=."
             )
         x = np.sort(np.concatenate([x, thirds[rough, 1]]))

@@ -73,8 +73,8 @@ class Element(ByValue):
             raise InputError("sheets is empty: an element has a curve; see Element.from_table.")
         scales = self.force_scale, self.travel_scale
         put(self, "_sheets", tuple(sheet.scaled(*scales) for sheet in self.sheets))
-        _refuse_loose_ends(self)
         put(self, "_phases", _phases_of(self))
+        _refuse_loose_ends(self)
 
     @classmethod
     def from_table(
