@@ -8,7 +8,7 @@ lengths are in the order that it wants.
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -19,15 +19,13 @@ from stepwell.paper.others.hysterons import Graph, stations
 # A sum of unknown numbers: which, and how often.
 _Sum = dict[int, float]
 
-# The number that is to be large: above 0, all inequalities hold with room to spare.
-_ROOM = 0
+# Numbers of all: how much room the inequalities leave [mm], and the least compliance [mm/N].
+_ROOM, _COMPLIANCE = 0, 1
 _REACH = 10.0  # largest travel [mm]
 # Beyond the outermost forces at which phases end, curves go straight on [N], soft [mm/N].
 _LAST, _SOFT = 3.0, 8.0
 # Points on a straight piece of a curve that is given by points.
 _DENSE = 8
-# How wide a fall by 1 N is at most [mm].
-_STEEP = 0.4
 # Room of other inequalities as a part of that between lengths.
 _FOLD, _TURN, _LOSS = 0.5, 0.1, 0.3
 
@@ -50,7 +48,7 @@ class Inequalities:
             {up: ends[2], 1 - up: ends[3]},
             {down: ends[1], 1 - down: ends[0]},
         )
-        self.size = 1
+        self.size = 2
         self.rows: list[tuple[_Sum, float]] = []
         self.travel = {
             (cell, phase): dict(zip(places, self.numbers(len(places)), strict=True))
@@ -67,26 +65,36 @@ class Inequalities:
         return range(self.size - count, self.size)
 
     def below(self, small: _Sum, large: _Sum, room: float = 1.0, by: float = 0.0) -> None:
-        """Require of two sums: small + room · (the number that is to be large) + by <= large."""
-        row = dict(small)
-        for number, times in large.items():
-            row[number] = row.get(number, 0.0) - times
-        self.rows.append((row | {_ROOM: row.get(_ROOM, 0.0) + room}, -by))
+        """Require of two sums: small + so much of the room + by <= large."""
+        self.rows.append((_sum(_sum(small, large, -1.0), {_ROOM: room}), -by))
 
-    def rise(self, compliance: float) -> None:
-        """Travel rises with force in every phase, by this much at least [mm/N]."""
+    def rise(self) -> None:
+        """Travel rises with force in every phase."""
         for there in self.travel.values():
             for (a, x), (b, y) in pairwise(there.items()):
-                by = compliance * float(self.forces[b] - self.forces[a])
-                self.below({x: 1.0}, {y: 1.0}, 0.0 if compliance else 1.0, by)
+                step = float(self.forces[b] - self.forces[a])
+                self.below({x: 1.0, _COMPLIANCE: step}, {y: 1.0}, 0.0)
 
-    def fall(self, cell: int, *, steep: bool) -> None:
-        """The second phase begins beyond the end of the first; steep: so close to it that nothing
-        in series holds the element between them."""
+    def fall(self, cell: int, *, alone: bool) -> None:
+        """The second phase begins beyond the end of the first, with a straight fall between them.
+
+        Args:
+            cell: which.
+            alone: nothing in series holds the element in its fall: in both of its phases the other
+                one gives way faster, from where the fall begins at either end.
+        """
         (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
-        self.below({p: 1.0}, {q: 1.0}, _FOLD if steep else 0.0)
-        if steep:
-            self.below({q: 1.0}, {p: 1.0}, 0.0, -_STEEP * (up - down))
+        self.below({p: 1.0}, {q: 1.0}, _FOLD if alone else 0.0)
+        other = 1 - cell
+        for phase, place in product((0, 1), (self.ends[0][cell], self.ends[1][cell])):
+            there = self.travel[other, phase]
+            for k, number in there.items() if alone and place in there else ():
+                force, begin = float(self.forces[k]), float(self.forces[place])
+                if down <= force <= up and k != place:
+                    part = (force - begin) / (up - down)
+                    gives = _sum({number: 1.0}, {there[place]: 1.0}, -1.0)
+                    fallen = {q: part, p: -part}
+                    self.below(*((fallen, gives) if part > 0.0 else (gives, fallen)), _TURN)
 
     def fold(self, cell: int) -> None:
         """The curve folds back, by a straight unstable stretch between its phases.
@@ -102,9 +110,7 @@ class Inequalities:
             slope = float(self.forces[b] - self.forces[a]) / (up - down)
             near, edge = (x, y) if sign > 0 else (y, x)
             # slope · (p - q) <= the travel of the phase's last piece.
-            self.below(
-                {edge: sign * (slope - 1.0), other: -sign * slope, near: sign}, {}, _TURN
-            )
+            self.below({edge: sign * (slope - 1.0), other: -sign * slope, near: sign}, {}, _TURN)
         half = (up - down) / 2.0
         for area, force in _areas(second, self.forces, self._end(cell, 1)[1]):
             self.below(_sum({p: force - up + half, q: half}, area, -1.0), {}, _LOSS)
@@ -135,19 +141,26 @@ class Inequalities:
                     end = self._length(states[-1], sign, given)[1]
                     self.below(*((length, end) if sign == "+" else (end, length)))
 
-    def solution(self) -> Floats | None:
-        """The numbers for which all hold with most room; None where there are none."""
+    def hold(self) -> bool:
+        """Whether there are travels for which all hold."""
+        return self._solved(_ROOM, (0.0, 1.0), (0.0, 0.0)) is not None
+
+    def solution(self, room: float) -> Floats | None:
+        """Travels for which all hold with some room [mm], in phases as compliant as can be."""
+        return self._solved(_COMPLIANCE, (room, room), (0.0, None))
+
+    def _solved(
+        self, goal: int, room: tuple[float, float], compliance: tuple[float, float | None]
+    ) -> Floats | None:
         from scipy.optimize import linprog
 
         matrix, right = np.zeros((len(self.rows), self.size)), np.zeros(len(self.rows))
         for k, (row, bound) in enumerate(self.rows):
             matrix[k, list(row)] = list(row.values())
             right[k] = bound
-        bounds = [(0.0, 1.0), *[(-_REACH, _REACH)] * (self.size - 1)]
-        goal = np.zeros(self.size)
-        goal[_ROOM] = -1.0
-        found = linprog(goal, matrix, right, bounds=bounds)
-        return found.x if found.status == 0 and found.x[_ROOM] > _LEAST else None
+        bounds = [room, compliance, *[(-_REACH, _REACH)] * (self.size - 2)]
+        found = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
+        return found.x if found.status == 0 and found.x[goal] > _LEAST else None
 
     def element(self, cell: int, found: Floats) -> Element:
         """An element of a solution."""
@@ -167,7 +180,9 @@ class Inequalities:
             return Element.from_points(1e-3 * np.array(travel), forces)
         # Curves that fold back are smooth through their points, so straight pieces have more.
         travel, forces = (
-            np.interp(np.arange(_DENSE * (len(points) - 1) + 1), _DENSE * np.arange(len(points)), column)
+            np.interp(
+                np.arange(_DENSE * (len(points) - 1) + 1), _DENSE * np.arange(len(points)), column
+            )
             for column in zip(*points, strict=True)
         )
         return Element.from_curve(1e-3 * travel, forces)
@@ -187,7 +202,7 @@ class Inequalities:
         return leaving, {self.travel[i, int(state[i])][place]: 1.0 for i in (0, 1)} | given
 
 
-# Solutions with less room than this are none.
+# What is below this is none: of rooms [mm], and of compliances [mm/N].
 _LEAST = 1e-6
 
 
@@ -196,9 +211,7 @@ def _first(graph: Graph, begin: str) -> int:
     return next(int(way[3]) - 1 for way in graph if way.startswith(begin))
 
 
-def _areas(
-    there: list[tuple[int, int]], forces: Floats, start: float
-) -> list[tuple[_Sum, float]]:
+def _areas(there: list[tuple[int, int]], forces: Floats, start: float) -> list[tuple[_Sum, float]]:
     """∫ travel dλ from the first of some places to each of them, and the force there."""
     area: _Sum = {}
     found = [(area, start)]

@@ -142,7 +142,7 @@ def trilinear_soft_device() -> Finding:
 
 @claim(WHERE, "snaps for N > 1 + k/κ", "N on both sides of it, and the energy lost")
 def trilinear_spinodal() -> Finding:
-    """The fall between the phases decides whether a short chain snaps: at most one spring is in it."""
+    """The fall between the phases decides whether a short chain snaps; at most one spring is in it."""
     edge = fewest(GENTLE)
     below, above = math.floor(edge), math.floor(edge) + 1
     lost: dict[int, float] = {}
