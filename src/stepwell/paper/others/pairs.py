@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from functools import cache
 from itertools import pairwise, product
@@ -103,8 +102,8 @@ def two_hysterons() -> Finding:
     return judged(
         len(found) == 35,
         str(len(found)),
-        note="All orders of the eight fields in which every state stands at some drive; graphs that "
-        "differ by the numbers of the hysterons count once, and none has a loop or a race.",
+        note="All orders of the eight fields in which every state stands at some drive; graphs "
+        "that differ by the numbers of the hysterons count once, and none has a loop or a race.",
     )
 
 
