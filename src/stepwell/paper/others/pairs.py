@@ -81,13 +81,13 @@ def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
             cells = [cell for cell in (0, 1) if state[cell] == phase]
             if cells:
                 leaving = first(cells, key=lambda cell: fields[cell][int(phase)])
-                end = _next(found, state, +1 if sign == "+" else -1)
+                end = next_state(found, state, +1 if sign == "+" else -1)
                 ways.append(way_to(state, sign, leaving, end))
     return tuple(sorted(ways))
 
 
-def _next(found: TransitionGraph, state: str, direction: int) -> str:
-    """The next state with both cells in a phase."""
+def next_state(found: TransitionGraph, state: str, direction: int) -> str:
+    """The next state with all cells in a phase, where the drive leads from one."""
     while (way := found.transition(state, direction)) is not None:
         state = way[0]
         if "-" not in state:
