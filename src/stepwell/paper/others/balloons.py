@@ -95,7 +95,7 @@ def balloons_with_air() -> Finding:
             if stiffness is not None:
                 air = _ATMOSPHERE / stiffness
                 told.append(
-                    f"{_arrow(way)}{after} above {stiffness * 1e-9:.2g} kPa/mL ({air:.2g} m³)"
+                    f"{_arrow(way)}{after} above {stiffness * 1e-6:.2g} kPa/L ({air:.2g} m³)"
                 )
     return judged(
         single and bool(told),

@@ -8,41 +8,24 @@ import numpy as np
 
 from stepwell.mechanism import Chain, Element
 from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.others.curves import straight
 from stepwell.statics import Event, EventKind
 
 WHERE = "Ducarme et al. 2025"
 # A curve that crosses itself [mm, N]: to the peak, back on an unstable stretch, and on.
-_RISE, _BACK, _ON = (
-    ((0.0, 0.0), (10.0, 1.0)),
-    ((10.0, 1.0), (8.0, 0.2)),
-    ((8.0, 0.2), (9.3, 0.35), (10.0, 1.4), (11.0, 2.9)),
-)
+_CROSSING = ((0.0, 0.0), (10.0, 1.0), (8.0, 0.2), (9.3, 0.35), (10.0, 1.4), (11.0, 2.9))
 # The same peak and valley without the crossing: it lengthens when it snaps.
 _PLAIN = ((-5.0, -0.5), (10.0, 1.0), (12.0, 0.2), (14.0, 3.2))
 COUNT, _BESIDE = 5, 3
 _SPREAD = 0.001  # of the forces, from one element to the next
-_DENSE = 8
-
-
-def countersnapping(scale: float = 1.0) -> Element:
-    """An element that is shorter beyond its peak at the same force."""
-    points = [*_dense(_RISE), *_dense(_BACK)[1:], *_dense(_ON)[1:]]
-    travel, force = np.array(points).T
-    return Element.from_curve(1e-3 * travel, scale * force)
-
-
-def snapping(scale: float = 1.0) -> Element:
-    """An ordinary one of equal peak and valley."""
-    travel, force = np.array(_PLAIN).T
-    return Element.from_points(1e-3 * travel, scale * force)
 
 
 @claim(WHERE, "shortens under a rising pull", "shorter at the same force")
 def countersnap() -> Finding:
     """A countersnapping element shortens when its pull passes the peak."""
-    chain = Chain((countersnapping(),), actuator_stiffness=0.0)
+    chain = Chain((straight(_CROSSING),), actuator_stiffness=0.0)
     snap = _snaps(chain, (0.0, 1.5))[0]
-    counter = Chain((countersnapping(),))
+    counter = Chain((straight(_CROSSING),))
     pulled = _snaps(counter, (0.0, 0.0105))[0]
     return judged(
         snap.after[0] < snap.before[0] and pulled.force_after > pulled.force_before,
@@ -57,8 +40,8 @@ def countersnap() -> Finding:
 def countersnaps_in_series() -> Finding:
     """In series such elements switch together, where ordinary ones switch one by one."""
     scales = 1.0 + _SPREAD * np.arange(COUNT)
-    together = _flips([countersnapping(scale) for scale in scales])
-    apart = _flips([snapping(scale) for scale in scales])
+    together = _flips([straight(_CROSSING, scale) for scale in scales])
+    apart = _flips([straight(_PLAIN, scale) for scale in scales])
     return judged(
         together == [COUNT] and apart == [1] * COUNT,
         f"snaps of {', '.join(map(str, together))}; of ordinary ones, of "
@@ -71,7 +54,7 @@ def countersnaps_in_series() -> Finding:
 @claim(WHERE, "one by one", "one element a snap")
 def countersnaps_in_parallel() -> Finding:
     """Side by side such elements switch one by one, and each changes the stiffness."""
-    elements = [replace(countersnapping(), travel_scale=1.0 + 0.02 * k) for k in range(_BESIDE)]
+    elements = [replace(straight(_CROSSING), travel_scale=1.0 + 0.02 * k) for k in range(_BESIDE)]
     snaps = _snaps(Chain((Element.side_by_side(elements),)), (0.0, 0.0110))
     return judged(
         len(snaps) == len(elements),
@@ -91,15 +74,6 @@ def _flips(elements: list[Element]) -> list[int]:
 
 def _snaps(chain: Chain, drives: tuple[float, float]) -> list[Event]:
     return [event for event in chain.path(drives).events if event.kind is EventKind.SNAP]
-
-
-def _dense(points: tuple[tuple[float, float], ...]) -> list[tuple[float, float]]:
-    """More points on straight pieces: a curve by points is smooth through them."""
-    places = np.linspace(0.0, len(points) - 1.0, _DENSE * (len(points) - 1) + 1)
-    columns = [
-        np.interp(places, np.arange(len(points)), column) for column in zip(*points, strict=True)
-    ]
-    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 CLAIMS = (countersnap, countersnaps_in_series, countersnaps_in_parallel)

@@ -8,24 +8,23 @@ lengths are in the order that it wants.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise, product
 
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.mechanism import Element
 from stepwell.paper.others.hysterons import Graph, stations
 
 # A sum of unknown numbers: which, and how often.
 _Sum = dict[int, float]
+Points = tuple[tuple[float, float], ...]
 
 # Numbers of all: how much room the inequalities leave [mm], and the least compliance [mm/N].
 _ROOM, _COMPLIANCE = 0, 1
 _REACH = 10.0  # largest travel [mm]
 # Beyond the outermost forces at which phases end, curves go straight on [N], soft [mm/N].
 _LAST, _SOFT = 3.0, 8.0
-# Points on a straight piece of a curve that is given by points.
-_DENSE = 8
 # Room of other inequalities as a part of that between lengths.
 _FOLD, _TURN, _LOSS = 0.5, 0.1, 0.3
 
@@ -162,30 +161,16 @@ class Inequalities:
         found = linprog(-np.eye(self.size)[goal], matrix, right, bounds=bounds)
         return found.x if found.status == 0 and found.x[goal] > _LEAST else None
 
-    def element(self, cell: int, found: Floats) -> Element:
-        """An element of a solution."""
+    def points(self, cell: int, found: Floats) -> Points:
+        """The curve of an element of a solution, straight between points by arc [mm, N]."""
         phases = [
             [(float(found[number]), float(self.forces[k])) for k, number in there.items()]
             for there in (self.travel[cell, 0], self.travel[cell, 1])
         ]
         (s, force), (t, high) = phases[0][0], phases[1][-1]
-        points = [
-            (s - _SOFT * (force + _LAST), -_LAST),
-            *phases[0],
-            *phases[1],
-            (t + _SOFT * (_LAST - high), _LAST),
-        ]
-        if phases[1][0][0] > phases[0][-1][0]:
-            travel, forces = zip(*points, strict=True)
-            return Element.from_points(1e-3 * np.array(travel), forces)
-        # Curves that fold back are smooth through their points, so straight pieces have more.
-        travel, forces = (
-            np.interp(
-                np.arange(_DENSE * (len(points) - 1) + 1), _DENSE * np.arange(len(points)), column
-            )
-            for column in zip(*points, strict=True)
-        )
-        return Element.from_curve(1e-3 * travel, forces)
+        begin = (s - _SOFT * (force + _LAST), -_LAST)
+        end = (t + _SOFT * (_LAST - high), _LAST)
+        return tuple(_corners([begin, *phases[0], *phases[1], end]))
 
     def _end(self, cell: int, phase: int) -> tuple[int, float]:
         """The travel where a phase ends, and the force."""
@@ -227,3 +212,14 @@ def _sum(one: _Sum, other: _Sum, times: float = 1.0) -> _Sum:
     for number, by in other.items():
         total[number] = total.get(number, 0.0) + times * by
     return total
+
+
+def _corners(points: list[tuple[float, float]]) -> Iterator[tuple[float, float]]:
+    """Points without those in the middle of a straight piece."""
+    yield points[0]
+    for (s, f), (t, g), (u, h) in zip(points, points[1:], points[2:], strict=False):
+        # Where travel or force turns there is a corner too.
+        flat = abs((t - s) * (h - g) - (u - t) * (g - f)) <= 1e-6
+        if not (flat and (t - s) * (u - t) > 0.0):
+            yield t, g
+    yield points[-1]

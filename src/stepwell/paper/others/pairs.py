@@ -10,8 +10,9 @@ import numpy as np
 
 from stepwell.mechanism import Chain
 from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.others.curves import straight
 from stepwell.paper.others.hysterons import Graph, canonical, graphs, reached, way_to
-from stepwell.paper.others.inequalities import Inequalities
+from stepwell.paper.others.inequalities import Inequalities, Points
 from stepwell.sequences import TransitionGraph
 
 WHERE = "Teunisse and van Hecke 2025"
@@ -46,8 +47,11 @@ def possible(graph: Graph, *, plain: bool) -> bool:
 
 
 @cache
-def pair(graph: Graph) -> Chain | None:
-    """Two elements for a graph under a prescribed length, of which as few fold back as can be."""
+def design(graph: Graph) -> tuple[Points, Points] | None:
+    """Curves of two elements that make a graph under a prescribed length, by corners [mm, N].
+
+    As few of them fold back as can be; None where no design was found.
+    """
     inner = [np.linspace(a, b, _STEPS + 1)[:-1] for a, b in pairwise(ENDS)]
     below, above = ENDS[0] - np.array(_BEYOND[::-1]), ENDS[-1] + np.array((0.0, *_BEYOND))
     forces = np.concatenate([below, *inner, above])
@@ -63,8 +67,15 @@ def pair(graph: Graph) -> Chain | None:
                 asked.fall(cell, alone=True)
         found = asked.solution(_ROOM)
         if found is not None:
-            return Chain([asked.element(cell, found) for cell in (0, 1)])
+            return asked.points(0, found), asked.points(1, found)
     return None
+
+
+@cache
+def pairs() -> dict[Graph, Chain]:
+    """The pair of every graph for which a design was found."""
+    found = ((graph, design(graph)) for graph in graphs())
+    return {graph: Chain([straight(one) for one in curves]) for graph, curves in found if curves}
 
 
 def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
@@ -118,7 +129,7 @@ def two_hysterons_reached() -> Finding:
 def pairs_under_force() -> Finding:
     """Under a prescribed force, two elements in series make 2 of the 35, 2 of the 13."""
     alone = {graph for graph in graphs() if all(len(way) == 4 for way in graph)}
-    made = {canonical(graph_of(pair(graph), "force")) for graph in _plain()}
+    made = {canonical(graph_of(chain, "force")) for chain in pairs().values()}
     return judged(
         made == alone,
         _share(made),
@@ -141,11 +152,15 @@ def pairs_behind_a_spring() -> Finding:
 
 @claim(OURS, "not asked", "each design followed")
 def pairs_that_fold() -> Finding:
-    """With curves that fold back, pairs under a prescribed length make all of the 13."""
-    made = {graph for graph in graphs() if (chain := pair(graph)) and _makes(chain, graph, None)}
+    """With curves that fold back, pairs make all of the 13, under a length and behind a spring."""
+    made = {
+        graph
+        for graph, chain in pairs().items()
+        if _makes(chain, graph, None) and _makes(chain, graph, SPRING)
+    }
     never = [graph for graph in graphs() if not possible(graph, plain=False)]
     undecided = len(graphs()) - len(made) - len(never)
-    folded = [sum(len(cell.laws) > 1 for cell in pair(graph).elements) for graph in made]
+    folded = [folding(pairs()[graph]) for graph in made]
     return judged(
         _seen(made) == 13,
         _share(made),
@@ -158,7 +173,7 @@ def pairs_that_fold() -> Finding:
 
 def _whether_made(drive: float | None) -> Finding:
     """Whether plain elements make just those graphs that are not excluded."""
-    made = {graph for graph in _plain() if _makes(pair(graph), graph, drive)}
+    made = {graph for graph, chain in _plain().items() if _makes(chain, graph, drive)}
     others = {graph for graph in graphs() if possible(graph, plain=True)}
     return judged(
         made == others,
@@ -169,13 +184,14 @@ def _whether_made(drive: float | None) -> Finding:
     )
 
 
-def _plain() -> tuple[Graph, ...]:
-    """The graphs for which a pair was found of which no curve folds back."""
-    return tuple(
-        graph
-        for graph in graphs()
-        if (chain := pair(graph)) and all(len(cell.laws) == 1 for cell in chain.elements)
-    )
+def _plain() -> dict[Graph, Chain]:
+    """The pairs of which no curve folds back."""
+    return {graph: chain for graph, chain in pairs().items() if not folding(chain)}
+
+
+def folding(chain: Chain) -> int:
+    """How many curves of a chain fold back."""
+    return sum(len(cell.laws) > 1 for cell in chain.elements)
 
 
 def _makes(chain: Chain, graph: Graph, drive: float | None) -> bool:
