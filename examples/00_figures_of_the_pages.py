@@ -31,6 +31,9 @@ def draw(folder: Path) -> None:
     loading = three_cells().path([0.0, 0.060])
     figures.save(figures.travel_stroke(loading), folder / "left-half-way.png", dpi=DPI)
 
+    library = {name: entry.make() for name, entry in sw.elements.LIBRARY.items()}
+    figures.save(figures.element_curves(library), folder / "elements.png", dpi=DPI)
+
 
 def three_cells() -> sw.Chain:
     """The chain of the theory page, "Sorting", in which a is left half way instead of c."""

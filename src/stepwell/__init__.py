@@ -20,7 +20,16 @@ if TYPE_CHECKING:
         transition_map,
         yields,
     )
-    from stepwell.files import load, load_arena, load_chain, load_robot, preset, presets, save
+    from stepwell.files import (
+        load,
+        load_arena,
+        load_chain,
+        load_element,
+        load_robot,
+        preset,
+        presets,
+        save,
+    )
     from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Linear, Load, Phase, Table
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
@@ -66,6 +75,7 @@ _DOORS = {
     "load": "files",
     "load_arena": "files",
     "load_chain": "files",
+    "load_element": "files",
     "load_robot": "files",
     "margin": "design",
     "parameter_map": "design",
@@ -116,6 +126,7 @@ __all__ = [
     "load",
     "load_arena",
     "load_chain",
+    "load_element",
     "load_robot",
     "margin",
     "parameter_map",

@@ -7,7 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.chains.design import stock, wish
+from stepwell.cli.chains.design import between, elements_of, stock, stocks, wish
 from stepwell.cli.options.ranges import Range, span
 from stepwell.design import Stock, Tolerances, yields
 
@@ -111,6 +111,59 @@ def test_a_band_is_named_or_measured():
     assert stock("30:12:7") == Stock(30.0, 0.012, 0.07)
 
 
+def test_the_bands_of_a_design_file_can_be_had_measured_ones_too(tmp_path):
+    assert stocks("paper") == [stock("paper")]
+    assert stocks("preset:paper-forward") == [Stock(28.5, 0.010)]
+    file = tmp_path / "rubber.toml"
+    file.write_text(
+        "[chain]\nband = { rest_length_mm = 10, table_mm_N = [[0, 0], [10, 0.2], [40, 1.1]] }\n"
+        "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
+        "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [20, 0]\n"
+    )
+    (rubber,) = stocks(str(file))
+    assert isinstance(rubber.law, sw.Table)
+    assert rubber.stiffness * rubber.law.shape[-1] == pytest.approx(1.1)
+
+
+def test_measured_bands_are_placed(stepwell, tmp_path):
+    (tmp_path / "rubber.toml").write_text(
+        "[chain]\nband = { rest_length_mm = 10, table_mm_N = [[0, 0], [10, 0.3], [40, 1.1]] }\n"
+        "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
+    )
+    result = stepwell("design", BACK, "--band", "rubber.toml", "--samples", 5, "--out", "out")
+    assert result.exit_code == 0
+    chain = sw.load("out/design.toml")
+    assert str(chain.cycle().sequence) == BACK
+    assert all(isinstance(cell.bands[0].law, sw.Table) for cell in chain.cells)
+
+
+@pytest.mark.parametrize("free", ["p", "both"])
+def test_other_anchors_are_placed_on_request(stepwell, free):
+    result = stepwell("design", BACK, "--free", free, "--samples", 5, "--json")
+    for cell in json.loads(result.stdout)["cells"]:
+        if free == "p":
+            assert cell["q_mm"] == [10.0, 0.0]
+            assert -20 <= cell["p_mm"][0] <= 0
+        else:
+            assert cell["p_mm"] == pytest.approx([-value for value in cell["q_mm"]])
+
+
+def test_elements_are_named_and_their_scales_lie_between_two_numbers():
+    (dome,) = elements_of("dome")
+    assert (dome.name, len(dome.phases)) == ("dome", 2)
+    assert between("0.5:2") == Range(0.5, 2.0)
+    assert between("1:1") == Range(1.0, 1.0)
+    with pytest.raises(typer.BadParameter, match="has no elements"):
+        elements_of("preset:paper-forward")
+
+
+def test_elements_of_one_shape_cannot_do_everything_and_that_is_proved(stepwell):
+    result = stepwell("design", "00>10>11>10>00", "--element", "trilinear", "--drive", "force")
+    assert result.exit_code == 3
+    assert "impossible" in result.stdout
+    assert "all forces of an element grow together" in " ".join(result.stdout.split())
+
+
 def test_a_span_rises():
     assert span("-15:1.5") == Range(-15.0, 1.5)
     assert str(Range(-15, 15)) == "-15:15"
@@ -119,6 +172,8 @@ def test_a_span_rises():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (("--element", "dome", "--holes", 5, BACK), "elements have no anchors"),
+        (("--element", "dome", "--force-scale", "2:1", BACK), "must be FROM:TO, both above 0"),
         (
             ("forward",),
             "'forward': must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or",

@@ -25,8 +25,10 @@ from stepwell.design import (
     yields,
 )
 from stepwell.files.schema.arena import TABLES as ARENA_TABLES
-from stepwell.files.schema.chain import TABLES
+from stepwell.files.schema.chain import TABLES, LeverKeys
+from stepwell.files.schema.elements import ElementKeys
 from stepwell.files.schema.keys import field_of, written
+from stepwell.files.schema.library import LibraryKeys
 from stepwell.files.schema.robot import TABLES as ROBOT_TABLES
 from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Chain
@@ -214,7 +216,7 @@ def test_every_name_of_the_json_is_documented():
 
 @pytest.mark.slow
 @pytest.mark.shown
-@pytest.mark.parametrize("name", ["design-files", "commands"])
+@pytest.mark.parametrize("name", ["design-files", "commands", "how-to/bring-your-own-element"])
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
     (tmp_path / "forward.toml").unlink()  # the pages make it themselves
     blocks = FENCE.findall(page(name))
@@ -234,23 +236,48 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
                 assert matches(shown, printed), f"{line}\n{printed}"
 
 
-def test_every_design_on_the_page_that_is_not_called_wrong_loads():
+def test_every_design_on_the_page_that_is_not_called_wrong_loads(tmp_path):
     for language, title, body in FENCE.findall(page("design-files")):
+        if title:
+            (tmp_path / title).write_text(body, "utf-8")
         if language == "toml" and title not in ("wrong.toml", "broken.toml"):
             if title == "arena.toml":
                 assert files.loads_arena(body).walls
                 continue
-            design = files.loads(body)
+            design = files.load(tmp_path / title)
             chains = [design] if isinstance(design, Chain) else [leg.chain for leg in design.legs]
             assert all(chain.cycle().sequence for chain in chains)
 
 
 def test_the_everything_example_uses_every_kind_of_key():
     (body,) = (b for _, t, b in FENCE.findall(page("design-files")) if t == "everything.toml")
-    left_out = {"bands", "band", "cell", "chain", "shape_mm", "turning_points_N"}
-    for keys in TABLES.values():
-        for key in set(keys.model_fields) - left_out:
-            assert key in body, f"docs/design-files.md: everything.toml has no {key}"
+    left_out = {"bands", "band", "cell", "chain", "shape_mm", "turning_points_N", "table_csv"}
+    for path, keys in TABLES.items():
+        if path.startswith("chain.cell.") and "band" not in path:
+            continue  # a form of an element
+        fields = LeverKeys.model_fields if path == "chain.cell" else keys.model_fields
+        for key in set(fields) - left_out:
+            if key_in_other_units(key) not in fields:
+                assert key in body, f"docs/design-files.md: everything.toml has no {key}"
+
+
+def test_the_examples_use_what_elements_have():
+    bodies = "".join(b for lang, _, b in FENCE.findall(page("design-files")) if lang == "toml")
+    left_out = {"curve", "points_csv", "curve_csv", "sheets", "error_band_N"}
+    library = set(LibraryKeys.model_fields) - {"von_mises_truss", "balloon"}
+    for key in set(ElementKeys.model_fields) - left_out - library:
+        if key_in_other_units(key) not in ElementKeys.model_fields:
+            assert f"{key} = " in bodies, f"docs/design-files.md: no example has {key}"
+
+
+def key_in_other_units(key: str) -> str:
+    """The same key in newtons or millimetres, where it has the units of volumes or angles."""
+    for other, ours in (("kPa_per_mL", "N_per_m"), ("N_m_per_rad", "N_per_m")):
+        if key.endswith(other):
+            return key.replace(other, ours)
+    word, _, unit = key.rpartition("_")
+    others = {"kPa": "N", "mNm": "N", "mL": "mm", "deg": "mm"}
+    return f"{word}_{others[unit]}" if unit in others else ""
 
 
 def test_copying_a_design_through_python_keeps_it(stepwell, tmp_path):

@@ -11,7 +11,7 @@ import stepwell as sw
 from chains import concave_chain
 from sizes import examples
 from stepwell.design import Change
-from stepwell.design.margins.change import stiffness
+from stepwell.design.margins.change import number_change
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest
 from stepwell.design.parameters import of_cell
@@ -210,7 +210,7 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
         assert found.method == "search"
         assert exact.anchors[number] - 1e-9 <= found.distance
         assert found.distance <= exact.anchors[number] + 1.5e-7
-        stiff = stiffness(chain, None, now, number)
+        stiff = number_change(chain, None, now, number, "stiffness")
         assert stiff.distance == pytest.approx(exact.stiffness[number], abs=2e-6)
 
 

@@ -63,6 +63,9 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.transition_graph, chain.graph())
     yield partial(figures.yield_bars, spread)
     yield partial(figures.force_plane, chain, clouds=spread.end_forces(20))
+    element = sw.elements.trilinear(name=name)
+    yield partial(figures.element_curve, element, source=name)
+    yield partial(figures.element_curves, {name: element})
     effects = [figures.Effect(name, 0.1, 0.2, 0.3, 0.4)]
     yield partial(figures.tornado, figures.Sensitivity("share", 0.35, effects))
 

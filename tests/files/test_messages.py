@@ -238,10 +238,14 @@ def test_every_misspelt_key_is_recognised():
             near = key + key[-1]
             before = "[chain]\n" + CELL if table.startswith("chain.cell") else ""
             place = f"[{table}]\n" if table in ("chain", "chain.band", "program") else ""
-            if table == "chain.cell.band":
-                text = f"{before}band = {{ {near} = 1 }}"
-            elif table == "chain.cell.bands":
-                text = f"[chain]\n[[chain.cell]]\nbands = [{{ {near} = 1 }}]"
+            inside = table.removeprefix("chain.cell").strip(".")
+            if table.startswith("chain.cell") and inside:
+                value = f"{near} = 1"
+                for name in reversed(inside.split(".")):
+                    several = name in ("bands", "beside", "inside", "sheets")
+                    value = f"{name} = " + ("[{ %s }]" if several else "{ %s }") % value
+                alone = "[chain]\n[[chain.cell]]\n"
+                text = f"{before if inside == 'band' else alone}{value}"
             else:
                 text = f"{before}{place}{near} = 1"
             assert f"{near}: unknown key. Did you mean {key}?" in answer(text)

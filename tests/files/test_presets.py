@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from stepwell.elements import LIBRARY
 from stepwell.files import DesignError, dumps, loads, preset, preset_text, presets
 from stepwell.mechanism import Cell
 from stepwell.sequences import Pathway
@@ -26,9 +27,15 @@ PATHWAYS = {
     "friction": Pathway.CLOCKWISE,
     "rubber": Pathway.CLOCKWISE,
     "slack": Pathway.COUNTERCLOCKWISE,
+    "von-mises-truss": Pathway.COUNTERCLOCKWISE,
+    "kresling": Pathway.CLOCKWISE,
+    "balloon": Pathway.VIA_10,
+    "dome": Pathway.VIA_10,
 }
 SEQUENCES = {
     "three-wave": "000>100>110>111>011>001>000",
+    "trilinear": "000>100>110>111>011>001>000",
+    "curved-beam": "000>100>110>111>011>001>000",
     "three-stack": "000>100>110>111>110>100>000",
     "four-shuffle": "0000>1000>1100>1110>1111>1101>0101>0100>0000",
 }
@@ -75,6 +82,20 @@ def test_longer_chains_take_the_sequence_their_title_promises(name):
     cycle = preset(name).cycle()
     assert cycle.sequence == SEQUENCES[name]
     assert not cycle.degenerate
+
+
+def test_every_element_of_the_library_has_a_preset_of_its_name():
+    for name, entry in LIBRARY.items():
+        key = name.replace("-", "_")
+        assert preset_text(name).count(f"\n{key} = {{") == len(preset(name).cells)
+        assert all(cell.measure is entry.make().measure for cell in preset(name).cells)
+
+
+def test_balloons_are_the_ones_whose_thin_one_gives_back():
+    snap = preset("balloon").cycle().snaps[0]
+    before, after = snap.before, snap.after
+    assert after[0] < before[0]
+    assert after[1] > before[1]
 
 
 def test_titles_that_promise_no_snap_keep_it():

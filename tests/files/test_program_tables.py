@@ -77,6 +77,7 @@ def test_a_compliant_actuator_turns_at_positions_past_the_stops():
         (
             "[program]\nturning_points_mm = [0]\nspeed = 3",
             "program.speed: unknown key. Known here: start, turning_points_mm, turning_points_N, "
+            "turning_points_mL, turning_points_kPa, turning_points_deg, turning_points_mNm, "
             "ends, unusual.",
         ),
         (

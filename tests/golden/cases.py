@@ -12,6 +12,7 @@ from typing import Any
 import typer
 
 from golden.comparing import EXACT, FITTED, SIMULATED, Tolerance
+from golden.elements import DESIGNS
 from golden.recordings import bands, cells, rubber
 from stepwell.cli import app
 from stepwell.files import preset_text, presets
@@ -122,7 +123,7 @@ PROGRAMS = [
     _both("program/unreachable", "program preset:used-before --to 01"),
 ]
 
-DESIGNS = [
+DESIGNED = [
     _both("design/cycle", f"design '{_BACK}' --samples 100 --seed 3"),
     _both("design/all", "design all:3 --samples 50"),
     _both("design/states", "design 00,10,11 --samples 20 --drive 200"),
@@ -132,6 +133,20 @@ DESIGNS = [
             f"design '{_BACK}' --samples 50 --holes 5 --band antennas --band 30:10:2 --lever 14 "
             f"--lever 20 --mixed-levers --unusual --x 0:25 --y -10:10 {_TOLERANCES}",
             f"design '{_BACK}' --samples 20 --objective worst --force-limit 0.6 --json",
+        ),
+    ),
+    Case(
+        "design/other-anchors",
+        (
+            f"design '{_BACK}' --samples 20 --holes 5 --free p",
+            f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward",
+        ),
+    ),
+    Case(
+        "design/impossible-elements",
+        (
+            "design '00>10>11>10>00' --element trilinear --drive force --force-scale 0.5:4 "
+            "--travel-scale 1:1",
         ),
     ),
     Case(
@@ -169,6 +184,62 @@ REPROGRAMS = [
             f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5",
             f"reprogram preset:paper-forward --by inner.p --target '{_BACK}' --reach 0.5 --json",
         ),
+    ),
+]
+
+ELEMENTS = [
+    *(
+        _both(f"elements/{name}", f"run {name}.toml", given=DESIGNS, slow=name != "balloons")
+        for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded")
+    ),
+    Case(
+        "elements/graph",
+        (
+            "graph three.toml",
+            "graph balloons.toml --drive 0.05 --json",
+            "graph balloons.toml --drive force",
+        ),
+        given=DESIGNS,
+    ),
+    _both("elements/program", "program trilinear.toml --from 10 --to 01", given=DESIGNS),
+    Case(
+        "elements/phases",
+        ("program three.toml --to 21", "program three.toml --from 11 --to 20"),
+        given=DESIGNS,
+    ),
+    _both("elements/own-program", "program balloons.toml", given=DESIGNS),
+    _both(
+        "elements/yield",
+        "yield mixed.toml --stiffness-spread 12 --sensitivity --samples 40",
+        given=DESIGNS,
+        slow=True,
+    ),
+    Case(
+        "elements/yield-of-pressures",
+        (
+            "yield balloons.toml --stiffness-spread 12 --travel-spread 8 --samples 40",
+            "yield balloons.toml --json",
+        ),
+        given=DESIGNS,
+        slow=True,
+    ),
+    _both(
+        "elements/reprogram",
+        "reprogram balloons.toml --by thick.force_scale",
+        given=DESIGNS,
+    ),
+    Case(
+        "elements/wrong",
+        (
+            "map mixed.toml --cell dome",
+            "map mixed.toml --across dome.q.x=0:20:3 --up dome.force_scale=0.5:2:3",
+            "program three.toml --to 30",
+            "program three.toml --from 2- --to 00",
+            "graph twisting.toml",
+            "reprogram balloons.toml --by thick.q",
+            "reprogram balloons.toml --by thick.travel_scale",
+        ),
+        given=DESIGNS,
     ),
 ]
 
@@ -381,7 +452,7 @@ WRONG = [
 CASES: dict[str, Case] = {
     case.name: case
     for case in (
-        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNS, *YIELDS, *REPROGRAMS, *FILES, *LABS, *ROBOTS,
-        *PAPER, *HELP, *WRONG,
+        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *REPROGRAMS, *ELEMENTS, *FILES, *LABS,
+        *ROBOTS, *PAPER, *HELP, *WRONG,
     )
 }  # fmt: skip

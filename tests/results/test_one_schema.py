@@ -81,7 +81,7 @@ def test_console_page_and_json_tell_the_same_numbers_of_a_run(seed, capsys):
         cycle = chain.cycle()
         limits = margin(chain)
         found = results.run_record(cycle, limits)
-        texts.run(found)
+        texts.run(found, chain)
         screen = on_screen(capsys, "Cells")
         cells, events, changes = Tables(report(cycle, limits, {})).found
         heads = [q.heading for q in shown(results.CELL)]
@@ -114,6 +114,7 @@ def test_the_record_has_what_the_values_have_in_the_units_of_its_names():
         cycle = chain.cycle()
         found = results.run_record(cycle, None)
         for told, cell in zip(found["cells"], chain.cells, strict=True):
+            assert isinstance(cell, Cell)
             assert told["F0_N"] == cell.force_0
             assert told["peak_angle_deg"] == math.degrees(cell.peak_angle)
             assert told["full_travel_mm"] == pytest.approx(cell.full_travel / 1e-3, rel=1e-15)
@@ -163,7 +164,7 @@ def test_a_program_is_told_alike_in_csv_json_and_on_the_console(tmp_path, capsys
     found = chain.program(to="01", start="10")
     found.to_csv(tmp_path / "program.csv")
     held, told = columns_of(tmp_path / "program.csv"), results.program_record(found)
-    texts.program(told)
+    texts.program(told, chain)
     (row,) = on_screen(capsys, "Turns: anywhere")[1:]
     (turn,) = told["turns"]
     for k, name in enumerate(("drive_mm", "low_mm", "high_mm"), 1):
@@ -213,20 +214,17 @@ def test_a_sweep_is_told_alike_in_csv_xarray_and_json(tmp_path):
 
 
 def test_a_new_quantity_is_told_everywhere(tmp_path, capsys, monkeypatch):
-    from stepwell.reports import page
     from stepwell.results import run
 
     new = Quantity("lever", "mm", "lever arm", doc="between the joints")
-    wider = (*run.CELL, new)
-    for module in (run, page, texts):
-        monkeypatch.setattr(module, "CELL", wider)
+    monkeypatch.setattr(run, "CELL", (*run.CELL, new))
     chain = sw.preset("paper-forward")
     cycle, limits = chain.cycle(), margin(chain)
     found = results.run_record(cycle, limits)
     assert [cell["lever_mm"] for cell in found["cells"]] == [
         cell.lever * 1e3 for cell in chain.cells
     ]
-    texts.run(found)
+    texts.run(found, chain)
     screen = on_screen(capsys, "Cells")
     table = Tables(report(cycle, limits, {})).found[0]
     told = number(found["cells"][0]["lever_mm"])

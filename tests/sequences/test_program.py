@@ -192,7 +192,7 @@ def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
         fields = np.sort(random.permutation(2 * n).reshape(n, 2) * 1.0, axis=1)
         down, up = fields.T
         distance = breadth_first(up, down)
-        relay = Relays(up, down, equal=True)
+        relay = Relays(up, down, np.arange(len(up) + 1), equal=True)
         for (start, to), strokes in distance.items():
             assert len(fewest_strokes(relay, start, to).states) == strokes, (start, to, up, down)
 

@@ -14,6 +14,8 @@ from stepwell.base.quantities import (
     Measure,
     Quantity,
     Schema,
+    amount,
+    in_measure,
     number,
     plain,
     record,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from operator import attrgetter
 from typing import Any
@@ -29,11 +30,17 @@ _UNITS = {
     "kPa_per_mL": ("Pa/m³", 1e-9),
     "percent": ("1", 1e2),
 }
-_TOLD = {
-    _UNITS[unit][0]: unit for unit in ("mm", "mJ", "g", "deg", "mL", "kPa", "mNm", "kPa_per_mL")
+# In all others of these people are told only where a schema says so.
+_SELDOM = "mm_s", "mN", "ms", "percent"
+_TOLD = {si: unit for unit, (si, _) in _UNITS.items() if unit not in _SELDOM}
+_SIGNS = {
+    "percent": "%",
+    "mm_s": "mm/s",
+    "mNm": "mN m",
+    "kPa_per_mL": "kPa/mL",
 }
-_SIGNS = {"percent": "%", "mm_s": "mm/s", "mNm": "mN m", "kPa_per_mL": "kPa/mL"}
 _RATIO = "over_"
+_WORDS = re.compile(r"(?<![a-z])(travel|stroke|force)(?![a-z])")
 
 
 class Measure(Enum):
@@ -77,6 +84,17 @@ class Measure(Enum):
         """What the actuator gives to the whole chain, in a word."""
         return "stroke" if self is Measure.TRAVEL else self.travel
 
+    @property
+    def words(self) -> tuple[str, str, str]:
+        """Travel, stroke and force."""
+        return self.travel, self.stroke, self.force
+
+    @property
+    def units(self) -> tuple[str, str, str]:
+        """In which units people are told travel, force and stiffness."""
+        travel, force, stiffness = self.travel_unit, self.force_unit, self.stiffness_unit
+        return told_in(travel)[0], told_in(force)[0], told_in(stiffness)[0]
+
 
 def told_in(unit: str) -> tuple[str, float]:
     """The unit in which users are told a number in SI, and how many of it make one."""
@@ -112,9 +130,15 @@ class Quantity:
     dims: tuple[str, ...] = ()
 
     @property
+    def attribute(self) -> str:
+        """The attribute that it reads; its own name where a function reads it."""
+        return self.read if isinstance(self.read, str) and self.read else self.name
+
+    @property
     def key(self) -> str:
         """The name with its unit."""
-        return f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
+        unit = self.unit.replace("/", "_per_").replace(" ", "_")
+        return f"{self.name}_{unit}" if unit else self.name
 
     @property
     def si(self) -> str:
@@ -143,9 +167,7 @@ class Quantity:
 
     def of(self, value: Any) -> Any:
         """What a value has of it, in SI."""
-        return (
-            self.read(value) if callable(self.read) else attrgetter(self.read or self.name)(value)
-        )
+        return self.read(value) if callable(self.read) else attrgetter(self.attribute)(value)
 
     def cell(self, row: Mapping[str, Any]) -> str:
         """What a table tells of it, read off a record."""
@@ -187,6 +209,34 @@ def record(schema: Schema, value: Any, **given: Any) -> dict[str, Any]:
     """
     told = ((q, given[q.name] if q.name in given else q.of(value)) for q in schema)
     return {q.key: plain(found, q.factor) for q, found in told}
+
+
+def in_measure(schema: Schema, measure: Measure) -> Schema:
+    """A schema written for travel and force, of a chain that has another pair.
+
+    Its words stand in the names, the heads and the docs, and its units are those in which people
+    are told; the quantities read what they did.
+    """
+    usual = Measure.TRAVEL
+    if measure is usual:
+        return schema
+    words = dict(zip(usual.words, measure.words, strict=True))
+    units = dict(zip(usual.units, measure.units, strict=True))
+
+    def said(text: str) -> str:
+        return _WORDS.sub(lambda found: words[found[0]], text)
+
+    return tuple(
+        replace(
+            q,
+            name=said(q.name),
+            unit=units.get(q.unit, q.unit),
+            head=said(q.head),
+            doc=said(q.doc),
+            read=q.read or q.name,
+        )
+        for q in schema
+    )
 
 
 def plain(value: Any, factor: float = 1.0) -> Any:
@@ -258,6 +308,12 @@ def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
 def number(value: float | None, digits: int = 4) -> str:
     """A number for people; an empty place where there is none."""
     return "" if value is None else f"{_whole(value):.{digits}g}"
+
+
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number in SI for people, with the unit in which they are told."""
+    told, factor = told_in(unit)
+    return f"{number(value * factor, digits)} {Quantity('', told).sign}"
 
 
 def signed(value: float) -> str:

@@ -23,7 +23,7 @@ from stepwell.concave.ends import (
     steepest,
 )
 from stepwell.concave.relays import Relays, fewest_strokes, relays
-from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, in_disc
+from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, Judged, in_disc
 from stepwell.concave.sorting import (
     TIED,
     Neighbour,

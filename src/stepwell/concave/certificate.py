@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import Bools, Floats
 from stepwell.concave.cell import Simple, simple, with_d
 from stepwell.kernels import entry
-from stepwell.mechanism import Cell, band_length, reach_along
+from stepwell.mechanism import Cell, Element, band_length, reach_along
 
 # A stretch this much shorter than the range is given up on: the cell is so close to a force
 # that does not fall that the general engine may as well decide.
@@ -75,7 +75,7 @@ def certify(cell: Simple, reach: float) -> bool:
     return False
 
 
-def closed(cell: Cell, *, reach: float = 0.0) -> Simple | None:
+def closed(cell: Cell | Element, *, reach: float = 0.0) -> Simple | None:
     """The cell as plain numbers where the closed forms are proved to hold, else None.
 
     `reach` [m] asks for the proof at every anchor within that distance as well.

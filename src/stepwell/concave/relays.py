@@ -1,4 +1,4 @@
-"""Chains of concave cells seen as relays: one switches up at A = F0, and down at B = F1."""
+"""Chains under a prescribed force seen as relays, each of which switches up at A and down at B."""
 
 from __future__ import annotations
 
@@ -6,38 +6,91 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Floats
-from stepwell.concave.sorting import TIED, one_travel, proved_cells
-from stepwell.mechanism import Chain
+from stepwell.base import Bools, Floats, Ints
+from stepwell.concave.cell import Simple, simple
+from stepwell.concave.ends import proved_ends
+from stepwell.concave.sorting import TIED, one_travel
+from stepwell.mechanism import Chain, Element
 
 
 @dataclass(frozen=True, eq=False)
 class Relays:
-    """Switching fields of a chain whose cells are all proved concave.
+    """Switching fields of a chain, all that there is to know of it under a prescribed force.
+
+    A lever cell that is proved concave is one relay, A = F0 and B = F1. An element with P phases is
+    P - 1 of them: relay k is up where it stands beyond phase k.
 
     Attributes:
-        up, down: (N,) A = F0 and B = F1 [N].
-        equal: whether all cells share one full travel.
+        up, down: (M,) A and B, the forces at which a cell leaves phase k upwards, and comes back to
+            it out of phase k + 1 [N].
+        first: (N + 1,) relays of cell i are first[i] .. first[i + 1].
+        equal: whether all cells are proved concave and share one full travel.
     """
 
     up: Floats
     down: Floats
+    first: Ints
     equal: bool
 
+    @property
+    def cell(self) -> Ints:
+        """(M,) of which cell each relay is."""
+        return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
+
+    @property
+    def step(self) -> Ints:
+        """(M,) k: out of which phase of its cell each relay leads."""
+        return np.arange(len(self.up)) - self.first[self.cell]
+
+    @property
+    def skips(self) -> bool:
+        """Whether a cell can pass a phase of its own by: its relays are not independent then."""
+        own = np.diff(self.cell) == 0
+        return bool(np.any(own & ((np.diff(self.up) < 0) | (np.diff(self.down) < 0))))
+
     def precedes(self, i: int, j: int) -> bool:
-        """i ≺ j: i goes up before j and also comes down after it."""
+        """i ≺ j: relay i goes up before j and also comes down after it."""
         return bool(self.up[i] < self.up[j] and self.down[i] < self.down[j])
+
+    def raised(self, state: str) -> Bools:
+        """(M,) which relays are up in a state."""
+        return np.array([int(digit) for digit in state])[self.cell] > self.step
+
+    def state(self, raised: Bools) -> str:
+        """The state in which these relays are up, and no others."""
+        counts = np.diff(np.append(0, np.cumsum(raised))[self.first])
+        return "".join(map(str, counts.tolist()))
 
 
 def relays(chain: Chain) -> Relays | None:
-    """The switching fields, or None where a cell is not proved concave or two of them tie."""
-    found = proved_cells(chain)
-    if found is None:
+    """The switching fields of a chain.
+
+    None where a lever cell is not proved concave, where an element has friction or a curve that
+    folds back, or where two fields tie.
+    """
+    fields: list[Floats | None] = []
+    levers: list[Simple] = []
+    for cell in chain.cells:
+        if isinstance(cell, Element):
+            if len(cell.laws) > 1 or cell.friction > 0:
+                return None
+            fields.append(np.array(cell.fields).reshape(-1, 2))
+        elif (numbers := simple(cell)) is not None:
+            levers.append(numbers)
+            fields.append(None)
+        else:
+            return None
+    ends, proved = proved_ends(np.array(levers).reshape(-1, 6))
+    if not np.all(proved):
         return None
-    _, ends = found
-    if np.any(np.diff(np.sort(ends, axis=0), axis=0) <= TIED * np.max(np.abs(ends))):
+    rows = iter(ends)
+    parts = [next(rows)[None] if one is None else one for one in fields]
+    first = np.append(0, np.cumsum([len(part) for part in parts]))
+    pairs = np.concatenate(parts)
+    size = np.max(np.abs(pairs), initial=0.0)
+    if np.any(np.diff(np.sort(pairs, axis=0), axis=0) <= TIED * size):
         return None
-    return Relays(ends[:, 0], ends[:, 1], one_travel(chain))
+    return Relays(pairs[:, 0], pairs[:, 1], first, not chain.elements and one_travel(chain))
 
 
 @dataclass(frozen=True)
@@ -46,7 +99,7 @@ class RelayPlan:
 
     Attributes:
         states: one a stroke, the last one the state wanted.
-        blocked: (i, j) where there is no way: j is wanted at 1 without i, and i ≺ j.
+        blocked: (i, j) where there is no way: relay j is wanted up without i, and i ≺ j.
     """
 
     states: tuple[str, ...]
@@ -54,36 +107,37 @@ class RelayPlan:
 
 
 def fewest_strokes(fields: Relays, start: str, to: str) -> RelayPlan:
-    """The fewest strokes that bring relays from one state to another.
+    """The fewest strokes that bring relays from one state to another, where none skips a phase.
 
-    Backward from the end. The last stroke, if it goes up, sets all cells with A below some
-    field; it must set no cell that is wanted at 0, so it may go up to just below the least A of
-    those, and then what the cells below were before does not matter any more. The stroke before
-    it goes down and has to please fewer cells; and so on, until those left stand right from the
+    Backward from the end. The last stroke, if it goes up, sets all relays with A below some
+    field; it must set none that is wanted down, so it may go up to just below the least A of
+    those, and then what the relays below were before does not matter any more. The stroke before
+    it goes down and has to please fewer; and so on, until those left stand right from the
     start. Setting as many as allowed leaves the fewest to please, so none needs fewer strokes.
 
     Source: Preisach 1935; Terzi and Mungan 2020 for the states; the plan is ours (theory page).
     """
     if start == to:
         return RelayPlan(())
-    plans = [plan for last in (+1, -1) if (plan := _backward(fields, start, to, last)) is not None]
+    before, wanted = fields.raised(start), fields.raised(to)
+    plans = [
+        plan for last in (+1, -1) if (plan := _backward(fields, before, wanted, last)) is not None
+    ]
     if plans:
         return RelayPlan(min(plans, key=len))
     blocked = [
         (i, j)
-        for i, zero in enumerate(to)
-        for j, one in enumerate(to)
-        if (zero, one) == ("0", "1") and fields.precedes(i, j)
+        for i in np.flatnonzero(~wanted).tolist()
+        for j in np.flatnonzero(wanted).tolist()
+        if fields.precedes(i, j)
     ]
-    # A cell that differs from the start shows the reader most.
-    blocked.sort(key=lambda pair: all(start[cell] == to[cell] for cell in pair))
+    # A relay that differs from the start shows the reader most.
+    blocked.sort(key=lambda pair: all(before[k] == wanted[k] for k in pair))
     return RelayPlan((), blocked[0])
 
 
-def _backward(fields: Relays, start: str, to: str, last: int) -> tuple[str, ...] | None:
-    before = np.array([c == "1" for c in start])
-    wanted = np.array([c == "1" for c in to])
-    care = np.ones(len(to), bool)
+def _backward(fields: Relays, before: Bools, wanted: Bools, last: int) -> tuple[str, ...] | None:
+    care = np.ones(len(wanted), bool)
     limits: list[tuple[int, float]] = []
     direction, idle = last, 0
     while np.any(care & (before != wanted)):
@@ -103,5 +157,5 @@ def _backward(fields: Relays, start: str, to: str, last: int) -> tuple[str, ...]
     states: list[str] = []
     for way, limit in reversed(limits):
         state = state | (fields.up < limit) if way > 0 else state & ~(fields.down > limit)
-        states.append("".join("1" if s else "0" for s in state))
+        states.append(fields.state(state))
     return tuple(states)

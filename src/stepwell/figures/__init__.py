@@ -1,6 +1,13 @@
 """Every plot, one function each: results in, a matplotlib Figure out."""
 
-from stepwell.figures.cells import force_plane, mechanism, unit_cell_energy, unit_cell_force
+from stepwell.figures.cells import (
+    element_curve,
+    element_curves,
+    force_plane,
+    mechanism,
+    unit_cell_energy,
+    unit_cell_force,
+)
 from stepwell.figures.common import save, svg
 from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
@@ -47,6 +54,8 @@ __all__ = [
     "band_laws",
     "calibration",
     "contacts",
+    "element_curve",
+    "element_curves",
     "force_plane",
     "force_stroke",
     "gait",

@@ -2,6 +2,7 @@
 
 from stepwell.base import write_atomic
 from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
+from stepwell.files.curves import load_element
 from stepwell.files.design import (
     load,
     load_chain,
@@ -46,6 +47,7 @@ __all__ = [
     "load",
     "load_arena",
     "load_chain",
+    "load_element",
     "load_program",
     "load_robot",
     "loads",

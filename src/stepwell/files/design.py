@@ -12,9 +12,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from stepwell.base import content_of, nearest_word
+from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
-from stepwell.files.tables import Shared, WrittenProgram, cells_of, program_of, robot
+from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of, robot
 from stepwell.files.text import DesignError, did_you_mean, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -143,14 +144,14 @@ def load_robot(design: str | os.PathLike[str]) -> Robot:
 
 
 def text_of(design: str | os.PathLike[str]) -> str:
-    """The text of a design file, whatever it says.
+    """The text of a design file, whatever it says, with the numbers of the CSV files it names.
 
     Args:
         design: a file's path, or "preset:" and a name that `presets` lists.
 
     Raises:
-        DesignError: there is none, it is not UTF-8 text, or a command was stopped while it
-            replaced it.
+        DesignError: there is none, it is not UTF-8 text, a command was stopped while it replaced
+            it, or a CSV file that it names cannot be used.
     """
     name = os.fspath(design)
     if name.startswith(PRESET):
@@ -159,8 +160,10 @@ def text_of(design: str | os.PathLike[str]) -> str:
         text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
         unsure = doubt(Path(design))
         if unsure is None:
-            return text
+            return with_curves(text, name)
         problem = f"its folder {unsure}."
+    except DesignError:
+        raise
     except FileNotFoundError:
         problem = f"no such file.{_neighbour(Path(design))}"
     except UnicodeDecodeError as error:
@@ -235,11 +238,13 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     chain = keys.chain
     shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
-    cells = cells_of(chain.cell, shared, "chain", problems)
+    cells = cells_of(chain.cell, shared, "chain.cell", problems)
     if problems:
         raise DesignError(name, problems)
-    actuator = float(chain.actuator_stiffness_N_per_m)
-    made = Chain(cells, actuator, keys.title)
+    try:
+        made = chain_of(cells, chain, keys.title)
+    except ValueError as error:
+        raise DesignError(name, [f"chain: {error}"]) from None
     program = None if keys.program is None else program_of(keys.program, made, problems)
     if problems:
         raise DesignError(name, problems)

@@ -199,8 +199,8 @@ class Chain(ByValue):
         """The transition graph of a chain.
 
         Args:
-            drive: "stroke", "force", or the stiffness of the actuator [N/m]; that of the chain
-                by default.
+            drive: "stroke", "force" or what its measure calls them, such as "volume" and
+                "pressure"; or the stiffness of the actuator [N/m]; that of the chain by default.
             start: a state such as "000", to see only what can be reached from it; by default
                 every state in which the chain can stand is a start, those set by hand included.
             progress: called with (done, total) starts, then with (followed, known) branches.
@@ -209,8 +209,8 @@ class Chain(ByValue):
             The graph.
 
         Raises:
-            ValueError: friction, a start that is no equilibrium, too many cells to look at all
-                2^N states, or too many branches.
+            ValueError: friction, a start that is no equilibrium, too many states to look at all
+                of them, or too many branches.
             StaticsError: the engine could not go on; its text says what to do.
         """
         from stepwell import sequences
@@ -250,12 +250,13 @@ class Chain(ByValue):
     ) -> Margin:
         """How far each anchor and each stiffness may change before the sequence does.
 
-        One thing at a time. Where all cells are proved concave under a rigid actuator and share one
-        full travel, the sequence changes exactly when two neighbours in the order of F0 or of F1
-        change places: the nearest anchor that does it is found to rounding, and the ratio of
-        stiffness is a quotient of forces. Where that proof fails, on the way to the change or from
-        the start, the general engine is asked around the anchor and the answer says "search". The
-        anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
+        One thing at a time; of an element all its forces, all its travels, and its friction. Where
+        all cells are proved concave under a rigid actuator and share one full travel, the sequence
+        changes exactly when two neighbours in the order of F0 or of F1 change places: the nearest
+        anchor that does it is found to rounding, and the ratio of stiffness is a quotient of
+        forces; so are those of elements under a prescribed force. Where that proof fails, on the
+        way to the change or from the start, the general engine is asked around the anchor and the
+        answer says "search". The anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
 
         Args:
             reach: farthest displacement of an anchor that is looked at [m].
@@ -290,9 +291,10 @@ class Chain(ByValue):
         equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
         pushed through its whole travel in a snap. All other mechanisms are followed by the general
         engine, one by one: if that is every one (several bands in a cell, a bent law, a load), it
-        takes milliseconds for each. So it is where states are wanted: then the engine follows every
-        branch of each, but where all 2^N states are wanted of cells of one travel and every two
-        loops are nested, which proves it.
+        takes milliseconds for each; elements are judged by their switching forces where the force
+        is prescribed. So it is where states are wanted: then the engine follows every branch of
+        each, but where all 2^N states are wanted of cells of one travel and every two loops are
+        nested, which proves it.
 
         The same seed gives the same mechanisms, and a larger n keeps the first ones.
 
@@ -356,7 +358,8 @@ class Chain(ByValue):
         Args:
             target: a full cycle such as "00>01>11>10>00", or None for any other than now.
             by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
-                bands of the cell; <cell> is a name or a number, 1 for the innermost.
+                bands of the cell; <cell> is a name or a number, 1 for the innermost. Or a number of
+                an element: "<element>.force_scale", "<element>.travel_scale", "<element>.friction".
             along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
             one_way: only in the sense of `along`, not against it.
             reach: largest displacement that is looked at [m].
@@ -382,10 +385,12 @@ class Chain(ByValue):
     def robustness(self) -> Robustness:
         """The largest displacement that all anchors may have at once, whatever their directions.
 
-        `margin` moves one anchor at a time; here every other one moves to meet it.
+        `margin` moves one anchor at a time; here every other one moves to meet it. Of elements
+        under a prescribed force, the largest share by which all their forces may be off.
 
         Raises:
-            ValueError: a chain whose sequence is not the order of its F0 and F1, proved.
+            ValueError: a chain whose sequence is not the order of its F0 and F1, proved, or that of
+                its switching forces.
 
         Source: sorting theorem, theory page.
         """

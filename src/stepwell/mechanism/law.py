@@ -1,7 +1,7 @@
 """Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
 
 from collections.abc import Iterable, Sequence
-from itertools import accumulate, chain as flatten
+from itertools import accumulate, chain as flatten, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +21,7 @@ from stepwell.mechanism.geometry import (
 
 
 class Laws(NamedTuple):
-    """The cells of a chain as flat arrays; N cells, B bands, M curve rows, T sheets.
-
-    A cell has one sheet, but for elements whose curve folds back. `sheet`, `low`, `high` and
-    `load_rows` are those on which it stands now: the follower writes them as cells jump.
-    """
+    """The cells of a chain as flat arrays; N cells, B bands, M curve rows."""
 
     lever: Floats  # (N,)
     sin_limit: Floats  # (N,)
@@ -35,16 +31,29 @@ class Laws(NamedTuple):
     band: Floats  # (B, 4) d_x, d_y, k, ℓ0
     two_sided: Ints  # (B,)
     band_rows: Ints  # (B + 1,) rows of band b
-    load_rows: Ints  # (N, 2) rows of the load of cell i, or of the element's sheet
+    load_rows: Ints  # (N, 2) rows of the load of cell i, or of the sheet on which an element stands
     rows: Floats  # (M, 6) piecewise cubics, see mechanism/cubics
-    sheet: Ints  # (N,)
-    low: Floats  # (N,) travels between which cell i can go
-    high: Floats  # (N,)
-    sheet_first: Ints  # (N + 1,) sheets of cell i are sheet_first[i] .. sheet_first[i + 1]
-    sheet_ends: Floats  # (T, 2) low, high
-    sheet_curve: Floats  # (T, 2) the same without what open ends go on beyond the curve
-    sheet_rows: Ints  # (T, 2)
-    sheet_next: Ints  # (T, 2) where it jumps to from below and above, by number in its cell; or -1
+
+
+class Sheets(NamedTuple):
+    """Where the cells of a chain end; N cells, T sheets.
+
+    A cell has one sheet, but for elements whose curve folds back. `ends` and `now`, like the load
+    rows of the laws, are those on which it stands: the follower writes them as cells jump. They
+    stand apart from the laws, which compiled code passes on at every look at a force.
+    """
+
+    ends: Floats  # (N, 4) travels between which cell i stands, and between which it can go
+    now: Ints  # (N,) which of all sheets cell i stands on
+    table: Floats  # (T, 9) see below, in order of the cells
+
+
+# Columns of a sheet: its ends; the same without what an open end goes on beyond the curve; its
+# rows; the sheets to which it leads from below and above, or -1; and the first sheet of its cell.
+LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(9)
+# Columns of `ends`, after LOW and HIGH: where a cell can go no further, which an end that leads on
+# is not.
+BEFORE, BEYOND = 2, 3
 
 
 @kernel
@@ -57,49 +66,36 @@ def summed(values: Floats) -> float:
 
 
 @kernel
-def change_sheet(laws: Laws, cell: int, sheet: int) -> None:
-    """Let a cell stand on another sheet of its curve."""
-    at = laws.sheet_first[cell] + sheet
-    laws.sheet[cell] = sheet
-    laws.low[cell], laws.high[cell] = laws.sheet_ends[at, 0], laws.sheet_ends[at, 1]
-    laws.load_rows[cell, 0], laws.load_rows[cell, 1] = (
-        laws.sheet_rows[at, 0],
-        laws.sheet_rows[at, 1],
-    )
+def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
+    """Let a cell stand on another sheet, by its number among all."""
+    row, ends = sheets.table[sheet], sheets.ends[cell]
+    sheets.now[cell] = sheet
+    laws.load_rows[cell, 0], laws.load_rows[cell, 1] = int(row[ROWS]), int(row[ROWS_END])
+    ends[LOW], ends[HIGH] = row[LOW], row[HIGH]
+    ends[BEFORE] = row[LOW] if row[BELOW] < 0.0 else -np.inf
+    ends[BEYOND] = row[HIGH] if row[ABOVE] < 0.0 else np.inf
 
 
 @kernel
-def ends_of(laws: Laws) -> tuple[float, float]:
+def ends_of(sheets: Sheets) -> tuple[float, float]:
     """Least and largest Σ s that the cells have, with open ends as far as they go on."""
-    low, high = 0.0, 0.0
-    for i in range(len(laws.full)):
-        first, last = laws.sheet_first[i], laws.sheet_first[i + 1]
-        low += np.min(laws.sheet_ends[first:last, 0])
-        high += np.max(laws.sheet_ends[first:last, 1])
+    table, low, high = sheets.table, 0.0, 0.0
+    begin = 0
+    for after in range(1, len(table) + 1):
+        if after == len(table) or table[after, FIRST] == after:
+            low += np.min(table[begin:after, LOW])
+            high += np.max(table[begin:after, HIGH])
+            begin = after
     return low, high
 
 
 @kernel
-def can_fall(laws: Laws, cell: int, travel: float) -> bool:
-    """Whether a cell has somewhere to go from there with less travel: no stop is below it."""
-    at = laws.sheet_first[cell] + laws.sheet[cell]
-    return travel > laws.low[cell] or laws.sheet_next[at, 0] >= 0
-
-
-@kernel
-def can_rise(laws: Laws, cell: int, travel: float) -> bool:
-    """Whether a cell has somewhere to go from there with more travel: no stop is above it."""
-    at = laws.sheet_first[cell] + laws.sheet[cell]
-    return travel < laws.high[cell] or laws.sheet_next[at, 1] >= 0
-
-
-@kernel
-def beyond(laws: Laws, cell: int, travel: float) -> int:
-    """The sheet that a cell jumps to where it stands; -1 where it does not."""
-    at = laws.sheet_first[cell] + laws.sheet[cell]
-    if travel <= laws.low[cell]:
-        return laws.sheet_next[at, 0]
-    return laws.sheet_next[at, 1] if travel >= laws.high[cell] else -1
+def beyond(sheets: Sheets, cell: int, travel: float) -> int:
+    """The sheet, among all, to which a cell jumps where it stands; -1 where it does not."""
+    row = sheets.table[sheets.now[cell]]
+    if travel <= sheets.ends[cell, LOW]:
+        return int(row[BELOW])
+    return int(row[ABOVE]) if travel >= sheets.ends[cell, HIGH] else -1
 
 
 @kernel
@@ -196,22 +192,34 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
 
 def pack(cells: Sequence[Cell | Element]) -> Laws:
     """The laws of the cells, inner first, each on its first sheet."""
+    return packed(cells)[0]
+
+
+def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
+    """The laws of the cells, inner first, and where they end, each on its first sheet."""
     bands = [() if isinstance(cell, Element) else cell.bands for cell in cells]
     flat = list(flatten.from_iterable(bands))
     curves = [band.law.pieces() for band in flat]
     reach = _reach(cells)
     loads = [_loads(cell, reach) for cell in cells]
-    all_loads = [rows for load in loads for rows, *_ in load]
     first = list(accumulate((len(c) for c in curves), initial=0))
-    load_first = list(accumulate((len(rows) for rows in all_loads), initial=first[-1]))
-    sheet_first = np.array(list(accumulate((len(load) for load in loads), initial=0)))
-    sheet_rows = np.array([load_first[:-1], load_first[1:]]).T.copy()
+    all_rows = [rows for load in loads for rows, *_ in load]
+    load_first = list(accumulate((len(rows) for rows in all_rows), initial=first[-1]))
+    begin = list(accumulate((len(load) for load in loads), initial=0))
+    own = [k for k, load in zip(begin, loads, strict=False) for _ in load]
+    told = [tail for load in loads for _, *tail in load]
+    table = np.array(
+        [
+            (*ends, *rows, *(one if one < 0 else one + k for one in leads), k)
+            for (ends, leads), rows, k in zip(told, pairwise(load_first), own, strict=True)
+        ],
+        float,
+    )
+    now = np.array(begin[:-1])
     sin_limit = np.array([0.0 if isinstance(cell, Element) else cell.sin_limit for cell in cells])
     # No band asks an element for its lever; this one leaves sine and cosine finite.
     lever = np.array([np.inf if isinstance(cell, Element) else cell.lever for cell in cells])
-    ends = np.array([end for load in loads for _, end, *_ in load])
-    begin = sheet_first[:-1]
-    return Laws(
+    laws = Laws(
         lever=lever,
         sin_limit=sin_limit,
         full=np.array([cell.full_travel for cell in cells]),
@@ -220,37 +228,35 @@ def pack(cells: Sequence[Cell | Element]) -> Laws:
         band=np.array([(*b.d, b.stiffness, b.rest_length) for b in flat]).reshape(-1, 4),
         two_sided=np.array([int(b.two_sided) for b in flat], dtype=int),
         band_rows=np.array(first),
-        load_rows=sheet_rows[begin],
-        rows=np.concatenate([*curves, *all_loads]),
-        sheet=np.zeros(len(cells), dtype=int),
-        low=ends[begin, 0],
-        high=ends[begin, 1],
-        sheet_first=sheet_first,
-        sheet_ends=ends,
-        sheet_curve=np.array([curve for load in loads for _, _, curve, _ in load]),
-        sheet_rows=sheet_rows,
-        sheet_next=np.array([leads for load in loads for *_, leads in load]),
+        load_rows=table[now, ROWS : ROWS_END + 1].astype(int),
+        rows=np.concatenate([*curves, *all_rows]),
     )
+    # A stop, but for elements that fold back, is where a cell ends and cannot go on.
+    sheets = Sheets(table[now][:, [LOW, HIGH, LOW, HIGH]], now, table)
+    for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            change_sheet(laws, sheets, i, now[i])
+    return laws, sheets
 
 
-_Sheet = tuple[Floats, tuple[float, float], tuple[float, float], tuple[int, int]]
+# Rows; their ends, and those of the curve itself; where the sheet leads from below and above.
+_Sheet = tuple[Floats, tuple[float, float, float, float], tuple[int, int]]
 
 
 def _loads(cell: Cell | Element, reach: float) -> list[_Sheet]:
-    """Rows, ends, ends of the curve itself and what they lead to, of every sheet of a cell."""
+    """Every sheet of a cell."""
     if not isinstance(cell, Element):
         rows = np.empty((0, 6)) if cell.load is None else cell.load.pieces()
-        ends = 0.0, cell.full_travel
-        return [(rows, ends, ends, (-1, -1))]
+        full = cell.full_travel
+        return [(rows, (0.0, full, 0.0, full), (-1, -1))]
     found: list[_Sheet] = []
     for sheet, rows in zip(cell.laws, cell.reaching(reach), strict=True):
         low, high = float(rows[0, 0]), sheet.end
         if rows[-1, 0] == sheet.end:
             # An open end: straight on, as far as any force of the chain can pull it.
             high += max((reach - rows[-1, 1]) / rows[-1, 2], 1e-3 * cell.full_travel)
-        leads = (-1 if one is None else one for one in (sheet.below, sheet.above))
-        curve = sheet.begin, sheet.end
-        found.append((rows, (low, high), curve, (next(leads), next(leads))))
+        below, above = (-1 if one is None else one for one in (sheet.below, sheet.above))
+        found.append((rows, (low, high, sheet.begin, sheet.end), (below, above)))
     return found
 
 

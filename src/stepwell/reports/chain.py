@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base import InputError, write_atomic
+from stepwell.base import InputError, Measure, write_atomic
 from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
 from stepwell.reports.page import report
@@ -23,12 +23,6 @@ if TYPE_CHECKING:
 FIGURES = (".svg", ".png", ".pdf")
 # What writes a graph for other programs, by the end of the file's name.
 EXPORTS = {".graphml": "to_graphml", ".dot": "to_dot", ".json": "to_json"}
-_CAPTIONS = {
-    "mechanism": "The mechanism in the states of its cycle",
-    "landscape": "The energy landscape and the way through it",
-    "force_stroke": "Actuator force against stroke",
-    "travel_stroke": "Travel of each cell against stroke",
-}
 
 
 def write_run(
@@ -48,7 +42,8 @@ def write_run(
     from stepwell import figures
 
     text, drawn = design or dumps(cycle.chain), figures.standard(cycle)
-    shown = {_CAPTIONS[name]: figure for name, figure in drawn.items()}
+    captions = _captions(cycle.chain.measure)
+    shown = {captions[name]: figure for name, figure in drawn.items()}
     contents = {
         "design.toml": text,
         "path.csv": cycle.path.to_csv,
@@ -57,6 +52,17 @@ def write_run(
     }
     drawn = {name.replace("_", "-"): figure for name, figure in drawn.items()}
     return bundle(folder, "run", contents, drawn, progress=progress, force=force)
+
+
+def _captions(measure: Measure) -> dict[str, str]:
+    travel = measure.travel.capitalize()
+    return {
+        "mechanism": "The mechanism in the states of its cycle",
+        "landscape": "The energy landscape and the way through it",
+        "force_stroke": f"Actuator {measure.force} against {measure.stroke}",
+        "travel_stroke": f"{travel} of each cell against {measure.stroke}",
+        "element_curves": "What every element resists with, and where it leaves its phases",
+    }
 
 
 def write_map(

@@ -26,10 +26,12 @@ def write_design(
     from stepwell import figures
 
     drilled = found.holes is not None
+    # Cells of more than two phases have more switches than there are cells to be in order.
+    one_each = len(found.forces) == len(found.chain)
     plane = figures.force_plane(
         found.chain,
-        loading=found.loading,
-        unloading=found.unloading,
+        loading=found.loading if one_each else None,
+        unloading=found.unloading if one_each else None,
         region=() if drilled else found.region,
         places=np.concatenate(found.region) if drilled else None,
         clouds=found.yield_.end_forces(_CLOUD),
@@ -93,9 +95,12 @@ def write_reprogramming(
 ) -> tuple[str, ...]:
     """Write the smallest displacement of an anchor: reprogram.json.
 
-    Where something was found, also way.csv, and design.toml, the design just past the change.
+    Where something was found, also design.toml, the design just past the change, and of an anchor
+    way.csv.
     """
     contents: dict[str, object] = {"reprogram.json": reprogram_record(found, design=design)}
     if found.chain_after is not None:
-        contents |= {"design.toml": dumps(found.chain_after), "way.csv": found.to_csv}
+        contents["design.toml"] = dumps(found.chain_after)
+        if isinstance(found.displacement, tuple):
+            contents["way.csv"] = found.to_csv
     return bundle(folder, "reprogram", contents, progress=progress, force=force)

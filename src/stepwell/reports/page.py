@@ -13,9 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Column, Columns, __version__, number, shown
-from stepwell.mechanism import Cell, Chain, Linear
-from stepwell.results import CELL, change_columns, event_columns, run_record
+from stepwell.base import Column, Columns, Measure, __version__, amount, number, shown
+from stepwell.mechanism import Cell, Chain, Element, Linear
+from stepwell.results import (
+    cell_schema,
+    change_columns,
+    cycle_schema,
+    event_columns,
+    nearest_changes,
+    run_record,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,6 +33,9 @@ if TYPE_CHECKING:
 # Longer tables help nobody; the path's CSV has everything.
 _MOST_ROWS = 200
 _LONGEST_SEQUENCE = 2000
+_RIGID = (
+    "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks touch."
+)
 _MINUS = re.compile(r"(?<![^\s(])-(?=\d)")
 
 
@@ -57,7 +67,7 @@ def report(
         origin=escape(f"{origin}. {len(chain)} cell{'s' * (len(chain) != 1)}, innermost first."),
         sequence=escape(_sequence(cycle).replace(">", " → ")),
         meaning=escape(_meaning(cycle)),
-        numbers=_numbers(record),
+        numbers=_numbers(chain, record),
         warnings=_warnings(record["ties"]),
         figures="\n".join(_figure(caption, figure) for caption, figure in figures.items()),
         cells=_cells(chain, record["cells"]),
@@ -87,17 +97,19 @@ def _meaning(cycle: Cycle) -> str:
     )
 
 
-def _numbers(record: dict[str, Any]) -> str:
+def _numbers(chain: Chain, record: dict[str, Any]) -> str:
+    measure = chain.measure
+    dissipated, peak, full, *driven = (f"{q.cell(record)} {q.sign}" for q in cycle_schema(chain))
     found = [
         ("Snaps", str(sum(event["kind"] == "snap" for event in record["events"]))),
-        ("Peak actuator force", f"{number(record['peak_force_N'])} N"),
-        ("Dissipated in a cycle", f"{number(record['dissipated_mJ'])} mJ"),
-        ("Full stroke", f"{number(record['full_stroke_mm'])} mm"),
+        (f"Peak actuator {measure.force}", peak),
+        ("Dissipated in a cycle", dissipated),
+        *([("Driven", *driven)] if driven else [(f"Full {measure.stroke}", full)]),
     ]
     if record["margin"] is not None:
-        far = [change.get("distance_mm") for change in record["margin"]["changes"]]
-        known = [distance for distance in far if distance is not None]
-        nearest = f"{number(min(known))} mm of an anchor" if known else "none within reach"
+        changes = nearest_changes(chain, record["margin"]["changes"])
+        kinds = ["anchor"] if _has_levers(chain) else list(changes)
+        nearest = next((changes[kind] for kind in kinds if kind in changes), "none within reach")
         found.append(("Nearest other sequence", nearest))
     return "\n".join(
         f"<div><dt>{escape(name)}</dt><dd>{escape(_minus(value))}</dd></div>"
@@ -132,15 +144,30 @@ def _figure(caption: str, figure: Figure) -> str:
 def _cells(chain: Chain, records: list[dict[str, Any]]) -> str:
     rows = [row | {"bands": _bands(cell)} for row, cell in zip(records, chain.cells, strict=True)]
     bands = Column("bands: anchors, stiffness k, rest length", lambda row: row["bands"])
-    name, *others = shown(CELL)
+    name, *others = shown(cell_schema(chain))
     about = (
         "F0 and F1 are the forces along travel at state 0 and state 1, k the stiffness of the "
         "cell's stiffest band, r its lever, the peak θmax, where its energy is largest."
     )
-    return _table([name, bands, *others], rows, about)
+    if chain.elements:
+        words = chain.measure
+        about = (
+            f"A phase is a stretch of {words.travel} in which a cell can stand under a prescribed "
+            f"{words.force}; it goes up to the next phase, and back down, at these. It is stable "
+            f"in the phases in which it stands without any {words.force}."
+        )
+        if any(element.error_band for element in chain.elements):
+            about += " ±: how far measured points lie from the curve at most."
+    return _table([name, *([bands] if _has_levers(chain) else []), *others], rows, about)
 
 
-def _bands(cell: Cell) -> str:
+def _has_levers(chain: Chain) -> bool:
+    return len(chain.elements) < len(chain)
+
+
+def _bands(cell: Cell | Element) -> str:
+    if isinstance(cell, Element):
+        return ""
     return "; ".join(
         "p ({}, {}) mm, q ({}, {}) mm, {} N/m, {} mm".format(
             *(number(at * 1e3) for at in (*band.p, *band.q)),
@@ -152,11 +179,14 @@ def _bands(cell: Cell) -> str:
 
 
 def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
+    arriving = "in another phase" if chain.elements else "at a stop"
+    stroke = chain.measure.stroke
+    jump = "a jump that no stroke can stop" if stroke == "stroke" else f"a jump at a fixed {stroke}"
     about = (
-        "A switch is a cell arriving at a stop; a snap is a jump that no stroke can stop. "
-        "Strokes are exact, not read off a grid."
+        f"A switch is a cell arriving {arriving}; a snap is {jump}. "
+        f"{stroke.capitalize()}s are exact, not read off a grid."
     )
-    return _table(event_columns(list(chain.names), page=True), events, about)
+    return _table(event_columns(chain, page=True), events, about)
 
 
 def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) -> str:
@@ -175,38 +205,30 @@ def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) 
         if record["gap_over_kr"] is not None
         else ""
     )
+    reach = f"; anchors were moved by up to {number(record['reach_mm'])} mm"
     about = (
-        f"The smallest change of one thing at a time that gives another sequence ({how}); anchors "
-        f"were moved by up to {number(record['reach_mm'])} mm.{gap}"
+        f"The smallest change of one thing at a time that gives another sequence ({how})"
+        f"{reach if _has_levers(chain) else ''}.{gap}"
     )
-    return _table(change_columns(list(chain.names), changes), changes, about)
+    return _table(change_columns(chain, changes), changes, about)
 
 
 def _assumptions(chain: Chain) -> list[str]:
-    cells, names = chain.cells, chain.names
-    stiffness = chain.actuator_stiffness
-    if math.isinf(stiffness):
-        actuator = "The actuator is rigid: it prescribes the stroke."
-    elif stiffness == 0:
-        actuator = "The actuator prescribes the force, not the stroke."
-    else:
-        actuator = f"The actuator has a stiffness of {number(stiffness)} N/m in series."
+    words = chain.measure
+    named = list(zip(chain.names, chain.cells, strict=True))
+    levers = [(name, cell) for name, cell in named if isinstance(cell, Cell)]
+    elements = [(name, cell) for name, cell in named if isinstance(cell, Element)]
+    rubbed = [f"{n} {amount(c.friction, words.force_unit)}" for n, c in named if c.friction]
 
     def having(holds: Callable[[Cell], Any]) -> list[str]:
-        return [name for cell, name in zip(cells, names, strict=True) if holds(cell)]
+        return [name for name, cell in levers if holds(cell)]
 
     def told(of: list[str], none: str, some: str, every: str = "") -> str:
-        if every and len(of) == len(cells):
+        if every and len(of) == len(levers):
             return every
         return some.format(_listed(of)) if of else none
 
-    return [
-        "Quasi-static: the stroke changes slowly, inertia plays no part between snaps.",
-        "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks "
-        "touch.",
-        "After a snap the chain lands where overdamped flow at fixed drive leads it, every travel "
-        "being equally mobile; the energy released is lost.",
-        actuator,
+    bands = [
         told(
             having(lambda cell: any(band.two_sided for band in cell.bands)),
             "Bands pull and never push: a slack band carries nothing.",
@@ -219,21 +241,53 @@ def _assumptions(chain: Chain) -> list[str]:
             "Bands of {} follow a nonlinear law; the others are linear.",
             "Bands follow a nonlinear law.",
         ),
-        told(
-            [
-                f"{name} {number(cell.friction)} N"
-                for cell, name in zip(cells, names, strict=True)
-                if cell.friction
-            ],
-            "No friction between blocks.",
-            "Coulomb friction against travel: {}.",
-        ),
-        told(
-            having(lambda cell: cell.load is not None),
-            "No weight or other load acts on a cell.",
-            "A load that depends on its travel acts on {}.",
-        ),
     ]
+    load = told(
+        having(lambda cell: cell.load is not None),
+        "No weight or other load acts on a cell.",
+        "A load that depends on its travel acts on {}.",
+    )
+    return [
+        f"Quasi-static: the {words.stroke} changes slowly, inertia plays no part between snaps.",
+        *([_RIGID] if levers else []),
+        *(_curves(elements, words) if elements else []),
+        "After a snap the chain lands where overdamped flow at fixed drive leads it, every "
+        f"{words.travel} being equally mobile; the energy released is lost.",
+        _actuator(chain),
+        *(bands if levers else []),
+        told(
+            rubbed,
+            "No friction between blocks." if levers else "No friction.",
+            f"Coulomb friction against {words.travel}: {{}}.",
+        ),
+        *([load] if levers else []),
+    ]
+
+
+def _curves(elements: list[tuple[str, Element]], words: Measure) -> list[str]:
+    beyond = [name for name, element in elements if not all(element.stopped)]
+    folded = [name for name, element in elements if len(element.laws) > 1]
+    told = [
+        f"The {words.force} of {_listed([name for name, _ in elements])} follows a curve over "
+        f"{words.travel}, at any rate and whatever came before."
+    ]
+    if beyond:
+        told.append(f"Past an end without a stop the curve of {_listed(beyond)} goes on straight.")
+    if folded:
+        told.append(
+            f"Where the curve of {_listed(folded)} folds back, it jumps to the next stable stretch "
+            f"along the curve."
+        )
+    return told
+
+
+def _actuator(chain: Chain) -> str:
+    words, stiffness = chain.measure, chain.actuator_stiffness
+    if math.isinf(stiffness):
+        return f"The actuator is rigid: it prescribes the {words.stroke}."
+    if stiffness == 0:
+        return f"The actuator prescribes the {words.force}, not the {words.stroke}."
+    return f"The actuator has a stiffness of {amount(stiffness, words.stiffness_unit)} in series."
 
 
 def _table(columns: Columns, rows: list[dict[str, Any]], about: str) -> str:

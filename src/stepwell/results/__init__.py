@@ -5,13 +5,13 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 """
 
 from stepwell.results.design import (
-    BUILT,
     SENSITIVITY,
-    TOLERANCES,
+    built_schema,
     design_record,
     impossible_record,
     reprogram_record,
     survival_record,
+    tolerance_schema,
     yield_record,
 )
 from stepwell.results.graph import graph_record
@@ -34,9 +34,13 @@ from stepwell.results.robot import (
 )
 from stepwell.results.run import (
     CELL,
+    cell_schema,
     change_columns,
+    cycle_schema,
+    drive_schema,
     event_columns,
     force_scale,
+    nearest_changes,
     program_record,
     run_record,
     unreachable_record,

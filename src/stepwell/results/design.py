@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, Schema, record, rows_of, told_in
+from stepwell.base import Quantity, Schema, in_measure, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
-from stepwell.results.run import CELL, actuator_record
+from stepwell.results.run import CELL, actuator_record, cell_schema
 
 if TYPE_CHECKING:
     from stepwell.design import Design, Impossible, Reprogramming, Robustness, Survival, Yield
@@ -33,13 +33,6 @@ BUILT: Schema = (
     Quantity("limit", "deg"),
     *CELL[1:3],
 )
-TOLERANCES: Schema = (
-    Quantity("anchor", "mm", "anchors ±"),
-    Quantity("stiffness", "percent", "stiffness ±"),
-    Quantity("rest_length", "percent", "rest length ±"),
-    Quantity("lever", "mm", "levers ±"),
-    Quantity("friction", "N", "friction up to "),
-)
 COUNTED: Schema = (
     Quantity("share"),
     Quantity("share_low", read=lambda found: found.interval[0]),
@@ -47,8 +40,12 @@ COUNTED: Schema = (
     Quantity("samples", read="n"),
     Quantity("seed"),
     Quantity("successes"),
-    Quantity("tolerances", read=lambda found: record(TOLERANCES, found.tolerances)),
+    Quantity(
+        "tolerances", read=lambda found: record(tolerance_schema(found.chain), found.tolerances)
+    ),
 )
+
+
 CRITICAL: Schema = (
     Quantity("first"),
     Quantity("second"),
@@ -64,7 +61,7 @@ YIELD: Schema = (
         "outcomes",
         read=lambda found: [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
     ),
-    Quantity("critical", read=lambda found: found.critical and record(CRITICAL, found.critical)),
+    Quantity("critical", read=lambda found: _critical(found)),
     Quantity("by_engine"),
     Quantity("assumptions"),
     Quantity("gap_deviation", "N", read=lambda found: _of(found.sensitivities, "deviation")),
@@ -72,6 +69,34 @@ YIELD: Schema = (
     Quantity("gap_agreement", read=lambda found: _of(found.sensitivities, "agreed")),
     Quantity("sensitivities", read=lambda found: _sensitivities(found)),
 )
+
+
+def built_schema(chain: Chain) -> Schema:
+    """What has to be built: bands and anchors, or elements and their scales."""
+    if not chain.elements:
+        return BUILT
+    scales = (
+        Quantity("force_scale", head="force scale", left=False),
+        Quantity("travel_scale", head="travel scale", left=False),
+    )
+    return (*cell_schema(chain), *scales)
+
+
+def tolerance_schema(chain: Chain) -> Schema:
+    """What is told of the tolerances of a chain; each kind of cell has its own."""
+    levers = len(chain.elements) < len(chain)
+    of_levers = (
+        Quantity("anchor", "mm", "anchors ±"),
+        Quantity("stiffness", "percent", "stiffness ±"),
+        Quantity("rest_length", "percent", "rest length ±"),
+        Quantity("lever", "mm", "levers ±"),
+    )
+    schema = (
+        *(of_levers if levers else [Quantity("stiffness", "percent", "force ±")]),
+        Quantity("friction", "N", "friction up to "),
+        *([Quantity("travel", "percent", "travel ±")] if chain.elements else ()),
+    )
+    return in_measure(schema, chain.measure)
 
 
 def _share(value: float) -> str:
@@ -88,7 +113,7 @@ SENSITIVITY: Schema = (
 
 def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
     """How many built mechanisms do what is wanted, as docs/commands.md describes it."""
-    return {**_about("stepwell.yield/1", found, design), **record(YIELD, found)}
+    return {**_about("stepwell.yield/1", found, design), **_yield(found)}
 
 
 def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
@@ -118,12 +143,12 @@ def design_record(found: Design) -> dict[str, Any]:
         "states_how": found.reached.how,
         "actuator": actuator_record(chain),
         "cells": [
-            record(BUILT, cell, name=name)
+            record(built_schema(chain), cell, name=name)
             for cell, name in zip(chain.cells, chain.names, strict=True)
         ],
         **record([Quantity("holes", "mm"), Quantity("candidates")], found),
         "robustness": None if found.robustness is None else _robustness(found.robustness),
-        "yield": record(YIELD, found.yield_),
+        "yield": _yield(found.yield_),
         "assumptions": found.assumptions,
     }
 
@@ -134,31 +159,34 @@ def impossible_record(why: Impossible) -> dict[str, Any]:
     return {**_head(None, None, proved=why.proved), "reason": str(why), **record(gaps, why)}
 
 
-REPROGRAMMING: Schema = (
-    Quantity("by"),
-    Quantity("target"),
-    Quantity("possible", read=lambda found: math.isfinite(found.distance)),
-    Quantity("before"),
-    Quantity("after", read=lambda found: found.after or None),
-    Quantity("distance", "mm"),
-    Quantity("displacement", "mm"),
-    Quantity("place", "mm"),
-    Quantity("reach", "mm"),
-    Quantity("method"),
-    Quantity("resolution"),
-    Quantity("largest_force", "N", read="resistance.largest"),
-    Quantity("work_at_0", "mJ", read="resistance.work_0"),
-    Quantity("work_at_1", "mJ", read="resistance.work_1"),
-)
+def reprogramming_schema(unit: str) -> Schema:
+    """What is told of a reprogramming; `unit` is that of the anchor or the number."""
+    return (
+        Quantity("by"),
+        Quantity("target"),
+        Quantity("possible", read=lambda found: math.isfinite(found.distance)),
+        Quantity("before"),
+        Quantity("after", read=lambda found: found.after or None),
+        Quantity("distance", unit),
+        Quantity("displacement", unit),
+        Quantity("place", unit),
+        Quantity("reach", unit),
+        Quantity("method"),
+        Quantity("resolution"),
+        Quantity("largest_force", "N", read="resistance.largest"),
+        Quantity("work_at_0", "mJ", read="resistance.work_0"),
+        Quantity("work_at_1", "mJ", read="resistance.work_1"),
+    )
 
 
 def reprogram_record(found: Reprogramming, *, design: str | None = None) -> dict[str, Any]:
     """The smallest displacement of an anchor that does it, as docs/commands.md describes it."""
     columns = record(WAY, found).values()
+    unit = told_in(found.unit)[0]
     return {
         **head("stepwell.reprogram/1", design or found.chain),
         "title": found.chain.title,
-        **record(REPROGRAMMING, found),
+        **record(reprogramming_schema("" if unit == "1" else unit), found),
         "way": [
             {
                 "fraction": part,
@@ -197,6 +225,18 @@ def _about(schema: str, found: Yield | Survival, design: str | None) -> dict[str
         "title": chain.title,
         "cells": list(chain.names),
     }
+
+
+def _yield(found: Yield) -> dict[str, Any]:
+    return record(in_measure(YIELD, found.chain.measure), found)
+
+
+def _critical(found: Yield) -> dict[str, Any] | None:
+    """The neighbours that go wrong first; names tell the phases of a cell apart."""
+    if found.critical is None:
+        return None
+    names = {"names": list(found.critical.names)} if found.chain.elements else {}
+    return record(CRITICAL, found.critical) | names
 
 
 def _of(table: Any, name: str) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import csv_text, plain, told_in
+from stepwell.base import Quantity, csv_text, plain, told_in
 from stepwell.results.head import head
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
     for number, boundary in enumerate(boundaries):
         told = [told_in(unit) for unit in boundary.units]
         names = [
-            f"{name}_{unit.replace('/', '_per_')}"
+            Quantity(name, "" if unit == "1" else unit).key
             for name, (unit, _) in zip(boundary.parameters, told, strict=True)
         ]
         head = ["curve", "kind", *names]

@@ -11,13 +11,14 @@ from stepwell.base import (
     Columns,
     Quantity,
     Schema,
+    in_measure,
     number,
     plain,
     record,
     signed,
     told_in,
 )
-from stepwell.mechanism import Cell, Chain
+from stepwell.mechanism import Cell, Chain, Element
 from stepwell.results.head import head, tie_notes
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
@@ -56,11 +57,12 @@ CELL: Schema = (
         "bistable", "", "stable", "is_bistable", lambda both: "both states" if both else "one state"
     ),
 )
-CYCLE: Schema = (
-    Quantity("dissipated", "mJ"),
-    Quantity("peak_force", "N"),
-    Quantity("full_stroke", "mm", read="chain.full_stroke"),
-)
+_ENDS = {
+    (True, True): "both",
+    (True, False): "at the low end",
+    (False, True): "at the high end",
+    (False, False): "none",
+}
 MARGIN: Schema = (
     Quantity("method"),
     Quantity("reach", "mm"),
@@ -68,17 +70,80 @@ MARGIN: Schema = (
 )
 
 
-def event_schema(drive: str) -> Schema:
-    """What is told of a switch or a snap; `drive` is the unit of the actuator's coordinate."""
-    return (
+def cycle_schema(chain: Chain) -> Schema:
+    """What is told of a cycle in numbers; ends of curves say little of how far it goes."""
+    schema = (
+        Quantity("dissipated", "mJ"),
+        Quantity("peak_force", "N"),
+        Quantity("full_stroke", "mm", read="chain.full_stroke"),
+        Quantity(
+            "turning_points",
+            told_in(chain.drive_unit)[0],
+            read="path.turning_points",
+            form=lambda points: " → ".join(map(number, points)),
+        ),
+    )
+    return in_measure(schema[: None if chain.elements else -1], chain.measure)
+
+
+def cell_schema(chain: Chain) -> Schema:
+    """What is told of the cells of a chain: all that holds of an element, where it has any."""
+    if not chain.elements:
+        return CELL
+    band = "±" if any(element.error_band for element in chain.elements) else ""
+    sheets = "sheets" if _folds(chain) else ""
+    schema = (
+        Quantity("name", head="cell"),
+        Quantity("phases", head="phases", read=lambda cell: len(cell.phases), left=False),
+        Quantity("sheets", head=sheets, read=_sheets, left=False),
+        Quantity("force_up", "N", "up at", lambda cell: [p.force_high for p in cell.phases[:-1]]),
+        Quantity("force_down", "N", "down at", lambda cell: [p.force_low for p in cell.phases[1:]]),
+        Quantity("travel_low", "mm", "from", "low"),
+        Quantity("travel_high", "mm", "to", "high"),
+        Quantity("full_travel", "mm"),
+        Quantity("stopped", head="stops", form=lambda ends: _ENDS[*ends]),
+        Quantity("error_band", "N", band, lambda cell: getattr(cell, "error_band", 0.0)),
+        Quantity("bistable", read="is_bistable"),
+        Quantity("stable", head="stable in", read=_stable, left=True),
+    )
+    return in_measure(schema, chain.measure)
+
+
+def _folds(chain: Chain) -> bool:
+    return any(len(element.laws) > 1 for element in chain.elements)
+
+
+def _sheets(cell: Cell | Element) -> int:
+    return len(cell.laws) if isinstance(cell, Element) else 1
+
+
+def _stable(cell: Cell | Element) -> list[int]:
+    """The phases in which a cell can stand without any force."""
+    return [k for k, one in enumerate(cell.phases) if one.force_low < 0.0 < one.force_high]
+
+
+def cell_records(chain: Chain) -> list[dict[str, Any]]:
+    """The cells of a chain; those with levers among elements are told as both."""
+    schema = cell_schema(chain)
+    return [
+        record(schema, cell, name=name)
+        | (record(CELL, cell, name=name) if isinstance(cell, Cell) else {})
+        for cell, name in zip(chain.cells, chain.names, strict=True)
+    ]
+
+
+def event_schema(chain: Chain) -> Schema:
+    """What is told of a switch or a snap of a chain."""
+    schema = (
         Quantity("kind", head="event"),
         Quantity("cause"),
         Quantity("direction", head="while", read=lambda event: _way(event.direction)),
-        Quantity("drive", drive),
+        Quantity("drive", told_in(chain.drive_unit)[0]),
         Quantity("stroke", "mm", "stroke", form=6),
         Quantity("cells"),
         Quantity("before", "mm"),
         Quantity("after", "mm"),
+        *((Quantity("sheets_before"), Quantity("sheets_after")) if _folds(chain) else ()),
         Quantity("force_before", "N", "force before"),
         Quantity("force_after", "N", "force after"),
         Quantity("released", "mJ", "released"),
@@ -88,6 +153,7 @@ def event_schema(drive: str) -> Schema:
         ),
         Quantity("tie"),
     )
+    return in_measure(schema, chain.measure)
 
 
 def change_schema(unit: str) -> Schema:
@@ -114,16 +180,13 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
         **head("stepwell.run/1", design or chain),
         "title": chain.title,
         "actuator": actuator_record(chain),
-        "cells": [
-            record(CELL, cell, name=name)
-            for cell, name in zip(chain.cells, chain.names, strict=True)
-        ],
+        "cells": cell_records(chain),
         "sequence": str(cycle.sequence) if spelled else None,
         "pathway": plain(cycle.pathway),
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
         "events": event_records(cycle.events, chain),
-        **record(CYCLE, cycle),
+        **record(cycle_schema(chain), cycle),
         "margin": margin
         and record(MARGIN, margin)
         | {"changes": [_change(one, len(chain) <= LONGEST_BECOMING) for one in margin.changes]},
@@ -133,7 +196,7 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
 
 def event_records(events: Iterable[Event], chain: Chain) -> list[dict[str, Any]]:
     """The switches and snaps of a chain."""
-    schema = event_schema(told_in(chain.drive_unit)[0])
+    schema = event_schema(chain)
     return [record(schema, event) for event in events]
 
 
@@ -141,7 +204,8 @@ def actuator_record(chain: Chain) -> dict[str, Any]:
     """What the actuator of a chain prescribes, and its stiffness."""
     stiffness = chain.actuator_stiffness
     control = "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
-    return {"control": control, "stiffness_N_per_m": plain(stiffness)}
+    (told,) = in_measure([Quantity("stiffness", "N/m", read="actuator_stiffness")], chain.measure)
+    return {"control": control, **record([told], chain)}
 
 
 def _change(change: Change, becoming: bool) -> dict[str, Any]:
@@ -149,44 +213,78 @@ def _change(change: Change, becoming: bool) -> dict[str, Any]:
     return record(schema, change, becomes=change.becomes or None if becoming else None)
 
 
-def event_columns(names: list[str], *, page: bool = False) -> Columns:
+def event_columns(chain: Chain, *, page: bool = False) -> Columns:
     """The columns of a table of events.
 
     Args:
-        names: of the cells.
+        chain: whose events they are.
         page: one with room for both forces and for the cause.
     """
+    names, measure = chain.names, chain.measure
+    schema = {q.attribute: q for q in event_schema(chain)}
+    here, there = schema["before"], schema["after"]
+    before_, after_, lost = (schema[key] for key in ("force_before", "force_after", "released"))
 
     def moves(event: Any) -> str:
         if event["kind"] == "switch":
             return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in event["arrivals"])
-        rows = zip(event["cells"], event["before_mm"], event["after_mm"], strict=True)
-        return ", ".join(f"{names[cell]} {number(a)} → {number(b)}" for cell, a, b in rows)
+        rows = zip(event["cells"], event[here.key], event[there.key], strict=True)
+        # Lever cells tell by their travels where they arrive.
+        to = {a["cell"]: f" at {a['state']}" for a in event["arrivals"] if chain.elements}
+        return ", ".join(
+            f"{names[cell]} {number(a)} → {number(b)}{to.get(cell, '')}" for cell, a, b in rows
+        )
 
     def force(event: Any) -> str:
         before, after = before_.cell(event), after_.cell(event)
         return f"{before} → {after}" if event["kind"] == "snap" else before
 
-    schema = {q.name: q for q in event_schema("")}
-    before_, after_, lost = (schema[key] for key in ("force_before", "force_after", "released"))
     released = Column(
         lost.heading, lambda event: lost.cell(event) if event["kind"] == "snap" else "", True
     )
-    forces = (before_, after_) if page else (Column("force [N]", force, True),)
+    forces = (
+        (before_, after_) if page else (Column(f"{measure.force} [{before_.sign}]", force, True),)
+    )
     cause = Column("cause", lambda event: Cause[event["cause"].upper()].value)
     return (
         schema["direction"],
         schema["kind"],
         schema["stroke"],
-        Column("cells [mm of travel]", moves),
+        Column(f"cells [{here.sign} of {measure.travel}]", moves),
         *forces,
         released,
         *([cause] if page else []),
     )
 
 
-def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
+def nearest_changes(chain: Chain, changes: list[dict[str, Any]]) -> dict[str, str]:
+    """The smallest change of each kind of thing in words, where there is one."""
+    measure = chain.measure
+    kinds = {
+        "anchor": "mm of an anchor",
+        "stiffness": "% of a stiffness",
+        "force_scale": f"% in {measure.force}",
+        "travel_scale": f"% in {measure.travel}",
+        "friction": "% in friction",
+    }
+    found: dict[str, str] = {}
+    for kind, told in kinds.items():
+        unit = "mm" if kind == "anchor" else "percent"
+        of_kind = (change[f"distance_{unit}"] for change in changes if change["parameter"] == kind)
+        known = [distance for distance in of_kind if distance is not None]
+        if known:
+            found[kind] = f"{number(min(known))} {told}"
+    return found
+
+
+def change_columns(chain: Chain, changes: list[dict[str, Any]]) -> Columns:
     """The columns of a table of changes; where a change leads is not known of long chains."""
+    names, measure = chain.names, chain.measure
+    changed = {
+        "stiffness": "k",
+        "force_scale": f"{measure.force}s",
+        "travel_scale": f"{measure.travel}s",
+    }
 
     def far(change: Any) -> str:
         if change.get("distance_mm") is not None:
@@ -200,7 +298,10 @@ def change_columns(names: list[str], changes: list[dict[str, Any]]) -> Columns:
             x, y = map(signed, change["move_mm"])
             return f"q by ({x}, {y}) mm"
         if change.get("distance_percent") is not None:
-            return f"k by {signed(change['move_percent'])} %"
+            by = f"by {signed(change['move_percent'])} %"
+            if change["parameter"] == "friction":
+                return f"{by} of the largest {measure.force}"
+            return f"{changed[change['parameter']]} {by}"
         return ""
 
     _, what, *_, past = change_schema("")
@@ -272,6 +373,6 @@ def _head(chain: Chain, start: str | None, to: str | None, design: str | None) -
         "title": chain.title,
         "actuator": actuator_record(chain),
         "cells": list(chain.names),
-        "from": start or "0" * len(chain),
+        "from": start or chain.first_state,
         "to": to,
     }

@@ -19,7 +19,7 @@ One word for one thing, here and in all rooms above:
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
-from stepwell.statics.places import Configuration, drive_range, read_state, standing
+from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
 from stepwell.statics.problem import problem_of
 from stepwell.statics.run import full_cycle, path
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Measure, told_in
 
 
 class EventKind(Enum):
@@ -19,7 +19,7 @@ class Cause(Enum):
     STOP = "the blocks of a cell touch"
     FOLD = "the local minimum merges with a saddle and is gone"
     RELEASE = "a held cell lets go and the others cannot carry what it gives"
-    TURN = "the force of an element rises again"
+    TURN = "the curve of an element rises again"
     END = "the curve of an element folds back"
 
 
@@ -40,6 +40,7 @@ class Event(ByValue):
         released: energy turned into heat by the jump [J], without what friction took.
         arrivals: (cell, phase) for every cell that arrived in another phase; a stop is one.
         tie: whether another outcome was closer than the tolerance.
+        measure: what travel and force are.
     """
 
     kind: EventKind
@@ -57,15 +58,17 @@ class Event(ByValue):
     released: float
     arrivals: tuple[tuple[int, int], ...]
     tie: bool
+    measure: Measure
 
     def __repr__(self):
+        unit, factor = told_in(self.measure.travel_unit)
         moves = ", ".join(
-            f"cell {c + 1} {a * 1e3:.4g}→{b * 1e3:.4g} mm"
+            f"cell {c + 1} {a * factor:.4g}→{b * factor:.4g} {unit}"
             for c, a, b in zip(self.cells, self.before, self.after, strict=True)
         )
         what = f", releases {self.released * 1e3:.4g} mJ" if self.kind is EventKind.SNAP else ""
         way = "loading" if self.direction > 0 else "unloading"
-        return f"{self.kind.name} at {self.stroke * 1e3:.6g} mm {way}: {moves}{what}"
+        return f"{self.kind.name} at {self.stroke * factor:.6g} {unit} {way}: {moves}{what}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,8 +16,10 @@ from stepwell.base import (
     Floats,
     InputError,
     Ints,
+    Measure,
     Quantity,
     Schema,
+    in_measure,
     told_in,
     variables,
     write_csv,
@@ -185,7 +187,7 @@ class Path(ByValue):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
-        return tuple(events_of(self.segments(), np.array(self.start), self.chain.stretches))
+        return tuple(events_of(self.segments(), np.array(self.start), self.chain))
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
@@ -282,17 +284,21 @@ class Path(ByValue):
         return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
 
     def to_xarray(self) -> xarray.Dataset:
-        """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""
+        """All samples as an xarray.Dataset over (sample, cell), units in the attributes.
+
+        Its variables have the names that they have here, whatever travel and force are.
+        """
         import xarray
 
+        schema = [replace(q, name=q.attribute) for q in self._schema]
         return xarray.Dataset(
-            variables(self._schema, self, "sample"),
+            variables(schema, self, "sample"),
             {"cell": list(self.chain.names)},
             {"title": self.chain.title or "path"},
         )
 
     def to_csv(self, file: str | File) -> None:
-        """Write all samples as CSV, units in the column names (mm, N, mJ, N/m)."""
+        """Write all samples as CSV, units in the column names (of travel: mm, N, mJ, N/m)."""
         names = [name.replace(" ", "_") for name in self.chain.names]
         columns: list[tuple[Quantity, Any]] = []
         for q in self._schema:
@@ -306,10 +312,16 @@ class Path(ByValue):
 
     @property
     def _schema(self) -> Schema:
-        return (
+        measure = self.chain.measure
+        volume = measure is Measure.VOLUME
+        outermost = "sum over the cells" if volume else "displacement of the outermost block"
+        folds = any(len(element.laws) > 1 for element in self.chain.elements)
+        sheet = Quantity("sheet", doc="on which sheet of its curve each cell is", dims=("cell",))
+        schema = (
             Quantity("drive", told_in(self.chain.drive_unit)[0], doc="actuator coordinate"),
-            Quantity("stroke", "mm", doc="displacement of the outermost block"),
+            Quantity("stroke", "mm", doc=outermost),
             Quantity("travel", "mm", doc="travel of each cell", dims=("cell",)),
+            *([sheet] if folds else []),
             Quantity("force", "N", doc="actuator force"),
             Quantity("energy", "mJ", doc="energy of all cells"),
             Quantity("branch", doc="number of the smooth branch"),
@@ -317,13 +329,14 @@ class Path(ByValue):
             Quantity("residual", "N", doc="worst violation of equilibrium"),
             Quantity("stability", "N/m", doc="least stiffness at fixed drive"),
         )
+        return in_measure(schema, measure)
 
     def __repr__(self):
         snaps = int(np.sum(self._rows[:, logged.KIND] == logged.SNAP))
-        turns = " → ".join(f"{t * 1e3:.4g}" for t in self.turning_points[:6])
+        drive = Quantity("drive", told_in(self.chain.drive_unit)[0])
+        turns = " → ".join(f"{t * drive.factor:.4g}" for t in self.turning_points[:6])
         more = " → …" if len(self.turning_points) > 6 else ""
-        unit = "mN" if self.chain.actuator_stiffness == 0 else "mm"
         return (
-            f"Path({len(self.chain)} cells, {turns}{more} {unit}: {snaps} snaps, "
+            f"Path({len(self.chain)} cells, {turns}{more} {drive.sign}: {snaps} snaps, "
             f"dissipates {self.dissipated * 1e3:.4g} mJ)"
         )

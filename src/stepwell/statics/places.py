@@ -7,12 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, told_in
-from stepwell.mechanism import Chain, Stretch, ends_of
+from stepwell.mechanism import FIRST, Chain, Stretch, ends_of
 from stepwell.statics.following import Problem, invert, of_curve
 from stepwell.statics.problem import problem_of
 
 # Beyond the last force at which a cell goes on to another phase, as a share of all forces.
 _BEYOND = 0.05
+# How far within the forces of a state it is stood in, as a share of them.
+_WITHIN = 1e-3
 
 
 class Configuration(NamedTuple):
@@ -106,9 +108,9 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
     """
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
-        low, high = ends_of(laws)
+        low, high = ends_of(problem.sheets)
         begin = _place(
-            laws.sheet_ends[laws.sheet_first[:-1], 0], [own[0] for own in chain.stretches]
+            np.array([cell.low for cell in chain.cells]), [own[0] for own in chain.stretches]
         )
         if problem.beta == 0:
             return begin, (low, high)
@@ -126,7 +128,7 @@ def full_range(chain: Chain, problem: Problem) -> tuple[Configuration, tuple[flo
         if math.isfinite(force)
     ]
     if not finite:
-        own = of_curve(laws, pieces)
+        own = of_curve(problem.sheets, pieces)
         finite = [*pieces.force_left[own], *pieces.force_right[own]]
     more = _BEYOND * problem.scale + float(np.max(laws.friction))
     least, most = min(0.0, min(finite) - more), max(0.0, max(finite) + more)
@@ -150,10 +152,10 @@ def standing(chain: Chain, problem: Problem, state: str) -> tuple[Configuration,
     low, high = _forces(chain, problem, phases)
     if low > high:
         return None
-    # Where its phase ends an element pushes back no more, and rounding calls that unstable.
-    inside = 1e-3 * (high - low) if chain.elements else 0.0
-    force = min(max(0.0, low + inside), high - inside)
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
+    # Where a stretch ends, only just nothing holds the cell; a stop does.
+    within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
+    force = min(max(0.0, low + within), high - within)
     place = _place(_at(problem, stretches, force), stretches)
     return place, _drive(problem, place, force)
 
@@ -179,17 +181,19 @@ def _forces(chain: Chain, problem: Problem, phases: Sequence[int]) -> tuple[floa
 
 def _at(problem: Problem, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
-    found = [_travel(problem, i, stretch, force) for i, stretch in enumerate(stretches)]
+    found = [travel_in(problem, i, stretch, force) for i, stretch in enumerate(stretches)]
     return np.array(found)
 
 
-def _travel(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+def travel_in(problem: Problem, cell: int, stretch: Stretch, force: float) -> float:
+    """Travel of a cell in a phase at a force [m]; at an end of the phase past its forces."""
     sheet, low, high = stretch
     if low == high:
         return low
     laws, pieces = problem.laws, problem.pieces
-    at = laws.sheet_first[cell] + sheet
-    begin, end = int(pieces.sheet_first[at]), int(pieces.sheet_first[at + 1])
+    sheets = problem.sheets
+    at = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    begin, end = int(pieces.of_sheet[at]), int(pieces.of_sheet[at + 1])
     # A phase begins and ends where pieces do.
     first = begin + int(np.searchsorted(pieces.left[begin:end], low))
     last = begin + int(np.searchsorted(pieces.right[begin:end], high, side="right")) - 1

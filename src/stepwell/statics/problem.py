@@ -7,7 +7,7 @@ import numpy as np
 
 from stepwell.base import InputError, Ints
 from stepwell.kernels import UNLIMITED
-from stepwell.mechanism import Chain, Laws, pack
+from stepwell.mechanism import FIRST, Chain, Laws, Sheets, packed
 from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
 from stepwell.statics.outcome import StaticsError
 
@@ -21,32 +21,33 @@ def drive_weights(chain: Chain) -> tuple[float, float]:
 
 
 def problem_of(
-    chain: Chain, laws: Laws | None = None, prefer: Sequence[int] | None = None
+    chain: Chain, cells: tuple[Laws, Sheets] | None = None, prefer: Sequence[int] | None = None
 ) -> Problem:
     """The problem that a chain sets.
 
     Args:
         chain: the chain.
-        laws: its packed laws, where they are at hand.
+        cells: its packed cells, where they are at hand.
         prefer: cells by falling priority where two of them tie.
 
     Raises:
         ValueError: a `prefer` that does not name every cell once.
         StaticsError: a force that turns too often to follow.
     """
-    laws = pack(chain.cells) if laws is None else laws
-    pieces = cut(laws)
-    counts = np.diff(pieces.sheet_first)
+    laws, sheets = packed(chain.cells) if cells is None else cells
+    pieces = cut(laws, sheets)
+    counts = np.diff(pieces.of_sheet)
     worst = int(np.argmax(counts))
     if counts[worst] > MOST_PIECES:
-        cell = int(np.searchsorted(laws.sheet_first, worst, side="right")) - 1
+        cell = int(np.searchsorted(np.unique(sheets.table[:, FIRST]), worst, side="right")) - 1
         raise StaticsError(
             f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
             f"often to follow: smooth its table, or look for a band whose ends nearly meet."
         )
     effort = np.array([0, UNLIMITED, 0])
     rank = _ranks(len(chain), prefer)
-    return Problem(laws, pieces, *drive_weights(chain), force_scale(laws, pieces), rank, effort)
+    scale = force_scale(laws, sheets, pieces)
+    return Problem(laws, sheets, pieces, *drive_weights(chain), scale, rank, effort)
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:

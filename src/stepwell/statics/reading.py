@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.mechanism import Stretch, phase_at
+from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind
 from stepwell.statics.following import log as logged
 
@@ -21,8 +21,13 @@ _CAUSES = {logged.RELEASE: Cause.RELEASE, logged.ENDS: Cause.END}
 
 def segments_of(log: logged.Log) -> Iterator[Segment]:
     """Every segment of a log in order."""
-    for k, row in enumerate(log.segments[: log.used[0]].tolist()):
-        movers = log.movers[log.first[k] : log.first[k + 1]]
+    rows, first = log.segments[: log.used[0]].tolist(), log.first.tolist()
+    movers = log.movers[: log.used[1]]
+    cells = movers[:, logged.CELL].astype(int).tolist()
+    before, after = movers[:, logged.TRAVEL_0].tolist(), movers[:, logged.TRAVEL_1].tolist()
+    sheets = movers[:, [logged.SHEET_0, logged.SHEET_1]].astype(int).T.tolist()
+    for k, row in enumerate(rows):
+        those = slice(first[k], first[k + 1])
         kind, cause = _KINDS[int(row[logged.KIND])], None
         if kind is SegmentKind.SNAP:
             cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
@@ -31,27 +36,26 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
             int(row[logged.DIRECTION]),
             (row[logged.DRIVE_0], row[logged.DRIVE_1]),
             (row[logged.FORCE_0], row[logged.FORCE_1]),
-            tuple(movers[:, logged.CELL].astype(int).tolist()),
-            tuple(movers[:, logged.TRAVEL_0].tolist()),
-            tuple(movers[:, logged.TRAVEL_1].tolist()),
-            tuple(movers[:, logged.SHEET_0].astype(int).tolist()),
-            tuple(movers[:, logged.SHEET_1].astype(int).tolist()),
+            tuple(cells[those]),
+            tuple(before[those]),
+            tuple(after[those]),
+            tuple(sheets[0][those]),
+            tuple(sheets[1][those]),
             row[logged.RELEASED],
             row[logged.TIE_A] >= 0,
             cause,
         )
 
 
-def events_of(
-    segments: Iterable[Segment], start: Floats, stretches: tuple[tuple[Stretch, ...], ...]
-) -> Iterator[Event]:
+def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:
     """Every switch and snap of a path.
 
     Args:
         segments: of the path, in order.
         start: (N,) travels at its beginning [m].
-        stretches: (N,) where the phases of every cell lie.
+        chain: whose path it is.
     """
+    stretches, measure = chain.stretches, chain.measure
     travels = start.copy()
     for segment in segments:
         arrivals = list(_arrivals(segment, stretches))
@@ -74,6 +78,7 @@ def events_of(
                 segment.released,
                 tuple((segment.cells[m], phase) for m, phase in arrivals),
                 segment.tie,
+                measure,
             )
             continue
         for m, phase in arrivals:
@@ -95,6 +100,7 @@ def events_of(
                 0.0,
                 ((cell, phase),),
                 segment.tie,
+                measure,
             )
 
 

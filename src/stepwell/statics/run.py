@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, Measure, told_in
 from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
-from stepwell.mechanism import Chain, ends_of, pack
+from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics.following import (
     DONE,
     GAVE_UP,
@@ -21,6 +21,7 @@ from stepwell.statics.following import (
     drive_of,
     follow,
     log as logged,
+    sheets_of,
     stand_all_on,
 )
 from stepwell.statics.outcome import refuse_broken, refuse_failure
@@ -73,7 +74,8 @@ def full_cycle(
 
     All else as for `Chain.cycle`.
     """
-    laws = pack(chain.cells)
+    cells = packed(chain.cells)
+    laws, _ = cells
     if len(chain) >= WORTH_SORTING and math.isinf(chain.actuator_stiffness) and prefer is None:
         proved = sorted_cycle(laws)
         if proved is not None:
@@ -81,7 +83,7 @@ def full_cycle(
             reach = float(np.sum(laws.full))
             begin = Configuration((0.0,) * len(chain), (0,) * len(chain))
             return _as_path(chain, None, np.array([0.0, reach, 0.0]), begin, force, log)
-    problem = problem_of(chain, laws, prefer)
+    problem = problem_of(chain, cells, prefer)
     begin, (low, high) = full_range(chain, problem)
     state = starting_state(chain, problem, begin, low)
     return _follow_from(chain, problem, np.array([low, high, low]), state, progress)
@@ -94,13 +96,13 @@ def _follow_from(
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
-    sheets = problem.laws.sheet.copy()
+    sheets = sheets_of(problem.sheets)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
         log = logged.empty_log(room, 4 * room)
         state = State._make([*(values.copy() for values in start[:-1]), log])
-        stand_all_on(problem.laws, problem.pieces, sheets)
+        stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
         problem.effort[:] = 0, most if aside else min(most, few), 0
         try:
             if aside:
@@ -181,7 +183,7 @@ def _finite_turns(turning_points: Sequence[float]) -> Floats:
 def _reached_turns(chain: Chain, problem: Problem, points: Floats) -> Floats:
     if problem.beta > 0:
         return points
-    least, most = ends_of(problem.laws)
+    least, most = ends_of(problem.sheets)
     slip = 1e-9 * chain.full_stroke
     outside = (points < least - slip) | (points > most + slip)
     if outside.any():

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stepwell.base import Floats, InputError, told_in
-from stepwell.mechanism import Chain, can_fall, can_rise
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Cell, Chain
 from stepwell.statics.following import (
     FREE,
     NO_FORCE,
@@ -47,15 +47,16 @@ def starting_configuration(
     if travels.shape != (len(chain),):
         raise InputError(f"start has shape {travels.shape}: must be ({len(chain)},) travels [m].")
     laws, (unit, factor) = problem.laws, told_in(chain.measure.travel_unit)
-    counts = np.diff(laws.sheet_first)
+    counts = [1 if isinstance(cell, Cell) else len(cell.sheets) for cell in chain.cells]
     if len(sheets) != len(chain) or any(
         not 0 <= k < n for k, n in zip(sheets, counts, strict=True)
     ):
         raise InputError(
             f"start.sheet = {sheets!r}: must name one sheet a cell, counted from 0, of as many as "
-            f"its curve has: {', '.join(map(str, counts.tolist()))}."
+            f"its curve has: {', '.join(map(str, counts))}."
         )
-    low, high = laws.sheet_ends[laws.sheet_first[:-1] + np.array(sheets)].T
+    table, now = problem.sheets.table, problem.sheets.now
+    low, high = table[table[now, FIRST].astype(int) + np.array(sheets), LOW : HIGH + 1].T
     slip = 1e-9 * laws.full
     ends = zip(chain.names, travels, low, high, slip, strict=True)
     for name, s, least, most, near in ends:
@@ -76,9 +77,10 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
         ValueError: the drive does not fit the travels, or the cells do not balance, or they
             balance in an unstable way, or the actuator is too stiff for a double to tell.
     """
-    laws, pieces, alpha, beta, scale, *_ = problem
+    laws, _, pieces, alpha, beta, scale, *_ = problem
+    ends = problem.sheets.ends
     travels = np.array(place.travel)
-    stand_all_on(laws, pieces, np.array(place.sheet))
+    stand_all_on(laws, problem.sheets, pieces, np.array(place.sheet))
     if beta > 0 and 4.0 * EPSILON * alpha * chain.full_stroke > _BLUNT * scale * beta:
         if scale <= NO_FORCE:
             raise InputError(
@@ -105,12 +107,12 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     for i in range(n):
         hold(problem, state, i)
         state.piece[i] = find_piece(pieces, i, travels[i], 0)
-        inside = can_fall(laws, i, travels[i]) and can_rise(laws, i, travels[i])
+        inside = ends[i, BEFORE] < travels[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0:
             state.mode[i] = FREE
     forces = state.at_rest.copy()
     free = state.mode == FREE
-    low, high = held_range(laws, state)
+    low, high = held_range(problem, state)
     stroke = float(np.sum(travels))
     if beta == 0:
         if abs(stroke - drive) > 1e-9 * chain.full_stroke:
@@ -135,12 +137,12 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
 
 
 def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, force: float) -> str:
-    laws = problem.laws
+    laws, ends = problem.laws, problem.sheets.ends
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]
-        low = forces[i] - rub if can_fall(laws, i, state.travel[i]) else -math.inf
-        high = forces[i] + rub if can_rise(laws, i, state.travel[i]) else math.inf
+        low = forces[i] - rub if state.travel[i] > ends[i, BEFORE] else -math.inf
+        high = forces[i] + rub if state.travel[i] < ends[i, BEYOND] else math.inf
         parts.append(f"{name} at {state.travel[i] * 1e3:.6g} mm stands for {low:.4g}..{high:.4g} N")
     given = f" and the actuator gives {force:.4g} N" if problem.beta > 0 else ""
     return (
@@ -150,7 +152,7 @@ def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, fo
 
 
 def _refuse_unstable(problem: Problem, state: State) -> None:
-    laws, pieces, alpha, beta, *_ = problem
+    laws, _, pieces, alpha, beta, *_ = problem
     total, falling = beta, 0
     for i in np.flatnonzero(state.mode == FREE).tolist():
         falling += int(pieces.sign[state.piece[i]] < 0)

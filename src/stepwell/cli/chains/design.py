@@ -28,9 +28,12 @@ from stepwell.cli.screen import answered, finish, progress, usable
 
 if TYPE_CHECKING:
     from stepwell.design import Stock
+    from stepwell.mechanism import Element
 
 # Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
+
+FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
 
 _Side = Annotated[
     Range | None,
@@ -38,9 +41,38 @@ _Side = Annotated[
         parser=span,
         metavar="FROM:TO",
         help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
-        "others in proportion.",
+        "others in proportion, and for anchors p the mirror image.",
     ),
 ]
+
+
+def between(text: str | Range) -> Range:
+    """FROM:TO, both above 0; they may be equal."""
+    try:
+        low, high = map(float, str(text).split(":"))
+    except ValueError:
+        low, high = math.nan, math.nan
+    if not 0 < low <= high < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be FROM:TO, both above 0, as in 0.5:2.")
+    return Range(low, high)
+
+
+_Scale = Annotated[
+    Range,
+    typer.Option(
+        parser=between,
+        metavar="FROM:TO",
+        help="Of elements: least and largest, times their own; 1:1 leaves them as they are.",
+    ),
+]
+
+
+class Free(StrEnum):
+    """Which anchors are placed."""
+
+    Q = "q"
+    P = "p"
+    BOTH = "both"
 
 
 class Objective(StrEnum):
@@ -61,6 +93,14 @@ def design(
     ],
     x: _Side = None,
     y: _Side = None,
+    place: Annotated[
+        Free,
+        typer.Option(
+            "--free",
+            help="Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
+            "or both, each p the mirror image of q.",
+        ),
+    ] = Free.Q,
     holes: Annotated[
         float | None,
         typer.Option(
@@ -74,7 +114,8 @@ def design(
         typer.Option(
             "--band",
             metavar="NAME|K:LENGTH[:SPREAD]",
-            help="A band there is: paper, robot, antennas, or N/m, mm and %; may be given again.",
+            help="A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
+            "its bands, measured ones too; may be given again.",
         ),
     ] = None,
     levers: Annotated[
@@ -98,6 +139,17 @@ def design(
         float | None, typer.Option(metavar="N", help="Largest force of the actuator [N].", min=0)
     ] = None,
     drive: NewDrive = None,
+    elements: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--element",
+            metavar="NAME|DESIGN",
+            help="An element there is instead of bands: one of the library, or those of a design "
+            "file; may be given again.",
+        ),
+    ] = None,
+    force_scale: _Scale = FORCE_SCALE,
+    travel_scale: _Scale = TRAVEL_SCALE,
     anchor: given.Anchor = given.ANCHOR_MM,
     stiffness_spread: given.StiffnessSpread = given.STIFFNESS_PERCENT,
     rest_length_spread: given.RestLengthSpread = 0.0,
@@ -117,8 +169,9 @@ def design(
 
     You get the anchors, checked by the engine, how many mechanisms built with these
     tolerances will do it, and which two cells go wrong first; or the certificate that nothing
-    allowed does it. With --out, the design file, a figure of the forces that a cell can have,
-    and the result as JSON are written into a folder.
+    allowed does it. With --element, you get which element each cell is, and its scales. With
+    --out, the design file, a figure of the forces that a cell can have, and the result as JSON
+    are written into a folder.
     """
     from stepwell import reports, results
     from stepwell.cli.text import chains as texts
@@ -130,18 +183,30 @@ def design(
     spread = given.tolerances(
         anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
     )
+    kinds = [one for text in elements or () for one in elements_of(text)]
+    if kinds and (x or y or holes or bands or levers):
+        raise typer.BadParameter(
+            "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
+            param_hint="--element",
+        )
     free(out, "design", force)
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             found = design(
                 **wanted,
-                within=replace(
-                    usual_box(max(lengths)),
+                within=None
+                if kinds
+                else replace(
+                    usual_box(max(lengths), place),
                     **({} if x is None else {"left": x.start / 1e3, "right": x.stop / 1e3}),
                     **({} if y is None else {"bottom": y.start / 1e3, "top": y.stop / 1e3}),
                 ),
+                free=place.value,
+                elements=kinds,
+                force_scale=(force_scale.start, force_scale.stop),
+                travel_scale=(travel_scale.start, travel_scale.stop),
                 holes=None if holes is None else holes / 1e3,
-                bands=[stock(text) for text in bands or ["paper"]],
+                bands=[one for text in bands or ["paper"] for one in stocks(text)],
                 lever=lengths,
                 equal_levers=not mixed_levers,
                 tolerances=spread,
@@ -154,10 +219,11 @@ def design(
                 progress=tell,
             )
     except Impossible as why:
-        record, write = results.impossible_record(why), None
+        record, chain, write = results.impossible_record(why), None, None
     else:
-        record, write = results.design_record(found), partial(reports.write_design, found)
-    finish(record, texts.design, as_json, out, force, write)
+        record, chain = results.design_record(found), found.chain
+        write = partial(reports.write_design, found)
+    finish(record, partial(texts.design, chain=chain), as_json, out, force, write)
     answered(record["possible"])
 
 
@@ -168,6 +234,7 @@ def yield_(
     rest_length_spread: given.RestLengthSpread = 0.0,
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
+    travel_spread: given.TravelSpread = 0.0,
     wanted: Annotated[
         str | None,
         typer.Option(
@@ -197,14 +264,20 @@ def yield_(
     interval, what the others do, and the two cells that go wrong first. With --out, figures,
     outcomes as CSV and the result as JSON are written into a folder, together with the design.
     """
-    from stepwell import files, reports, results
+    from stepwell import reports, results
     from stepwell.cli.text import chains as texts
     from stepwell.design import survival, yields
 
+    text, chain = read_chain(design)
     spread = given.tolerances(
-        anchor, stiffness_spread, rest_length_spread, lever_tolerance, friction
+        anchor,
+        stiffness_spread,
+        rest_length_spread,
+        lever_tolerance,
+        friction,
+        travel_spread,
+        chain.measure,
     )
-    text = files.text_of(design)
     free(out, "yield", force, design=text)
     if program and (wanted or sensitivity):
         option = "--wanted" if wanted else "--sensitivity"
@@ -222,7 +295,7 @@ def yield_(
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
             found = yields(
-                files.loads_chain(text, design),
+                chain,
                 spread,
                 n=samples,
                 seed=seed,
@@ -232,7 +305,7 @@ def yield_(
             )
         record = results.yield_record(found, design=text)
         write = partial(reports.write_yield, found, design=text)
-    finish(record, texts.yields, as_json, out, force, write)
+    finish(record, partial(texts.yields, chain=chain), as_json, out, force, write)
 
 
 class Direction(NamedTuple):
@@ -261,9 +334,10 @@ def reprogram(
         str,
         typer.Option(
             "--by",
-            metavar="ANCHOR",
+            metavar="ANCHOR|NUMBER",
             help="The anchor that is moved: a cell's name or number, then .p on its inner block or "
-            ".q on its outer one, as in inner.p.",
+            ".q on its outer one, as in inner.p; or a number of an element, as in "
+            "dome.force_scale, dome.travel_scale or dome.friction.",
         ),
     ],
     target: Annotated[
@@ -294,6 +368,8 @@ def reprogram(
     as_json: Json = False,
 ) -> None:
     """Find the smallest displacement of an anchor that changes what a chain does.
+
+    Or the smallest change of a number of an element.
 
     You get the displacement, the sequence just past it, and the force that has to push the
     anchor on the way: what an antenna must deliver. With --out, the design past the change,
@@ -332,6 +408,34 @@ def wish(text: str) -> dict[str, Any]:
     )
 
 
+def elements_of(text: str) -> "tuple[Element, ...]":
+    """An element of the library by its name, or the elements of a design file."""
+    from stepwell.elements import LIBRARY
+
+    if text in LIBRARY:
+        return (LIBRARY[text].make(name=text),)
+    _, chain = read_chain(text)
+    if not chain.elements:
+        raise typer.BadParameter(
+            f"{text!r} has no elements: must be a design file that has, or one of "
+            f"{', '.join(LIBRARY)}.",
+            param_hint="--element",
+        )
+    return chain.elements
+
+
+def stocks(text: str) -> "list[Stock]":
+    """What `stock` reads, or the bands of a design file."""
+    from stepwell.design import Stock
+    from stepwell.mechanism import Cell
+
+    if not text.endswith(".toml") and not text.startswith("preset:"):
+        return [stock(text)]
+    _, chain = read_chain(text)
+    cells = [cell for cell in chain.cells if isinstance(cell, Cell)]
+    return list(dict.fromkeys(Stock.of(band) for cell in cells for band in cell.bands))
+
+
 def stock(text: str) -> "Stock":
     """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
     from stepwell.design import Stock
@@ -345,7 +449,7 @@ def stock(text: str) -> "Stock":
     except ValueError:
         raise typer.BadParameter(
             f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:SPREAD] in N/m, mm and %, as in "
-            f"28.5:10:5.",
+            f"28.5:10:5, or a design file with bands, as in mine.toml.",
             param_hint="--band",
         ) from None
     with usable("--band"):

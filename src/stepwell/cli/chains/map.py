@@ -72,10 +72,10 @@ def map_(
     with usable(design):
         if across is None and up is None:
             index = cell_of(chain, cell)
+            designs = marks(chain, index)
             places = {"x": x.values(1e3), "y": y.values(1e3)}
             nodes = partial(transition_map, chain, index, **places)
             curves = partial(boundaries, chain, index, **places)
-            designs = marks(chain, index)
         else:
             first, second = _both(cell, x, y, across, up)
             (across_axis, here_across), (up_axis, here_up) = (
@@ -134,5 +134,14 @@ def cell_of(chain: "Chain", text: str) -> int:
 
 def marks(chain: "Chain", cell: int) -> dict[str, tuple[float, float]]:
     """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
-    anchors = {band.q for band in chain.cells[cell].bands}
+    from stepwell.mechanism import Element
+
+    own = chain.cells[cell]
+    if isinstance(own, Element):
+        raise typer.BadParameter(
+            f"{chain.names[cell]} is an element and has no anchor: pass --across "
+            f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",
+            param_hint="--cell",
+        )
+    anchors = {band.q for band in own.bands}
     return {"this design": anchors.pop()} if len(anchors) == 1 else {}

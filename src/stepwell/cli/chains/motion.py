@@ -17,6 +17,7 @@ from stepwell.cli.options import (
     Json,
     Out,
     To,
+    drive_of,
     free,
     free_file,
     own,
@@ -48,7 +49,7 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
         limits = margin(cycle.chain, progress=tell)
     record = results.run_record(cycle, limits, design=text)
     write = partial(reports.write_run, cycle, limits, design=text, source=design)
-    finish(record, texts.run, as_json, out, force, write)
+    finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
 
 
 def graph(
@@ -88,7 +89,7 @@ def graph(
         with usable("--out"):
             reports.checked_suffix(out)
     with usable(design), progress("graph") as tell:
-        found = chain.graph(drive, start=start, progress=tell)
+        found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         record = results.graph_record(found, design=text)
     if out is not None:
         with usable("--out"):
@@ -128,7 +129,7 @@ def program(
     else:
         record = results.program_record(found, design=text)
         write = partial(reports.write_program, found, design=text)
-    finish(record, texts.program, as_json, out, force, write)
+    finish(record, partial(texts.program, chain=chain), as_json, out, force, write)
     answered(record["does_it"])
 
 

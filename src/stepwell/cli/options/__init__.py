@@ -15,7 +15,16 @@ from stepwell.cli.options.common import (
     read_chain,
     read_robot,
 )
-from stepwell.cli.options.driving import Drive, From, NewDrive, To, own, planned, stiffness_of
+from stepwell.cli.options.driving import (
+    Drive,
+    From,
+    NewDrive,
+    To,
+    drive_of,
+    own,
+    planned,
+    stiffness_of,
+)
 from stepwell.cli.options.ranges import (
     EXAMPLE,
     Range,

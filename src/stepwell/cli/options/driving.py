@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from stepwell.base import told_in
 from stepwell.cli.screen import progress, usable
 
 if TYPE_CHECKING:
@@ -32,17 +33,23 @@ def drive(text: str) -> str | float:
     return stiffness
 
 
-def _option(default: str) -> Any:
+def _option(units: str, default: str) -> Any:
     return typer.Option(
         "--drive",
         parser=drive,
         metavar="stroke|force|K",
-        help=f"What the actuator prescribes, or its stiffness [N/m]; {default} by default.",
+        help=f"What the actuator prescribes, or its stiffness [{units}]; {default} by default.",
     )
 
 
-Drive = Annotated[str | None, _option("as in the design")]
-NewDrive = Annotated[str | None, _option("the stroke")]
+Drive = Annotated[str | None, _option("N/m, kPa/mL or N m/rad", "as in the design")]
+NewDrive = Annotated[str | None, _option("N/m", "the stroke")]
+
+
+def drive_of(drive: str | float | None, chain: Chain) -> str | float | None:
+    """Such a drive as `Chain.graph` takes it: a stiffness in SI."""
+    _, factor = told_in(chain.measure.stiffness_unit)
+    return drive / factor if isinstance(drive, float) else drive
 
 
 def stiffness_of(drive: str | float | None) -> float:
@@ -70,12 +77,19 @@ def planned(chain: Chain, start: str | None, to: str | None) -> Program:
 
     if to is None:
         raise typer.BadParameter("needs --to STATE, the state to end in.", param_hint="--from")
+    last = chain.last_state
+    digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
     for option, state in (("--from", start), ("--to", to)):
-        if state is not None and (len(state) != len(chain) or set(state) - {"0", "1"}):
-            problem = f"{state!r}: must be {len(chain)} characters 0 or 1, inner cell first."
+        if state is not None and not _is_state(state, last):
+            problem = f"{state!r}: must be {len(chain)} {digits}, inner cell first."
             raise typer.BadParameter(problem, param_hint=option)
     with usable("--from", Unreachable), progress("program") as tell:
         return chain.program(to, start=start, progress=tell)
+
+
+def _is_state(state: str, last: str) -> bool:
+    """Whether every cell of a state is in one of its phases; `last` has the last of each."""
+    return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 
 def own(text: str, design: str) -> Program:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.base import usual
+from stepwell.base import Measure, told_in, usual
 from stepwell.cli.screen import usable
 
 if TYPE_CHECKING:
@@ -23,7 +23,10 @@ Anchor = Annotated[
 StiffnessSpread = Annotated[
     float,
     typer.Option(
-        metavar="PERCENT", help="Standard deviation of a band's stiffness [%].", min=0, max=24.9
+        metavar="PERCENT",
+        help="Standard deviation of a band's stiffness, or of all forces of an element alike [%].",
+        min=0,
+        max=24.9,
     ),
 ]
 RestLengthSpread = Annotated[
@@ -38,7 +41,20 @@ LeverTolerance = Annotated[
 ]
 Friction = Annotated[
     float,
-    typer.Option(metavar="N", help="Every cell has up to this more friction [N].", min=0),
+    typer.Option(
+        metavar="N",
+        help="Every cell has up to this more friction [N; kPa or mN m where forces are].",
+        min=0,
+    ),
+]
+TravelSpread = Annotated[
+    float,
+    typer.Option(
+        metavar="PERCENT",
+        help="Standard deviation of all travels of an element alike [%].",
+        min=0,
+        max=24.9,
+    ),
 ]
 Samples = Annotated[
     int | None,
@@ -53,10 +69,24 @@ Seed = Annotated[int, typer.Option(help="Which ones: the same seed, the same mec
 
 
 def tolerances(
-    anchor: float, stiffness: float, rest_length: float, lever: float, friction: float
+    anchor: float,
+    stiffness: float,
+    rest_length: float,
+    lever: float,
+    friction: float,
+    travel: float = 0.0,
+    measure: Measure = Measure.TRAVEL,
 ) -> Tolerances:
-    """The tolerances of these options: mm, %, %, mm, N."""
+    """The tolerances of these options: mm, %, %, mm, a force as people are told it, %."""
     from stepwell.design import Tolerances
 
+    _, factor = told_in(measure.force_unit)
     with usable("tolerances"):
-        return Tolerances(anchor / 1e3, stiffness / 1e2, rest_length / 1e2, lever / 1e3, friction)
+        return Tolerances(
+            anchor / 1e3,
+            stiffness / 1e2,
+            rest_length / 1e2,
+            lever / 1e3,
+            friction / factor,
+            travel / 1e2,
+        )

@@ -1,8 +1,9 @@
 """The results of commands about chains as people read them."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from stepwell.base import Column, Quantity, number, signed
+from stepwell.base import Column, Quantity, number, signed, told_in
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
@@ -11,13 +12,17 @@ from stepwell.cli.screen import (
     wrapped,
 )
 from stepwell.design.margins import WAY
+from stepwell.mechanism import Chain
 from stepwell.results import (
-    BUILT,
-    CELL,
     SENSITIVITY,
-    TOLERANCES,
+    built_schema,
+    cell_schema,
     change_columns,
+    cycle_schema,
+    drive_schema,
     event_columns,
+    nearest_changes,
+    tolerance_schema,
 )
 from stepwell.sequences import Pathway
 from stepwell.sequences.programs import turn_schema
@@ -26,25 +31,27 @@ from stepwell.sequences.programs import turn_schema
 MOST_CELLS = 12
 
 
-def run(record: dict[str, Any]) -> None:
-    """Print what `results.run_record` returns."""
-    names = [cell["name"] for cell in record["cells"]]
+def run(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.run_record` returns of a chain."""
+    names = list(chain.names)
+    dissipated, peak, _, *driven = cycle_schema(chain)
     found = {
         "Sequence": record["sequence"] if len(names) <= MOST_CELLS else None,
         "Pathway": (record["pathway"] or "").replace("_", " "),
         "Loading": _order(record["loading_order"], names),
         "Unloading": _order(record["unloading_order"], names),
-        "Peak force": f"{number(record['peak_force_N'])} N",
-        "Dissipated": f"{number(record['dissipated_mJ'])} mJ in a cycle",
-        "Margin": _nearest(record["margin"]),
+        f"Peak {chain.measure.force}": f"{peak.cell(record)} {peak.sign}",
+        "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
+        "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
+        "Margin": _nearest(record["margin"], chain),
     }
-    show_facts(record, found, 12)
-    show_records("Cells, innermost first", CELL, record["cells"])
-    show_events(record["events"], names)
+    show_facts(record, found, 2 + max(map(len, found)))
+    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
+    show_events(record["events"], chain)
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",
-        change_columns(names, changes),
+        change_columns(chain, changes),
         changes,
     )
     if record["ties"]:
@@ -56,27 +63,26 @@ def _order(cells: list[int], names: list[str]) -> str:
     return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
 
 
-def _nearest(margin: dict[str, Any]) -> str:
-    found: list[str] = []
-    for key, unit in (("distance_mm", "mm of an anchor"), ("distance_percent", "% of a stiffness")):
-        known = [c[key] for c in margin["changes"] if c.get(key) is not None]
-        if known:
-            found.append(f"{number(min(known))} {unit}")
-    if not found:
-        return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
-    return f"{' or '.join(found)} to another sequence ({margin['method']})"
+def _nearest(margin: dict[str, Any], chain: Chain) -> str:
+    found = list(nearest_changes(chain, margin["changes"]).values())
+    if found:
+        listed = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
+        return f"{listed} to another sequence ({margin['method']})"
+    if len(chain.elements) == len(chain):
+        return "no other sequence by any change of one thing"
+    return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
 
 
-def show_events(events: list[dict[str, Any]], names: list[str]) -> None:
+def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
     """Print a table of switches and snaps."""
-    show_records("Switches and snaps", event_columns(names), events)
+    show_records("Switches and snaps", event_columns(chain), events)
 
 
 def map_(record: dict[str, Any]) -> None:
     """Print what `results.map_record` returns."""
     across, up = (
-        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])} {axis['unit']}, "
-        f"{axis['count']} values"
+        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])}"
+        f"{_unit(axis['unit'])}, {axis['count']} values"
         for axis in (record["across"], record["up"])
     )
     show_lines(record["title"], "", f"Across {across}; up {up}")
@@ -102,6 +108,10 @@ def map_(record: dict[str, Any]) -> None:
     show_records("Boundaries", _BOUNDARY, record["boundaries"], most=None)
 
 
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {Quantity('', unit).sign}"
+
+
 def _error(boundary: Any) -> str:
     exact = boundary["method"] == "exact"
     return "" if exact else f"{number(boundary['error_of_axes'], 2)} of the axes"
@@ -115,19 +125,20 @@ _BOUNDARY = (
 )
 
 
-def program(record: dict[str, Any]) -> None:
-    """Print what `results.program_record` or `results.unreachable_record` returns."""
+def program(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.program_record` or `results.unreachable_record` returns of a chain."""
     if record["arrives"] is None:
         show_facts(record, {}, 10)
         show_lines(*wrapped(record["reason"]))
         return
-    unit = "N" if "turning_points_N" in record else "mm"
-    slack = record[f"slack_{unit}"]
+    unit, _ = told_in(chain.drive_unit)
+    points, _, _, off = drive_schema(unit)
+    slack = record[off.key]
     found = {
         "Program": f"{record['from']} to {record['to']}: {_verdict(record)}",
-        "Turns at": _points(record[f"turning_points_{unit}"], unit),
+        "Turns at": _points(record[points.key], points.sign),
         "Slack": slack is not None
-        and f"every turn may be off by {number(slack, 3)} {unit} at once",
+        and f"every turn may be off by {number(slack, 3)} {off.sign} at once",
         "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
     }
     show_facts(record, found, 10)
@@ -138,7 +149,7 @@ def program(record: dict[str, Any]) -> None:
         [Quantity("turn", head="turn"), *columns],
         [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
     )
-    show_events(record["events"], record["cells"])
+    show_events(record["events"], chain)
     show_text(f"{record['reason']}.")
 
 
@@ -160,19 +171,37 @@ def reprogram(record: dict[str, Any]) -> None:
     """Print what `results.reprogram_record` returns."""
     if not record["possible"]:
         wanted = record["target"] or "another sequence"
-        show_facts(record, {}, 0)
-        show_lines(
-            f"No displacement of {record['by']} up to {number(record['reach_mm'])} mm makes it "
-            f"{wanted} ({record['method']}).",
+        reach = record.get("reach_mm")
+        tried = (
+            f"value of {record['by']} that was looked at"
+            if reach is None
+            else f"displacement of {record['by']} up to {number(reach)} mm"
         )
-    elif not record["distance_mm"]:
+        show_facts(record, {}, 0)
+        show_lines(f"No {tried} makes it {wanted} ({record['method']}).")
+    elif not _told(record, "distance")[0]:
         show_facts(record, {}, 0)
         show_lines(f"It does {record['before']} already.")
         return
-    else:
+    elif record["way"]:
         _displacement(record)
+    else:
+        to, unit = _told(record, "place")
+        by, _ = _told(record, "displacement")
+        found = {
+            "Now": record["before"],
+            "Then": record["after"],
+            "Set": f"{record['by']} to {number(to)}{unit} ({signed(by)}; {record['method']})",
+        }
+        show_facts(record, found, 7)
     if record["resolution"]:
         show_text(f"Searched, not exact: {record['resolution']}")
+
+
+def _told(record: dict[str, Any], name: str) -> tuple[Any, str]:
+    """A number with the unit that stands in its key."""
+    key = next(key for key in record if key == name or key.startswith(f"{name}_"))
+    return record[key], _unit(key.removeprefix(name).removeprefix("_") or "1")
 
 
 def _displacement(record: dict[str, Any]) -> None:
@@ -207,17 +236,21 @@ def _displacement(record: dict[str, Any]) -> None:
 MOST_STATES = 16
 
 
-def design(record: dict[str, Any]) -> None:
-    """Print what `results.design_record` or `results.impossible_record` returns."""
-    if not record["possible"]:
+def design(record: dict[str, Any], chain: Chain | None) -> None:
+    """Print what `results.design_record` or `results.impossible_record` returns of a chain."""
+    if chain is None:
         show_lines(*wrapped(record["reason"]))
         return
     names = [cell["name"] for cell in record["cells"]]
-    shares = _shares(record["yield"], names) | {"Wanted": ""}
+    shares = _shares(record["yield"], chain) | {"Wanted": ""}
     found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
     show_facts({"title": ""}, found, 10)
-    name, p, q, *others = BUILT
-    show_records("Cells, innermost first", [name, q, p, *others], record["cells"])
+    schema = built_schema(chain)
+    if not chain.elements:
+        # What can be chosen stands before what is given.
+        name, p, q, *others = schema
+        schema = name, q, p, *others
+    show_records("Cells, innermost first", schema, record["cells"])
     more = f"more states may be in reach: {record['states_how']}"
     show_text(record["reason"], *([] if record["states_whole"] else [more]), record["assumptions"])
 
@@ -245,9 +278,9 @@ def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
 MOST_ROWS = 12
 
 
-def yields(record: dict[str, Any]) -> None:
-    """Print what `results.yield_record` or `results.survival_record` returns."""
-    show_facts(record, _shares(record, record["cells"]), 10)
+def yields(record: dict[str, Any], chain: Chain) -> None:
+    """Print what `results.yield_record` or `results.survival_record` returns of a chain."""
+    show_facts(record, _shares(record, chain), 10)
     if "outcomes" not in record:
         show_text(record["assumptions"])
         return
@@ -275,14 +308,14 @@ def yields(record: dict[str, Any]) -> None:
     show_text(record["assumptions"])
 
 
-def _shares(record: dict[str, Any], names: list[str]) -> dict[str, str]:
+def _shares(record: dict[str, Any], chain: Chain) -> dict[str, str]:
     """Share, tolerances and critical pair of a yield."""
     low, high = _percent(record["share_low"]), _percent(record["share_high"])
     return {
         "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
         "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
-        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'])}",
-        "Critical": _critical(record.get("critical"), names),
+        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'], chain)}",
+        "Critical": _critical(record.get("critical"), chain.names),
     }
 
 
@@ -291,15 +324,16 @@ def _percent(share: float) -> str:
     return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
 
 
-def _tolerances(given: dict[str, float]) -> str:
-    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in TOLERANCES if given[q.key]]
+def _tolerances(given: dict[str, float], chain: Chain) -> str:
+    schema = tolerance_schema(chain)
+    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in schema if given[q.key]]
     return ", ".join(told) or "no tolerance"
 
 
-def _critical(pair: dict[str, Any] | None, names: list[str]) -> str:
+def _critical(pair: dict[str, Any] | None, names: Sequence[str]) -> str:
     if pair is None:
         return ""
-    first, second = names[pair["first"]], names[pair["second"]]
+    first, second = pair.get("names") or (names[pair["first"]], names[pair["second"]])
     return (
         f"{first} before {second} while {pair['while']}: in the other order in "
         f"{_percent(pair['share'])}"

@@ -4,6 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.design.maps.outcomes import IMPOSSIBLE, Outcomes
+from stepwell.mechanism import Element
 
 
 class Stability:
@@ -16,10 +17,12 @@ class Stability:
 
     def __init__(self, outcomes: Outcomes, cell: int, nodes: Floats):
         self._outcomes, self._cell = outcomes, cell
-        band, name = outcomes.chain.cells[cell].bands[0], outcomes.chain.names[cell]
+        one, name = outcomes.chain.cells[cell], outcomes.chain.names[cell]
         numbers = outcomes.numbers(cell, nodes)
         self.words: tuple[str, ...] = ()
-        if numbers is not None and (not band.two_sided or _taut(numbers)):
+        if isinstance(one, Element) or numbers is None:
+            return
+        if not one.bands[0].two_sided or _taut(numbers):
             self.words = (
                 f"state 0 of {name} stops being stable: F0 = 0",
                 f"state 1 of {name} stops being stable: F1 = 0",

@@ -14,7 +14,7 @@ from stepwell.concave import closed, simple
 from stepwell.design.maps.sweep import FRICTION, ends, sweep
 from stepwell.design.parameters import Parameter
 from stepwell.kernels import in_blocks
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, Element, phase_at
 from stepwell.sequences import Cycle, Pathway, Sequence, cycle
 from stepwell.statics import SegmentKind, StaticsError
 
@@ -255,6 +255,8 @@ class Outcomes:
     def _row(self, cell: int) -> Floats | None:
         """(7,) a cell with one linear band and no load as numbers, the parameters left out."""
         as_is = self.chain.cells[cell]
+        if isinstance(as_is, Element):
+            return None
         plain = simple(replace(as_is, friction=0.0))
         if plain is None:
             return None
@@ -277,16 +279,17 @@ def snapping_steps(result: Cycle) -> tuple[int, int]:
 
     A step in which the snap is handed on to another cell, and a second one follows, counts once.
     """
-    full = result.chain.full_travels
+    stretches = result.chain.stretches
     between: set[int] = set()
     counts = {1: 0, -1: 0}
     snapped = 0
     for segment in result.path.segments():
         if segment.kind is SegmentKind.SNAP:
             snapped = segment.direction
-        for cell, travel in zip(segment.cells, segment.after, strict=True):
-            at_stop = travel == 0 or travel == full[cell]
-            between.discard(cell) if at_stop else between.add(cell)
+        moved = zip(segment.cells, segment.after, segment.sheets_after, strict=True)
+        for cell, travel, sheet in moved:
+            in_transit = phase_at(stretches[cell], sheet, travel) == "-"
+            between.add(cell) if in_transit else between.discard(cell)
         if snapped and not between:
             counts[snapped] += 1
             snapped = 0

@@ -13,7 +13,7 @@ from stepwell.base import Floats, InputError, __version__, require
 from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
-from stepwell.mechanism import Chain, SlipError
+from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
@@ -62,10 +62,10 @@ def parameter_map(
 ) -> xr.Dataset:
     """What a chain does for every value of two of its parameters.
 
-    Any two parameters of any cells, of the actuator's stiffness or of friction; names as in
-    `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are sorted
-    in closed form where the actuator is rigid; all others go through the general engine one by
-    one (a millisecond or so each). `attrs` counts both.
+    Any two parameters of any cells or elements, of the actuator's stiffness or of friction; names
+    as in `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are
+    sorted in closed form where the actuator is rigid; all others go through the general engine one
+    by one (a millisecond or so each). `attrs` counts both.
 
     Args:
         chain: any number of cells.
@@ -82,7 +82,7 @@ def parameter_map(
         (a snap that is handed on from cell to cell counts once); -1 where there is no answer;
         margin, smallest difference of two F0 or of two F1, over k r of the first cell that
         stays as it is (of the innermost where none does): zero exactly on a boundary, infinite
-        for one cell, NaN where the general engine had to decide;
+        for one cell, NaN where the general engine had to decide, as with elements;
         monostable, whether a cell whose parameter varies is stable in one state only;
         degenerate, whether the design sits on a boundary (margin below 1e-9, or the engine met
         a tie).
@@ -116,8 +116,15 @@ def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[C
     """The chain with all bands of a cell at one anchor q, and q.x and q.y as parameters."""
     number = _which(chain, cell)
     cells = list(chain.cells)
-    bands = cells[number].bands
-    cells[number] = replace(cells[number], band=tuple(replace(b, q=bands[0].q) for b in bands))
+    one = cells[number]
+    if isinstance(one, Element):
+        name = chain.names[number]
+        raise InputError(
+            f"cell = {cell!r} is an element, without anchors: ask for a map over "
+            f"'{name}.force_scale', '{name}.travel_scale' or '{name}.friction', in Python with "
+            f"parameter_map."
+        )
+    cells[number] = replace(one, band=tuple(replace(b, q=one.bands[0].q) for b in one.bands))
     of_cell = {one.part: one for one in parameters(chain) if one.cell == number}
     return replace(chain, cells=tuple(cells)), (of_cell["q.x"], x), (of_cell["q.y"], y)
 
@@ -165,16 +172,23 @@ def _which(chain: Chain, cell: int | str) -> int:
 
 
 def _scale(outcomes: Outcomes) -> tuple[float, str]:
-    """k r [N] that gaps are compared with, and the name of the cell that it belongs to."""
+    """k r [N] that gaps are compared with, and the name of the cell that it belongs to.
+
+    Of an element, its largest force: with one there are no gaps in closed form.
+    """
     chain = outcomes.chain
     stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
-    return chain.cells[stays].bands[0].stiffness * chain.cells[stays].lever, chain.names[stays]
+    cell = chain.cells[stays]
+    if isinstance(cell, Element):
+        return cell.largest_force, chain.names[stays]
+    return cell.bands[0].stiffness * cell.lever, chain.names[stays]
 
 
 def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Dataset:
     import xarray as xr
 
     chain, sequence = outcomes.chain, found.sequence
+    stroke, unit = chain.measure.stroke, chain.measure.travel_unit
     scale, staying = _scale(outcomes)
     turned = " or ".join(chain.names[i] for i in outcomes.turned)
     impossible, unsolved = (int(np.sum(sequence == code)) for code in (IMPOSSIBLE, UNSOLVED))
@@ -184,10 +198,13 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
             _noted("states visited in a full cycle")
             | _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32),
         ),
-        "snap_loading": (found.strokes[0], _noted("stroke of the first snap while loading", "m")),
+        "snap_loading": (
+            found.strokes[0],
+            _noted(f"{stroke} of the first snap while loading", unit),
+        ),
         "snap_unloading": (
             found.strokes[1],
-            _noted("stroke of the first snap while unloading", "m"),
+            _noted(f"{stroke} of the first snap while unloading", unit),
         ),
         "snaps_loading": (found.snaps[0], _noted("steps that snap while loading", "1")),
         "snaps_unloading": (found.snaps[1], _noted("steps that snap while unloading", "1")),

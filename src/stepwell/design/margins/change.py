@@ -1,4 +1,4 @@
-"""The smallest change of one anchor, or of one stiffness, that alters the sequence."""
+"""The smallest change of one anchor, or of one number, that alters the sequence."""
 
 import math
 from dataclasses import dataclass, field
@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue, bisected
+from stepwell.base import ByValue
 from stepwell.concave import SortedChain
-from stepwell.design.margins.nearest import sequence
+from stepwell.design.margins.numbers import changed_by, nearest_share
 from stepwell.design.parameters import of_cell
 from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
@@ -22,11 +22,12 @@ class Change(ByValue):
 
     Attributes:
         chain: the design as it is.
-        cell: whose anchor or stiffness it is, 0 the innermost.
+        cell: whose anchor or number it is, 0 the innermost.
         parameter: "anchor" (q on the outer block; moving p the opposite way is the same) or
-            "stiffness" (of all bands of the cell).
-        distance: how far that is: [m], or the fraction of the stiffness; infinite where
-            nothing within reach changes the sequence.
+            "stiffness" (of all bands of the cell); of an element "force_scale", "travel_scale" or
+            "friction".
+        distance: how far that is: [m], or the fraction of the number, of friction that of the
+            element's largest force; infinite where nothing within reach changes the sequence.
         move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.
         past: the same a hair further, where the sequence is another one already.
         method: exact, or a search.
@@ -47,7 +48,7 @@ class Change(ByValue):
             return None
         if isinstance(self.past, tuple):
             return of_cell(self.chain, self.cell, "q").displaced(self.chain, self.past)
-        return of_cell(self.chain, self.cell, "stiffness").scaled(self.chain, 1.0 + self.past)
+        return changed_by(self.chain, of_cell(self.chain, self.cell, self.parameter), self.past)
 
     @cached_property
     def becomes(self) -> str:
@@ -68,74 +69,22 @@ class Change(ByValue):
                 f"anchor: {self.distance * 1e3:.4g} mm "
                 f"(move q by ({x * 1e3:+.4g}, {y * 1e3:+.4g}) mm)"
             )
-        return f"stiffness: {self.move * 100:+.4g} %"
+        of = " of the largest force" if self.parameter == "friction" else ""
+        return f"{self.parameter}: {self.move * 100:+.4g} %{of}"
 
 
-# How far past a change it is looked at: far enough to leave no tie.
-_PAST = 1e-7
-_RATIOS = 12
-_STIFFEST = 8.0  # largest ratio tried, up and down; every other is the root of the next
-_RESOLUTION = 1e-6  # of the stiffness, where bisection stops
-
-RESOLUTION = (
-    f"asked at {_RATIOS} ratios up to {_STIFFEST:g} times more and as many less, then "
-    f"bisection to {_RESOLUTION * 100:g} %"
-)
-
-
-def stiffness(chain: Chain, forces: SortedChain | None, now: Sequence, cell: int) -> Change:
-    """The smallest relative change of stiffness that changes the sequence.
-
-    In closed form F of one linear band is proportional to k, so the ratio that reaches another
-    force is a quotient; a force of the other sign, or zero, is never reached. Else ratios are
-    asked, and the first change bisected.
+def number_change(
+    chain: Chain, forces: SortedChain | None, now: Sequence, cell: int, part: str
+) -> Change:
+    """The smallest change of a number of a cell that changes the sequence.
 
     Args:
         chain: any number of cells.
         forces: the chain in closed form, None where that is not proved.
         now: what it does.
-        cell: whose bands are made stiffer or softer, all alike.
+        cell: whose number it is; of bands, of all alike.
+        part: "stiffness", "force_scale", "travel_scale" or "friction".
     """
-    if forces is None:
-        moves, past, method = _searched(chain, now, cell), (0.0, 0.0), Method.SEARCH
-    else:
-        moves, past, method = _quotients(forces, cell), (_PAST, -_PAST), Method.EXACT
-    common = (chain, cell, "stiffness")
-    if not moves:
-        return Change(*common, math.inf, math.nan, math.nan, method)
-    move, grows = min(moves, key=lambda found: abs(found[0]))
-    return Change(*common, abs(move), move, move + past[0 if grows > 0 else 1], method)
-
-
-def _quotients(forces: SortedChain, cell: int) -> list[tuple[float, int]]:
-    """Relative changes after which another force is reached, and whether k grows past them."""
-    return [
-        (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
-        for n in forces.neighbours(cell)
-        if n.own * n.other > 0
-    ]
-
-
-def _searched(chain: Chain, now: Sequence, cell: int) -> list[tuple[float, int]]:
-    parameter = of_cell(chain, cell, "stiffness")
-
-    def same(fraction: float) -> bool:
-        try:
-            return sequence(parameter.scaled(chain, 1.0 + fraction)) == now
-        except StaticsError:
-            return False
-
-    found: list[tuple[float, int]] = []
-    least = math.inf
-    for sign in (1, -1):
-        good = 0.0
-        for k in reversed(range(_RATIOS)):
-            bad = sign * min(abs(_STIFFEST ** (sign * 0.5**k) - 1.0), least)
-            if not same(bad):
-                halvings = math.ceil(math.log2(max(1.0, abs(bad - good) / _RESOLUTION)))
-                found.append((bisected(same, good, bad, halvings)[1], sign))
-                least = abs(found[-1][0])
-            if abs(bad) >= least:
-                break
-            good = bad
-    return found
+    found = nearest_share(chain, forces, str(now), of_cell(chain, cell, part))
+    far = math.inf if math.isnan(found.share) else abs(found.share)
+    return Change(chain, cell, part, far, found.share, found.past, found.method)

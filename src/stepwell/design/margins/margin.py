@@ -8,14 +8,15 @@ import numpy as np
 
 from stepwell.base import REACH, ByValue, Floats
 from stepwell.concave import SortedChain
-from stepwell.design.margins.change import RESOLUTION, Change, stiffness
+from stepwell.design.margins.change import Change, number_change
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest, sequence
+from stepwell.design.margins.numbers import RESOLUTION, RESOLUTION_OF_FRICTION
 from stepwell.design.margins.search import resolution
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 
 # Printed lines, and the longest chain whose sequences are printed with them.
 _SHOWN = 6
@@ -27,7 +28,8 @@ class Margin(ByValue):
     """How far a design is from another sequence, for every anchor and every stiffness.
 
     Attributes:
-        changes: for every cell the smallest change of its anchor, then of its stiffness.
+        changes: for every cell the smallest change of its anchor, then of its stiffness; for every
+            element of all its forces, of all its travels, and of its friction.
         gap: smallest difference of two F0 or of two F1 over k r of the innermost cell; NaN
             where the sequence is not a matter of F0 and F1 alone.
         method: exact where every change is in closed form, else a search.
@@ -44,12 +46,12 @@ class Margin(ByValue):
 
     @property
     def anchors(self) -> Floats:
-        """(N,) smallest displacement of each cell's anchor [m]."""
+        """Smallest displacement of each cell's anchor [m]; of those that have one."""
         return self._distances("anchor")
 
     @property
     def stiffness(self) -> Floats:
-        """(N,) smallest relative change of each cell's stiffness [1]."""
+        """Smallest relative change of each cell's stiffness [1]; of those that have bands."""
         return self._distances("stiffness")
 
     def _distances(self, parameter: str) -> Floats:
@@ -70,11 +72,16 @@ class Margin(ByValue):
         return "\n".join(lines)
 
     def __repr__(self):
-        anchor, stiffness = float(np.min(self.anchors)), float(np.min(self.stiffness))
-        far = f"more than {self.reach * 1e3:.4g} mm"
-        anchors = far if math.isinf(anchor) else f"{anchor * 1e3:.4g} mm"
-        stiff = "no change of stiffness" if math.isinf(stiffness) else f"{stiffness * 100:.4g} %"
-        return f"Margin({self.method}: anchors {anchors}, stiffness {stiff}, gap {self.gap:.3g})"
+        told: list[str] = []
+        for parameter in dict.fromkeys(change.parameter for change in self.changes):
+            least = float(np.min(self._distances(parameter)))
+            words = "anchors" if parameter == "anchor" else parameter.replace("_", " ")
+            far = f"{least * 1e3:.4g} mm" if parameter == "anchor" else f"{least * 100:.4g} %"
+            if math.isinf(least):
+                nowhere = f"more than {self.reach * 1e3:.4g} mm"
+                far = nowhere if parameter == "anchor" else f"no change of {words}"
+            told.append(f"{words} {far}")
+        return f"Margin({self.method}: {', '.join(told)}, gap {self.gap:.3g})"
 
 
 def margin(
@@ -92,26 +99,42 @@ def margin(
     forces = SortedChain.of(chain)
     now = sequence(chain)
     changes: list[Change] = []
-    for cell in range(len(chain)):
+    asked = [(cell, part) for cell, one in enumerate(chain.cells) for part in _parts(one)]
+    for done, (cell, part) in enumerate(asked):
         if progress is not None:
-            progress(2 * cell, 2 * len(chain))
-        anchor = Parameter(f"{cell + 1}.q", cell, "q")
-        found = nearest(chain, forces, now, anchor, None, ways)
-        changes.append(Change(chain, cell, "anchor", *found))
-        changes.append(stiffness(chain, forces, now, cell))
+            progress(done, len(asked))
+        if part == "anchor":
+            anchor = Parameter(f"{cell + 1}.q", cell, "q")
+            found = nearest(chain, forces, now, anchor, None, ways)
+            changes.append(Change(chain, cell, part, *found))
+        else:
+            changes.append(number_change(chain, forces, now, cell, part))
     if progress is not None:
-        progress(2 * len(chain), 2 * len(chain))
+        progress(len(asked), len(asked))
     words = {
         "anchor": f"anchors {resolution(ways, small=False)}",
         "stiffness": f"stiffnesses {RESOLUTION}",
+        "force_scale": f"scales of force {RESOLUTION}",
+        "travel_scale": f"scales of travel {RESOLUTION}",
+        "friction": f"friction {RESOLUTION_OF_FRICTION}",
     }
     searched = {change.parameter for change in changes if change.method is Method.SEARCH}
-    scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
     return Margin(
         chain,
         tuple(changes),
-        math.nan if forces is None else forces.smallest_gap() / scale,
+        math.nan if forces is None else _relative_gap(forces),
         Method.SEARCH if searched else Method.EXACT,
         reach,
         "; ".join(words[parameter] for parameter in words if parameter in searched),
     )
+
+
+def _parts(cell: Cell | Element) -> tuple[str, ...]:
+    if isinstance(cell, Element):
+        return "force_scale", "travel_scale", "friction"
+    return "anchor", "stiffness"
+
+
+def _relative_gap(forces: SortedChain) -> float:
+    first = forces.cells[0]
+    return forces.smallest_gap() / (first.stiffness * first.lever)

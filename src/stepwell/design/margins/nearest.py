@@ -13,6 +13,7 @@ from stepwell.concave import Neighbour, SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest_place import Place, nearest_place
 from stepwell.design.margins.search import nearest_found
+from stepwell.design.orders import relay_cycle
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
 from stepwell.mechanism import Chain
@@ -44,7 +45,8 @@ def sequence(chain: Chain) -> Sequence:
     """What the chain does, in closed form where it holds, else by the general engine."""
     forces = SortedChain.of(chain)
     if forces is None:
-        return cycle(chain).sequence
+        relays = relay_cycle(chain)
+        return cycle(chain).sequence if relays is None else Sequence.parse(relays)
     return Sequence.full_cycle(forces.loading, forces.unloading)
 
 

@@ -1,4 +1,4 @@
-"""The smallest displacement of an anchor that makes a chain do something else."""
+"""The smallest change of an anchor, or of an element's number, after which a chain does as told."""
 
 from __future__ import annotations
 
@@ -17,19 +17,27 @@ from stepwell.base import (
     Quantity,
     Schema,
     Vec2,
+    told_in,
     variables,
     write_csv,
 )
 from stepwell.concave import SortedChain
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import Nearest, nearest
+from stepwell.design.margins.numbers import (
+    RESOLUTION,
+    RESOLUTION_FINE,
+    RESOLUTION_OF_FRICTION,
+    changed_by,
+    nearest_share,
+)
 from stepwell.design.margins.resistance import Resistance
 from stepwell.design.margins.search import resolution
 from stepwell.design.orders import checked_cycle
-from stepwell.design.parameters import parameter
+from stepwell.design.parameters import Parameter, parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances import refuse_reach
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Sequence, cycle
 
 if TYPE_CHECKING:
@@ -69,14 +77,17 @@ WAY: Schema = (
 class Reprogramming(ByValue):
     """The smallest displacement of one anchor after which a chain does what is wanted.
 
+    Or the smallest change of one number of an element: then `displacement`, `distance` and `place`
+    are numbers in that one's unit, and nothing resists it.
+
     Attributes:
         chain: the design as it is.
         target: the sequence wanted; None for any other than now.
-        by: the anchor, such as "inner.p".
+        by: the anchor, such as "inner.p", or the number, such as "dome.force_scale".
         displacement: (dx, dy) of the anchor [m]; NaN where there is none within reach, zero
             where the chain does it already.
         distance: its length [m]; infinite where there is none within reach.
-        reach: farthest displacement that was looked at [m].
+        reach: farthest displacement that was looked at [m]; infinite for a number.
         chain_after: the design a hair further on, where it does it; None if nowhere.
         before, after: the sequences as it is and a hair past, by the engine; `after` is empty
             where there is none.
@@ -87,7 +98,7 @@ class Reprogramming(ByValue):
     chain: Chain = field(repr=False)
     target: str | None
     by: str
-    displacement: Vec2
+    displacement: Vec2 | float
     distance: float
     reach: float
     chain_after: Chain | None = field(repr=False)
@@ -105,25 +116,34 @@ class Reprogramming(ByValue):
 
     @property
     def anchor(self) -> str:
-        """Which of its anchors: "p" on the inner block or "q" on the outer one."""
+        """Which of its anchors: "p" on the inner block or "q" on the outer one; or which number."""
         return parameter(self.chain, self.by).part
 
     @property
-    def place(self) -> Vec2:
+    def place(self) -> Vec2 | float:
         """Where the anchor has to be (of the cell's first band) [m]; NaN if nowhere."""
-        x, y = getattr(self.chain.cells[self.cell].bands[0], self.anchor)
-        return x + self.displacement[0], y + self.displacement[1]
+        now = parameter(self.chain, self.by).value(self.chain)
+        if isinstance(now, tuple) and isinstance(self.displacement, tuple):
+            return now[0] + self.displacement[0], now[1] + self.displacement[1]
+        return float(now) + float(self.displacement)  # type: ignore[arg-type]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of `displacement`, `distance` and `place`."""
+        return parameter(self.chain, self.by).unit
 
     @cached_property
     def resistance(self) -> Resistance:
         """The force of the cell's bands against the displacement, from here to there."""
-        if math.isinf(self.distance):
+        cell, move = self.chain.cells[self.cell], self.displacement
+        if math.isinf(self.distance) or isinstance(cell, Element) or not isinstance(move, tuple):
             return Resistance.nowhere()
-        return Resistance.of(self.chain.cells[self.cell], self.anchor, self.displacement)
+        return Resistance.of(cell, self.anchor, move)
 
     def along(self, axis: int) -> Floats:
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
-        return self.resistance.fraction * self.displacement[axis]
+        moves = self.displacement if isinstance(self.displacement, tuple) else (math.nan, math.nan)
+        return self.resistance.fraction * moves[axis]
 
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
@@ -149,20 +169,29 @@ class Reprogramming(ByValue):
         write_csv(file, ((q, q.of(self)) for q in WAY))
 
     def __str__(self):
+        wanted = self.target or "another sequence"
+        if math.isinf(self.distance) and math.isinf(self.reach):
+            return f"no value of {self.by} that was looked at makes it {wanted} ({self.method})"
         if math.isinf(self.distance):
-            wanted = self.target or "another sequence"
             return (
                 f"no displacement of {self.by} up to {self.reach * 1e3:.4g} mm makes it {wanted} "
                 f"({self.method})"
             )
         if self.distance == 0 and self.after == self.before:
             return f"it does {self.before} already"
-        x, y = (f"{part * 1e3:+.4g}" for part in self.displacement)
-        lines = [
-            f"move {self.by} by ({x}, {y}) mm, {self.distance * 1e3:.4g} mm: {self.before} -> "
-            f"{self.after} ({self.method})",
-            str(self.resistance),
-        ]
+        becomes = f"{self.before} -> {self.after} ({self.method})"
+        if isinstance(self.displacement, tuple):
+            x, y = (f"{part * 1e3:+.4g}" for part in self.displacement)
+            lines = [
+                f"move {self.by} by ({x}, {y}) mm, {self.distance * 1e3:.4g} mm: {becomes}",
+                str(self.resistance),
+            ]
+        else:
+            place = self.place
+            assert not isinstance(place, tuple)
+            unit, factor = told_in(self.unit)
+            values = f"{place * factor:.4g} ({self.displacement * factor:+.4g})"
+            lines = [f"set {self.by} to {values}{f' {unit}' * (unit != '1')}: {becomes}"]
         if self.resolution:
             lines.append(f"searched, not exact: {self.resolution}")
         return "\n".join(lines)
@@ -186,7 +215,10 @@ def reprogram(
     All else as for `Chain.reprogram`.
     """
     anchor = parameter(chain, by)
-    if not anchor.is_anchor:
+    number = anchor.cell is not None and isinstance(chain.cells[anchor.cell], Element)
+    if number and (along is not None or one_way):
+        raise InputError(f"by = {by!r} is a number, without a direction: leave `along` out.")
+    if not (anchor.is_anchor or number):
         raise InputError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
             f"{chain.names[-1] + '.q'!r}."
@@ -195,8 +227,10 @@ def reprogram(
     refuse_reach(chain, reach)
     wanted = None
     if target is not None:
-        wanted = Sequence.parse(checked_cycle(str(target), len(chain), "target"))
+        wanted = Sequence.parse(checked_cycle(str(target), chain.last_state, "target"))
     before = cycle(chain).sequence
+    if number:
+        return _of_number(chain, wanted, anchor, before, progress)
     if before == wanted:
         found = Nearest(0.0, (0.0, 0.0), (0.0, 0.0), Method.EXACT)
     else:
@@ -215,4 +249,38 @@ def reprogram(
         "" if after is None else str(cycle(after).sequence),
         found.method,
         resolution(ways, wanted is not None) if found.method is Method.SEARCH else "",
+    )
+
+
+def _of_number(
+    chain: Chain,
+    wanted: Sequence | None,
+    number: Parameter,
+    before: Sequence,
+    progress: Callable[[int, int], None] | None,
+) -> Reprogramming:
+    """The smallest change of a number of an element after which a chain does what is wanted."""
+    target = None if wanted is None else str(wanted)
+    share = past = 0.0
+    method = Method.EXACT
+    if before != wanted:
+        share, past, method = nearest_share(chain, None, str(before), number, target, progress)
+    after, change = None, math.nan
+    if not math.isnan(share):
+        after = changed_by(chain, number, past)
+        there, here = (number.value(one) for one in (changed_by(chain, number, share), chain))
+        change = float(there) - float(here)  # type: ignore[arg-type]
+    usual = RESOLUTION_OF_FRICTION if number.part == "friction" else RESOLUTION
+    return Reprogramming(
+        chain,
+        target,
+        number.name,
+        change,
+        math.inf if math.isnan(change) else abs(change),
+        math.inf,
+        after,
+        str(before),
+        "" if after is None else str(cycle(after).sequence),
+        method,
+        (usual if wanted is None else RESOLUTION_FINE) if method is Method.SEARCH else "",
     )

@@ -1,4 +1,4 @@
-"""How far all anchors of a chain may be off at once."""
+"""How far all anchors of a chain, or all forces of its elements, may be off at once."""
 
 import math
 from dataclasses import dataclass, field
@@ -11,6 +11,7 @@ import numpy as np
 from stepwell.base import Advised, ByValue, InputError, bisected
 from stepwell.concave import Simple, SortedChain, concave_disc, end_force_field
 from stepwell.design.margins.worst import SIDES, farthest
+from stepwell.design.orders import Switches, are_relays, switching_forces
 from stepwell.mechanism import Chain
 
 _DIRECTIONS = 256
@@ -37,31 +38,42 @@ class RobustnessLimit(Advised):
         "beyond it a cell may no longer be taut and concave, so more may do or not: ask "
         "chain.yields() with larger tolerances",
     )
-    NONE = ("none", "a single cell within twice its lever: nothing ends it")
+    NONE = ("none", "a single cell within twice its lever, or forces down to none: nothing ends it")
+
+
+METHOD_OF_RELAYS = (
+    "the two neighbours in the order of the switching forces up, or down, that meet first, all "
+    "forces of the one scaled up and of the other scaled down; exact, and proved, since under a "
+    "prescribed force no element feels another"
+)
 
 
 class Meeting(NamedTuple):
     """Two neighbours whose end forces can be made equal."""
 
-    radius: float  # [m]
+    radius: float  # [m], or the share of all forces
     first: int  # the cell that moves first in the design
     second: int
     way: str  # "loading", decided by F0, or "unloading", by F1
-    moves: tuple[tuple[float, float], tuple[float, float]]  # of their anchors q [m]
+    # Of their anchors q [m]; none where their forces are scaled.
+    moves: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Robustness(ByValue):
     """Within which distance of its place every anchor may be, all at once, for the same sequence.
 
+    Of elements under a prescribed force, by which share all their forces may be off instead.
+
     Attributes:
         chain: the design.
         radius: of each outer anchor q, the inner ones being in place; where both ends of a band
-            may be off, half of it for each [m].
+            may be off, half of it for each [m]; NaN where forces are asked.
         limit: what ends it: the order of the cells, the proof, or nothing.
         meeting: the neighbours that meet first; None where nothing meets within the radius.
         cell: the cell whose proof ends first; None unless that is the limit.
         method: what is proved of this, and what is not.
+        share: of all forces of every element, without friction; NaN where anchors are asked.
     """
 
     chain: Chain = field(repr=False)
@@ -70,10 +82,13 @@ class Robustness(ByValue):
     meeting: Meeting | None
     cell: int | None
     method: str = field(repr=False, default=METHOD)
+    share: float = math.nan
 
     def __str__(self):
         names = self.chain.names
         text = f"all anchors may be off by {self.radius * 1e3:.4g} mm at once"
+        if not math.isnan(self.share):
+            text = f"all forces may be off by {self.share * 100:.4g} % at once"
         if self.meeting is not None:
             first, second = names[self.meeting.first], names[self.meeting.second]
             text += f"; then {first} and {second} change places in {self.meeting.way}"
@@ -90,12 +105,15 @@ def robustness(chain: Chain) -> Robustness:
 
     All else as for `Chain.robustness`.
     """
+    if len(chain.elements) == len(chain) and are_relays(chain):
+        return _of_relays(chain)
     forces = SortedChain.of(chain)
     if forces is None:
         raise InputError(
             "robustness is for chains of cells proved taut and concave, with one full travel and "
-            "a rigid actuator, whose sequence is the order of F0 and F1. For others: "
-            "chain.margin(), one anchor at a time, or chain.yields(tolerances)."
+            "a rigid actuator, whose sequence is the order of F0 and F1, and for elements without "
+            "folds under a prescribed force, where it is that of their switching forces. For "
+            "others: chain.margin(), one thing at a time, or chain.yields(tolerances)."
         )
     proofs = [_proved_radius(cell) for cell in forces.cells]
     first = int(np.argmin(proofs))
@@ -112,6 +130,35 @@ def robustness(chain: Chain) -> Robustness:
     if most < 2.0 * forces.cells[first].lever:
         return Robustness(chain, most, RobustnessLimit.PROOF, None, first)
     return Robustness(chain, most, RobustnessLimit.NONE, None, None)
+
+
+def _of_relays(chain: Chain) -> Robustness:
+    """The share of all forces at which the first two neighbours meet.
+
+    Neighbours are enough: the share at which cells further apart meet is no smaller than that of
+    the nearest two between them, as a mean of fractions is no smaller than the smallest.
+    """
+    switches = Switches.of(chain.last_state)
+    forces = switching_forces(chain)
+    rub = np.array([chain.cells[cell].friction for cell in switches.cell.tolist()])
+    order = switches.motion(forces[None]).order[0]
+    meetings: list[Meeting] = []
+    for end, way in enumerate(("loading", "unloading")):
+        # Where a cell leaps a phase, this is the force that has held it.
+        held = switches.decisive(forces[None])[0, :, end]
+        own = np.abs(held + (2 * end - 1) * rub)
+        for a, b in pairwise(order[end].tolist()):
+            first, second = int(switches.cell[a]), int(switches.cell[b])
+            if first != second and own[a] + own[b] > 0.0:
+                share = float(abs(held[b] - held[a]) / (own[a] + own[b]))
+                meetings.append(Meeting(share, first, second, way, ()))
+    nearest = min(meetings, key=lambda one: one.radius, default=None)
+    share = math.inf if nearest is None else nearest.radius
+    # At 100 % nothing is left of a force.
+    limit = RobustnessLimit.NONE if share >= 1.0 else RobustnessLimit.ORDER
+    meeting = nearest if share < 1.0 else None
+    method = METHOD_OF_RELAYS
+    return Robustness(chain, math.nan, limit, meeting, None, method, min(share, 1.0))
 
 
 def _proved_radius(cell: Simple) -> float:

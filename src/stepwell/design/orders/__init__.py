@@ -5,6 +5,7 @@ from stepwell.design.orders.orders import (
     Wish,
     by_cells_at_1,
     checked_cycle,
+    is_state,
     numbered_cycle,
     of_sequence,
     of_states,
@@ -12,4 +13,11 @@ from stepwell.design.orders.orders import (
     short,
 )
 from stepwell.design.orders.reached import Reached, reached, searched, unlike, unsearchable
+from stepwell.design.orders.switches import (
+    Switches,
+    are_relays,
+    is_relay,
+    relay_cycle,
+    switching_forces,
+)
 from stepwell.design.orders.target import Seen, Target

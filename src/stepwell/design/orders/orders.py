@@ -10,24 +10,31 @@ from stepwell.base import InputError, Ints
 from stepwell.sequences import Sequence
 
 
-def checked_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
-    """A full cycle of so many cells without its spaces; messages call it `name`.
+def checked_cycle(wanted: str, last: str, name: str = "wanted") -> str:
+    """A full cycle without its spaces; messages call it `name`.
+
+    Args:
+        wanted: such as "00>10>11>01>00".
+        last: the state with every cell in its last phase, such as "11".
 
     Raises:
         ValueError: a text that is none.
     """
     states = wanted.replace(" ", "").split(">")
-    example = f"for example {short(str(Sequence.full_cycle(range(cells), range(cells))))!r}"
+    first = "0" * len(last)
+    example = f"for example {short(_example(last))!r}"
     for state in states:
-        if len(state) != cells or not set(state) <= {"0", "1"}:
+        if not is_state(state, last):
+            digits = "characters 0 or 1" if set(last) == {"1"} else f"digits up to {last}"
             raise InputError(
-                f"{name} = {short(wanted)!r}: state {short(state)!r} must be {cells} characters 0 "
-                f"or 1, one a cell, inner first, with > between states; {example}."
+                f"{name} = {short(wanted)!r}: state {short(state)!r} must be {len(last)} {digits}, "
+                f"one a cell, inner first, with > between states; {example}."
             )
-    if states[0] != "0" * cells or states[-1] != "0" * cells or "1" * cells not in states:
+    if states[0] != first or states[-1] != first or last not in states:
+        ends = ("at 0", "at 1") if set(last) == {"1"} else ("in their first phase", "in their last")
         raise InputError(
-            f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells at 0 and "
-            f"passes the state with all at 1; {example}."
+            f"{name} = {short(wanted)!r}: a full cycle begins and ends with all cells {ends[0]} "
+            f"and passes the state with all {ends[1]}; {example}."
         )
     if any(a == b for a, b in pairwise(states)):
         raise InputError(
@@ -37,10 +44,45 @@ def checked_cycle(wanted: str, cells: int, name: str = "wanted") -> str:
     return ">".join(states)
 
 
+def is_state(state: str, last: str) -> bool:
+    """Whether a text is a state of cells of which `last` is the last one."""
+    return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
+
+
+def _example(last: str) -> str:
+    """A full cycle, cell by cell and phase by phase."""
+    state = [0] * len(last)
+    states = ["0" * len(last)]
+    for way in (1, -1):
+        for cell, digit in enumerate(last):
+            for _ in range(int(digit)):
+                state[cell] += way
+                states.append("".join(map(str, state)))
+    return ">".join(states)
+
+
 def orders_of(wanted: str) -> Ints | None:
-    """(2, N) the cells in order of loading and of unloading; None unless each moves once a way."""
-    found = Sequence.parse(wanted).orders
-    return None if found is None else np.array(found)
+    """(2, T) the switches of a full cycle in the order in which they go up, and come down.
+
+    None unless each goes up once and then comes down once, one by one. Of cells with two phases,
+    each is the number of its cell.
+    """
+    states = [[int(digit) for digit in state] for state in wanted.split(">")]
+    last = np.max(states, axis=0)
+    first = np.cumsum(last) - last
+    steps: list[tuple[int, int]] = []
+    for before, after in pairwise(states):
+        moved = [k for k in range(len(last)) if before[k] != after[k]]
+        if len(moved) != 1 or abs(after[moved[0]] - before[moved[0]]) != 1:
+            return None
+        (cell,) = moved
+        steps.append(
+            (after[cell] - before[cell], int(first[cell]) + min(before[cell], after[cell]))
+        )
+    count = int(np.sum(last))
+    if [way for way, _ in steps] != [1] * count + [-1] * count:
+        return None
+    return np.array([switch for _, switch in steps], np.int64).reshape(2, count)
 
 
 def numbered_cycle(number: int, cells: int) -> str:
@@ -118,8 +160,8 @@ class Orders:
 
 
 def by_cells_at_1(states: Iterable[str]) -> tuple[str, ...]:
-    """States in the order in which they are listed everywhere."""
-    return tuple(sorted(set(states), key=lambda s: (s.count("1"), s[::-1])))
+    """States in the order in which they are listed everywhere: by the switches that are up."""
+    return tuple(sorted(set(states), key=lambda s: (sum(map(int, s)), s[::-1])))
 
 
 class NoOrders(Exception):
@@ -135,7 +177,7 @@ def of_sequence(text: str) -> Orders:
     cells = len(str(text).partition(">")[0].strip())
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
-    text = checked_cycle(str(text), cells, "sequence")
+    text = checked_cycle(str(text), "1" * cells, "sequence")
     found = Sequence.parse(text).orders
     if found is None:
         raise InputError(

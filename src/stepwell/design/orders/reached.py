@@ -19,7 +19,7 @@ _SHOWN = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reached(ByValue):
-    """States with every cell at a stop that can be reached from all cells at 0.
+    """States with every cell in a phase that can be reached from all cells in their first.
 
     Attributes:
         told: those that were looked at, or two orders of concave cells whose ideals they are.
@@ -71,13 +71,13 @@ def reached(chain: Chain) -> Reached:
 
 
 def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
-    """All states that can be reached from all cells at 0, and the ties on the way.
+    """All states that can be reached from all cells in their first phase, and ties on the way.
 
     Raises:
         ValueError: too many branches.
         StaticsError: the engine could not go on.
     """
-    found = graph(chain, start="0" * len(chain))
+    found = graph(chain, start=chain.first_state)
     labels = (label for label in found.reachable() if "-" not in label)
     # Nodes that share a state are numbered.
     return frozenset(label.partition("#")[0] for label in labels), found.ties

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Vec2, nearest_word
-from stepwell.mechanism import Band, Cell, Chain, Slip, sizes
+from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, nearest_word
+from stepwell.mechanism import Band, Cell, Chain, Element, Slip, sizes
 
 # How the odd true case is told.
 WAY = "If it is meant so, say unusual=True of a cell of the chain."
 
 _ACTUATOR = "actuator_stiffness"
-# What a cell has, with its unit.
-_PARTS = {
+# What a cell has, and what an element has, with the unit; that of friction is a force's.
+_OF_CELL = {
     "p": "m",
     "q": "m",
     "p.x": "m",
@@ -28,8 +28,10 @@ _PARTS = {
     "rest_length": "m",
     "lever": "m",
     "limit": "rad",
-    "friction": "N",
+    "friction": "",
 }
+_OF_ELEMENT = {"force_scale": "1", "travel_scale": "1", "friction": ""}
+_PARTS = _OF_CELL | _OF_ELEMENT
 ANCHORS = ("p", "q")
 _AXES = ("x", "y")
 # A message names this many cells.
@@ -46,17 +48,21 @@ class Parameter(ByValue):
     Attributes:
         name: such as "outer.q.x" or "actuator_stiffness".
         cell: index of the cell in chain.cells; None for the actuator.
-        part: what of it: "p", "q.x", "stiffness" and so on.
+        part: what of it: "p", "q.x", "stiffness", "force_scale" and so on.
+        measure: what travel and force are in the chain.
     """
 
     name: str
     cell: int | None
     part: str
+    measure: Measure = Measure.TRAVEL
 
     @property
     def unit(self) -> str:
         """Its SI unit."""
-        return _PARTS.get(self.part, "N/m")
+        if self.cell is None:
+            return self.measure.stiffness_unit
+        return _PARTS[self.part] or self.measure.force_unit
 
     @property
     def is_anchor(self) -> bool:
@@ -69,6 +75,8 @@ class Parameter(ByValue):
             return chain.actuator_stiffness
         cell = chain.cells[self.cell]
         anchor, _, axis = self.part.partition(".")
+        if isinstance(cell, Element):
+            return float(getattr(cell, self.part))
         if anchor in ANCHORS:
             place: Vec2 = getattr(cell.bands[0], anchor)
             return place[_AXES.index(axis)] if axis else place
@@ -120,13 +128,17 @@ class Parameter(ByValue):
         if self.cell is None or chain.unusual:
             return ()
         cell = chain.cells[self.cell]
+        if isinstance(cell, Element):
+            return ()
         if self.part == "friction":
             return tuple(sizes.force(self.name, value, sizes.own_force(cell, cell.lever)))
         return tuple(sizes.far(self.name, value, cell.lever)) if self.unit == "m" else ()
 
-    def _in_cell(self, cell: Cell, value: float | Vec2) -> dict[str, Any]:
+    def _in_cell(self, cell: Cell | Element, value: float | Vec2) -> dict[str, Any]:
         """The field of a cell that changes, and what it changes to."""
         anchor, _, axis = self.part.partition(".")
+        if isinstance(cell, Element):
+            return {self.part: _number(self, value)}
         if anchor in ANCHORS:
             old: Vec2 = getattr(cell.bands[0], anchor)
             if axis:
@@ -147,14 +159,15 @@ def parameter(chain: Chain, name: str) -> Parameter:
     Args:
         chain: whose parameter it is.
         name: "<cell>.p", "<cell>.q", "<cell>.q.x" and the like, "<cell>.stiffness",
-            "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction", where <cell>
+            "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction"; of an element
+            "<element>.force_scale", "<element>.travel_scale", "<element>.friction"; where <cell>
             is a name in chain.names or a number, 1 for the innermost; or "actuator_stiffness".
 
     Raises:
         ValueError: no such parameter; the message names the nearest one.
     """
     if name == _ACTUATOR:
-        return Parameter(_ACTUATOR, None, _ACTUATOR)
+        return Parameter(_ACTUATOR, None, _ACTUATOR, chain.measure)
     names = list(chain.names)
     # A cell's own name comes before a number that reads the same.
     for part in sorted(_PARTS, key=len, reverse=True):
@@ -167,27 +180,49 @@ def parameter(chain: Chain, name: str) -> Parameter:
                 f"number, 1 for the innermost: '{names.index(label) + 1}.{part}'."
             )
         if label in names:
-            return of_cell(chain, names.index(label), part)
+            return _asked(chain, name, names.index(label), part)
         if label.isdecimal() and 1 <= int(label) <= len(names):
-            return of_cell(chain, int(label) - 1, part)
+            return _asked(chain, name, int(label) - 1, part)
     raise InputError(_unknown(chain, name))
 
 
 def parameters(chain: Chain) -> tuple[Parameter, ...]:
     """Every parameter of a chain, the actuator's last."""
-    of_cells = (of_cell(chain, cell, part) for cell in range(len(chain)) for part in _PARTS)
-    return (*of_cells, Parameter(_ACTUATOR, None, _ACTUATOR))
+    of_cells = (
+        of_cell(chain, number, part)
+        for number, cell in enumerate(chain.cells)
+        for part in _parts(cell)
+    )
+    return (*of_cells, Parameter(_ACTUATOR, None, _ACTUATOR, chain.measure))
 
 
 def of_cell(chain: Chain, cell: int, part: str) -> Parameter:
     """The parameter of a cell: "p", "q.x", "stiffness" and so on."""
     names = chain.names
     label = names[cell] if names.count(names[cell]) == 1 else str(cell + 1)
-    return Parameter(f"{label}.{part}", cell, part)
+    return Parameter(f"{label}.{part}", cell, part, chain.measure)
+
+
+def _parts(cell: Cell | Element) -> tuple[str, ...]:
+    return tuple(_OF_ELEMENT if isinstance(cell, Element) else _OF_CELL)
+
+
+def _asked(chain: Chain, name: str, cell: int, part: str) -> Parameter:
+    """The parameter of a cell, if it has that; raises ValueError otherwise."""
+    has = _parts(chain.cells[cell])
+    if part in has:
+        return of_cell(chain, cell, part)
+    is_element = isinstance(chain.cells[cell], Element)
+    what = "an element, a force law without levers or bands" if is_element else "no element"
+    raise InputError(
+        f"parameter {name!r}: {chain.names[cell]} is {what}, and has {', '.join(has)}."
+    )
 
 
 def _unknown(chain: Chain, name: str) -> str:
-    numbered = (f"{cell}.{part}" for cell in range(1, len(chain) + 1) for part in _PARTS)
+    numbered = (
+        f"{number}.{part}" for number, cell in enumerate(chain.cells, 1) for part in _parts(cell)
+    )
     known = [*(one.name for one in parameters(chain)), *numbered]
     near = nearest_word(str(name), known)
     guess = f" Did you mean {near!r}?" if near else ""
@@ -196,7 +231,7 @@ def _unknown(chain: Chain, name: str) -> str:
     return (
         f"parameter {name!r}: the chain has none of that name.{guess} It must be {_ACTUATOR!r} or "
         f"'<cell>.<what>' with <cell> one of {cells}{more}, and <what> one of "
-        f"{', '.join(_PARTS)}."
+        f"{', '.join(dict.fromkeys(part for cell in chain.cells for part in _parts(cell)))}."
     )
 
 

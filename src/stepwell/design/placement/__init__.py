@@ -1,5 +1,6 @@
 """Places for all anchors at once, and how surely they serve."""
 
+from stepwell.design.placement.bent import LOOKS
 from stepwell.design.placement.candidates import Candidates, Kind, Rule, differences, joined
 from stepwell.design.placement.holes import best_choice, fits
 from stepwell.design.placement.outline import all_proved, outlines

@@ -10,17 +10,18 @@ import numpy as np
 from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
 from stepwell.design.margins import SIDES, Proof, extremes, farthest
+from stepwell.design.placement.bent import Bent
 from stepwell.design.placement.region import Region
 from stepwell.design.placement.stock import Stock
 from stepwell.design.plane import Box
 from stepwell.design.tolerances import Tolerances
-from stepwell.mechanism import Band, Cell
+from stepwell.mechanism import Cell, Linear
 
 
 class Candidates(NamedTuple):
     """Ways to build a cell, each with its two end forces."""
 
-    q: Floats  # (m, 2) outer anchors [m]
+    q: Floats  # (m, 2) places of the anchor that is free [m]
     kind: Ints  # (m,) number of the band and lever
     force: Floats  # (m, 2) F0 and F1 [N]
     down: Floats  # (m, 2) by how much each may come out too low ...
@@ -65,39 +66,63 @@ class Kind:
         sine = math.sin(self.limit)
         return Simple(*nowhere, self.band.stiffness, self.band.rest_length, self.lever, sine)
 
+    @cached_property
+    def bent(self) -> Bent | None:
+        """The same by its law, where that bends; None where it is Hooke's and proofs hold."""
+        if isinstance(self.band.law, Linear):
+            return None
+        return Bent(self.band.between((0.0, 0.0), (1.0, 0.0)), self.lever, math.sin(self.limit))
+
+    def ends(self, d: Floats) -> tuple[Floats, Floats]:
+        """End forces (m, 2) [N] and their slopes by the anchor (m, 2, 2) [N/m]."""
+        if self.bent is not None:
+            return self.bent.ends(d)
+        out = np.array([end_force_field(self.cell, side, d) for side in SIDES])
+        return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
+
+    def by_sizes(self, d: Floats) -> tuple[Floats, Floats]:
+        """How end forces change with ℓ0 and with r [N/m], (m, 2) each."""
+        if self.bent is not None:
+            return self.bent.by_sizes(d)
+        return slopes_by_sizes(self.cell, np.array(SIDES), d[:, :1], d[:, 1:])
+
 
 @dataclass(frozen=True, eq=False)
 class Rule:
     """What may be built, and what counts as sure.
 
     Attributes:
-        p: inner anchor [m].
+        fixed: the anchor that stays [m].
         kinds: bands and levers that can be had.
         tolerances: how far what is built may be from the drawing.
         most_force: that the actuator has [N].
         worst: judge by the largest displacement that all anchors may have at once, instead of
             by the tolerances.
-        looked_at: rectangle that holds all outer anchors.
+        looked_at: rectangle that holds all places of the free anchor.
         as_drawn: whether a band must be proved taut and concave only where it is drawn, not
             everywhere within the tolerances.
+        free: which anchor is placed: "q", "p", or "both", p being the mirror image of q, p = -q.
     """
 
-    p: tuple[float, float]
+    fixed: tuple[float, float]
     kinds: tuple[Kind, ...]
     tolerances: Tolerances
     most_force: float
     worst: bool
     looked_at: Box
     as_drawn: bool = False
+    free: str = "q"
 
     def cell(self, q: tuple[float, float], k: int) -> Cell:
-        """The k-th kind with its outer anchor at q [m].
+        """The k-th kind with its free anchor at q [m].
 
         Raises:
             ValueError: it cannot be built.
         """
         kind = self.kinds[k]
-        band = Band(self.p, q, kind.band.stiffness, kind.band.rest_length)
+        mirrored = -q[0] + 0.0, -q[1] + 0.0  # no -0
+        p, q = {"q": (self.fixed, q), "p": (q, self.fixed), "both": (mirrored, q)}[self.free]
+        band = kind.band.between(p, q)
         # Wherever the search went, nobody has typed it.
         return replace(Cell(band, kind.lever, kind.limit, unusual=True), unusual=kind.unusual)
 
@@ -106,7 +131,7 @@ class Rule:
         return a + b if self.worst else np.hypot(a, b)
 
     def everything(self, region: Region, q: Floats, radius: float = 0.0) -> Candidates:
-        """Every kind at every one of (m, 2) anchors, brought inside the region.
+        """Every kind at every one of (m, 2) places, brought inside the region.
 
         Left out is what is not proved taut and concave, or is beyond the actuator's force. In the
         worst case, `radius` [m] is the displacement for which the candidates' `down` and `up` are
@@ -116,7 +141,7 @@ class Rule:
         return joined([self._of_kind(q, k, radius) for k in range(len(self.kinds))])
 
     def these(self, q: Floats, kind: Ints, radius: float = 0.0) -> Candidates:
-        """(m,) kinds at (m, 2) anchors, one each, for which all the same holds."""
+        """(m,) kinds at (m, 2) places, one each, for which all the same holds."""
         return joined(
             [self._of_kind(q[i : i + 1], int(k), radius) for i, k in enumerate(kind.tolist())]
         )
@@ -124,41 +149,60 @@ class Rule:
     def _of_kind(self, q: Floats, k: int, radius: float) -> Candidates:
         cell = self.kinds[k].cell
         q = q[self.allowed(q, k)]
-        d = self._d(q)
-        force, slope = _ends(cell, d)
+        d = self.differences(q)
+        force, slope = self.kinds[k].ends(d)
         if self.worst:
             down, up = extremes(cell, d, force, slope, radius)
             room = self._proofs[k].radius(d)
         else:
-            down = up = _deviations(cell, d, force, slope, self._tolerances(k))
+            down = up = _deviations(self.kinds[k], d, force, slope, self._tolerances(k))
             room = np.full(len(d), math.inf)
         return Candidates(q, np.full(len(q), k), force, down, up, room)
 
     def allowed(self, q: Floats, k: int) -> Bools:
-        """At which of (m, 2) anchors the k-th kind is proved and within the actuator's force."""
+        """At which of (m, 2) places the k-th kind is proved and within the actuator's force."""
         weak = np.all(np.abs(self.end_forces(q, k)) <= self.most_force, axis=1)
         return self.proved(q, k) & weak
 
     def proved(self, q: Floats, k: int) -> Bools:
-        """At which of (m, 2) anchors the k-th kind is taut and concave."""
-        cell = self.kinds[k].cell
+        """At which of (m, 2) places the k-th kind is taut and concave; looked at, if it bends."""
+        kind = self.kinds[k]
+        if kind.bent is not None:
+            return kind.bent.falls(self.differences(q))
+        cell = kind.cell
         if self.as_drawn:
-            return certified(cell, self._d(q))
+            return certified(cell, self.differences(q))
         # A longer rest length makes the proof harder, as any displacement does.
         longest = cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
-        return certified(cell._replace(rest=longest), self._d(q), 2.0 * self.tolerances.anchor)
+        return certified(
+            cell._replace(rest=longest), self.differences(q), 2.0 * self.tolerances.anchor
+        )
 
     def end_forces(self, q: Floats, k: int) -> Floats:
-        """F0 and F1 [N] of the k-th kind at (m, 2) anchors, (m, 2)."""
-        return _ends(self.kinds[k].cell, self._d(q))[0]
+        """F0 and F1 [N] of the k-th kind at (m, 2) places, (m, 2)."""
+        return self.kinds[k].ends(self.differences(q))[0]
 
-    def _d(self, q: Floats) -> Floats:
-        return q - np.array(self.p)
+    def differences(self, q: Floats) -> Floats:
+        """d = q - p [m] with the free anchor at (m, 2) places."""
+        fixed = np.array(self.fixed)
+        return {"q": q - fixed, "p": fixed - q, "both": 2.0 * q}[self.free]
+
+    @property
+    def stretch(self) -> float:
+        """How far d moves where the free anchor moves by 1."""
+        return 2.0 if self.free == "both" else 1.0
+
+    @property
+    def bends(self) -> bool:
+        """Whether the law of some band bends: then falling forces are looked at, not proved."""
+        return any(kind.bent is not None for kind in self.kinds)
 
     @cached_property
     def _proofs(self) -> list[Proof]:
-        (x, y), box = self.p, self.looked_at
-        d = Box(box.left - x, box.right - x, box.bottom - y, box.top - y)
+        box = self.looked_at
+        corners = self.differences(np.array([[box.left, box.bottom], [box.right, box.top]]))
+        (left, bottom), (right, top) = np.min(corners, axis=0), np.max(corners, axis=0)
+        d = Box(float(left), float(right), float(bottom), float(top))
         return [Proof(kind.cell, d) for kind in self.kinds]
 
     def _tolerances(self, k: int) -> Tolerances:
@@ -197,7 +241,7 @@ class Rule:
         out = np.empty_like(radius)
         for k in np.unique(table.kind).tolist():
             rows = np.flatnonzero(table.kind == k)
-            d = np.repeat(table.q[rows] - np.array(self.p), m, axis=0)
+            d = np.repeat(self.differences(table.q[rows]), m, axis=0)
             for end, side in enumerate(SIDES):
                 reach = radius[end, rows].ravel()
                 force = farthest(self.kinds[k].cell, side, d, reach, sign)[:, 0].reshape(-1, m)
@@ -205,25 +249,19 @@ class Rule:
         return out if sign > 0 else out.swapaxes(1, 2)
 
 
-def _ends(cell: Simple, d: Floats) -> tuple[Floats, Floats]:
-    """End forces (m, 2) [N] and their slopes by the anchor (m, 2, 2) [N/m]."""
-    out = np.array([end_force_field(cell, side, d) for side in SIDES])
-    return out[:, :, 0].T, out[:, :, 1:].transpose(1, 0, 2)
-
-
 def _deviations(
-    cell: Simple, d: Floats, force: Floats, slope: Floats, tolerances: Tolerances
+    kind: Kind, d: Floats, force: Floats, slope: Floats, tolerances: Tolerances
 ) -> Floats:
     """Standard deviations of F0 and F1 [N] to first order, (m, 2).
 
     A point anywhere in a disc of radius a has the variance a²/4 along each axis, and two such
     points make up d; a value anywhere within ±w has w²/3, and one anywhere from 0 to w, w²/12.
     """
-    by_rest, by_lever = slopes_by_sizes(cell, np.array(SIDES), d[:, :1], d[:, 1:])
+    by_rest, by_lever = kind.by_sizes(d)
     variance = (
         np.sum(slope * slope, axis=2) * tolerances.anchor**2 / 2
         + (force * tolerances.stiffness) ** 2
-        + (by_rest * cell.rest * tolerances.rest_length) ** 2
+        + (by_rest * kind.band.rest_length * tolerances.rest_length) ** 2
         + (by_lever * tolerances.lever) ** 2 / 3
         + tolerances.friction**2 / 12
     )

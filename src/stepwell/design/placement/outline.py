@@ -51,6 +51,8 @@ def all_proved(rule: Rule, region: Region) -> bool:
 
     Squares cover the region; a disc round each is proved as a whole, or cut into four.
     """
+    if rule.bends:
+        return False
     box = region.bounds
     side = max(box.right - box.left, box.top - box.bottom)
     for kind in rule.kinds:
@@ -59,7 +61,8 @@ def all_proved(rule: Rule, region: Region) -> bool:
         while len(middles):
             if half < side / 2 / _FINEST:
                 return False
-            held = certified(kind.cell, middles - np.array(rule.p), half * math.sqrt(2.0))
+            around = rule.stretch * half * math.sqrt(2.0)
+            held = certified(kind.cell, rule.differences(middles), around)
             corners = half / 2 * np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
             middles = (middles[~held][:, None] + corners).reshape(-1, 2)
             half /= 2

@@ -125,13 +125,19 @@ PAPER_BOX = AnchorBox(0.0, 0.020, -0.015, 0.015)
 PAPER_LEVER = 0.010 * math.sqrt(2.0)
 
 
-def usual_box(lever: float) -> AnchorBox:
-    """The paper's box, as large for a lever [m] as it is for the paper's."""
+def usual_box(lever: float, free: str = "q") -> AnchorBox:
+    """The paper's box, as large for a lever [m] as it is for the paper's; of p its mirror image."""
     ratio, box = lever / PAPER_LEVER, PAPER_BOX
-    return AnchorBox(*(ratio * side for side in (box.left, box.right, box.bottom, box.top)))
+    sides = [ratio * side for side in (box.left, box.right, box.bottom, box.top)]
+    if free == "p":
+        sides = [0.0 - sides[k] for k in (1, 0, 3, 2)]
+    return AnchorBox(*sides)
 
 
-def told(regions: Sequence[Region], holes: float | None) -> str:
+_FREE = {"q": "anchors q", "p": "anchors p", "both": "anchors q, and p = -q,"}
+
+
+def told(regions: Sequence[Region], holes: float | None, free: str = "q") -> str:
     """Where anchors may be, in a few words with units."""
     places: list[str] = []
     for region in regions:
@@ -142,7 +148,7 @@ def told(regions: Sequence[Region], holes: float | None) -> str:
             f"y {box.bottom * 1e3:.4g} to {box.top * 1e3:.4g} mm"
         )
     pitch = "anywhere" if holes is None else f"in holes {holes * 1e3:.4g} mm apart"
-    return f"anchors q {pitch} at {' or '.join(dict.fromkeys(places))}"
+    return f"{_FREE[free]} {pitch} at {' or '.join(dict.fromkeys(places))}"
 
 
 def lattice(region: Region, pitch: float) -> Floats:

@@ -3,7 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, InputError, Vec2
+from stepwell.mechanism import Band, Law, Linear
+
+_HOOKE = Linear()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -16,6 +19,7 @@ class Stock(ByValue):
         spread: standard deviation of k from band to band over its mean [1]; None for the one
             in the tolerances.
         name: what the catalogue calls it.
+        law: tension is `stiffness` times this shape of the extension, such as a measured Table.
 
     Raises:
         ValueError: a value out of its range.
@@ -27,6 +31,16 @@ class Stock(ByValue):
     rest_length: float = 0.010
     spread: float | None = None
     name: str = ""
+    law: Law = _HOOKE
+
+    @classmethod
+    def of(cls, band: Band, spread: float | None = None, name: str = "") -> "Stock":
+        """A band that there is, measured or of another design; its anchors are not looked at."""
+        return cls(band.stiffness, band.rest_length, spread, name, band.law)
+
+    def between(self, p: Vec2, q: Vec2) -> Band:
+        """Such a band between two anchors [m]."""
+        return Band(p, q, self.stiffness, self.rest_length, self.law)
 
     def __post_init__(self):
         if not 0 < self.stiffness < math.inf:
@@ -42,8 +56,10 @@ class Stock(ByValue):
     def __repr__(self):
         name = f"{self.name!r}, " if self.name else ""
         spread = "" if self.spread is None else f", ±{self.spread * 100:.3g} %"
+        law = "" if isinstance(self.law, Linear) else f", {type(self.law).__name__}"
         return (
-            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={self.rest_length * 1e3:.4g} mm{spread})"
+            f"Stock({name}k={self.stiffness:.4g} N/m, ℓ0={self.rest_length * 1e3:.4g} mm"
+            f"{spread}{law})"
         )
 
 

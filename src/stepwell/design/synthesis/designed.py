@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Floats, told_in
 from stepwell.concave import SortedChain
 from stepwell.design.margins import Robustness, robustness
-from stepwell.design.orders import Reached, reached, short
-from stepwell.design.tolerances import Critical, Yield
-from stepwell.mechanism import Chain
+from stepwell.design.orders import Reached, are_relays, reached, short, switching_forces
+from stepwell.design.tolerances import Critical, Yield, levers_of
+from stepwell.mechanism import Chain, Element
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,8 @@ class Design(ByValue):
         chain: its cycle is verified by the engine, and where states were wanted, what it reaches.
         sequence: that cycle.
         loading, unloading: cells in the order in which they load and unload, 0 the innermost:
-            concave ones in ascending F0 and in descending F1.
+            concave ones in ascending F0 and in descending F1, elements under a prescribed force
+            in those of their switching forces.
         yield_: the share of built mechanisms that do what was wanted, and its tolerances.
         region: the pairs (F0, F1) [N] that a cell can have: closed curves (m, 2) round them, or
             where there are holes all of them.
@@ -49,13 +50,13 @@ class Design(ByValue):
 
     @property
     def anchors(self) -> Floats:
-        """(N, 2) outer anchors q [m]."""
-        return np.array([cell.bands[0].q for cell in self.chain.cells])
+        """(N, 2) outer anchors q [m]; (0, 2) of elements."""
+        return np.array([cell.bands[0].q for cell in levers_of(self.chain)]).reshape(-1, 2)
 
     @property
     def forces(self) -> Floats:
-        """(N, 2) F0 and F1 of every cell [N]."""
-        return np.array([(cell.force_0, cell.force_1) for cell in self.chain.cells])
+        """(T, 2) F0 and F1 of every cell [N]; of elements all their switching forces."""
+        return switching_forces(self.chain)
 
     @cached_property
     def reached(self) -> Reached:
@@ -77,8 +78,10 @@ class Design(ByValue):
 
     @cached_property
     def robustness(self) -> Robustness | None:
-        """How far all anchors may be off at once; None without a closed form."""
-        return None if SortedChain.of(self.chain) is None else robustness(self.chain)
+        """How far all anchors, or all forces, may be off at once; None without a closed form."""
+        relays = bool(self.chain.elements) and are_relays(self.chain)
+        known = relays or SortedChain.of(self.chain) is not None
+        return robustness(self.chain) if known else None
 
     @property
     def assumptions(self) -> str:
@@ -88,10 +91,24 @@ class Design(ByValue):
     def __str__(self):
         surely = "" if self.reached.whole else " surely"
         lines = [f"{short(self.sequence)}, {self.reached.count} states{surely} in reach"]
+        placed = len({cell.bands[0].p for cell in levers_of(self.chain)}) > 1
+        force, factor = told_in(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
+            if isinstance(cell, Element):
+                fields = ", ".join(
+                    f"up {up * factor:.4g} {force}, down {down * factor:.4g} {force}"
+                    for up, down in cell.fields
+                )
+                lines.append(
+                    f"{name}: force scale {cell.force_scale:.4g}, travel scale "
+                    f"{cell.travel_scale:.4g}: {fields}"
+                )
+                continue
             (x, y), band = cell.bands[0].q, cell.bands[0]
+            px, py = band.p
+            inner = f"p ({px * 1e3 + 0.0:.3f}, {py * 1e3 + 0.0:.3f}) mm, " if placed else ""
             lines.append(
-                f"{name}: q ({x * 1e3:.3f}, {y * 1e3:.3f}) mm, k {band.stiffness:.4g} N/m, "
+                f"{name}: {inner}q ({x * 1e3:.3f}, {y * 1e3:.3f}) mm, k {band.stiffness:.4g} N/m, "
                 f"ℓ0 {band.rest_length * 1e3:.4g} mm, r {cell.lever * 1e3:.4g} mm: "
                 f"F0 {cell.force_0:.4f} N, F1 {cell.force_1:.4f} N"
             )
@@ -107,6 +124,10 @@ class Design(ByValue):
         return "\n".join([*lines, self.method])
 
     def __repr__(self):
+        if self.chain.elements:
+            scales = ", ".join(f"{cell.force_scale:.4g}" for cell in self.chain.elements)
+            share = self.yield_.share * 100
+            return f"Design({short(self.sequence)}: force scales {scales}, yield {share:.4g} %)"
         places = ", ".join(f"({x * 1e3:.4g}, {y * 1e3:.4g})" for x, y in self.anchors.tolist())
         return (
             f"Design({short(self.sequence)}: q {places} mm, yield {self.yield_.share * 100:.4g} %)"

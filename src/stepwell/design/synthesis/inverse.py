@@ -16,9 +16,11 @@ from stepwell.design.orders import (
     of_sequence,
     of_states,
     short,
+    switching_forces,
     unsearchable,
 )
 from stepwell.design.placement import (
+    LOOKS,
     PAPER_BAND,
     PAPER_LEVER,
     AnchorBox,
@@ -32,14 +34,17 @@ from stepwell.design.placement import (
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.elements import Goal, Scaled, scaled
+from stepwell.design.synthesis.scales import Range
 from stepwell.design.synthesis.tries import Placed, Tries
-from stepwell.design.tolerances import USUAL, Tolerances, Yield, refuse_slips, yields
-from stepwell.mechanism import Chain, SlipError, sizes
+from stepwell.design.tolerances import USUAL, Tolerances, Yield, levers_of, refuse_slips, yields
+from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import cycle
 
 Levers = float | Sequence[float]
 
 _WAY = "If it is meant so, say unusual=True."
+_FREE = ("q", "p", "both")
 _OBJECTIVES = ("yield", "worst")
 
 
@@ -51,6 +56,8 @@ def design(
     within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
     p: tuple[float, float] = (-0.010, 0.0),
+    q: tuple[float, float] = (0.010, 0.0),
+    free: str = "q",
     bands: Sequence[Stock] = (PAPER_BAND,),
     lever: Levers = PAPER_LEVER,
     limit: float = math.pi / 4,
@@ -59,6 +66,9 @@ def design(
     objective: str = "yield",
     most_force: float = math.inf,
     actuator_stiffness: float = math.inf,
+    elements: Sequence[Element] = (),
+    force_scale: Range = (0.5, 2.0),
+    travel_scale: Range = (1.0, 1.0),
     unusual: bool = False,
     n: int | None = None,
     seed: int = 0,
@@ -71,18 +81,30 @@ def design(
     included, is what two orders have in common. A cell is chosen from the pairs (F0, F1) that
     the allowed anchors, bands and levers can give.
 
+    With `elements`, chains of these are designed instead: which one each cell is, and its scales.
+    Under a prescribed force the order of their switching forces is all they do, and since all
+    forces of an element grow together, a linear program finds the scales, or proves that there are
+    none. Under any other drive such chains are tried first, the engine tells what they do, and then
+    others at random. What is said of bands, levers and anchors below does not apply to them, and
+    the objective is the largest share by which all forces may be off at once.
+
     Args:
         sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
         states: all states that shall be in reach from all cells at 0, and no others, or "all".
             For chains of up to eight cells the engine follows every branch, of the drawing and
             of each mechanism made for the yield; `Design.reached` says whether that was done.
         cells: how many, for states="all".
-        within: where the outer anchors may be, for all cells or one for each; by default the
-            paper's box, in proportion to the largest lever.
+        within: where the anchors that are free may be, for all cells or one for each; by default
+            the paper's box, in proportion to the largest lever, and its mirror image for p.
         holes: pitch of drilled holes, counted from the lower left corner of (the rectangle
             round) the region [m]; None for anywhere.
-        p: inner anchor of every cell [m].
-        bands: those that can be had.
+        p: inner anchor of every cell [m], where it is not free.
+        q: outer anchor of every cell [m], where it is not free.
+        free: which anchors are placed: "q", "p", or "both", each p being the mirror image of q,
+            p = -q. Only q - p matters, so mirror images give all that two anchors give which may
+            be anywhere in a convex region and its mirror image.
+        bands: those that can be had; where the law of one bends, as a measured one does, forces are
+            looked at and the engine decides, and nothing is proved.
         lever: r, or several to choose from [m].
         limit: θc of every cell [rad].
         equal_levers: whether all cells must have the same lever. If not, whether the order of
@@ -92,7 +114,9 @@ def design(
         objective: "yield" for the largest share of mechanisms that work, "worst" for the largest
             displacement that all outer anchors may have at once, as `robustness` tells.
         most_force: that the actuator has: no |F0| or |F1| is larger [N].
-        actuator_stiffness: K, infinite for a prescribed stroke [N/m].
+        actuator_stiffness: K, infinite for a prescribed stroke, 0 for a prescribed force [N/m].
+        elements: those that can be had, each as often as it is needed.
+        force_scale, travel_scale: least and largest of each, times an element's own.
         unusual: True where sizes far off the levers are meant, as for a Cell.
         n: mechanisms made at random for the yield; by default 100,000 where their end forces
             tell what they do, and 500 where the engine has to follow each.
@@ -111,29 +135,49 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
+    if elements:
+        if within is not None or holes is not None:
+            raise InputError("elements have no anchors: leave `within` and `holes` out.")
+        _refuse_elements(elements, force_scale, travel_scale, tolerances, most_force, n)
+        goal = goal_of(sequence, states, cells)
+        ranges = force_scale, travel_scale
+        limits = most_force, actuator_stiffness
+        made = scaled(goal, elements, *ranges, *limits, tolerances, seed, progress)
+        return _of_elements(goal, made, elements, force_scale, tolerances, n, seed)
     levers = [float(r) for r in np.atleast_1d(lever)]
-    _refuse(p, bands, levers, limit, tolerances, objective, most_force, n)
+    _refuse(p, q, free, bands, levers, limit, tolerances, objective, most_force, n)
     if within is None:
-        within = usual_box(max(levers))
+        within = usual_box(max(levers), free)
+    fixed = q if free == "p" else p
     target, regions = _wanted(sequence, states, cells, within)
     if not unusual:
-        _refuse_slips(p, bands, levers, float(limit), tolerances, _round(regions), holes)
+        _refuse_slips(
+            fixed,
+            "q" if free == "p" else "p",
+            bands,
+            levers,
+            float(limit),
+            tolerances,
+            _round(regions),
+            holes,
+        )
     sets = [[(band, r) for band in bands] for r in levers]
     mixed = not equal_levers and len(levers) > 1
     if mixed:
         sets.insert(0, [kind for kinds in sets for kind in kinds])
     rules = [
         Rule(
-            (float(p[0]), float(p[1])),
+            (float(fixed[0]), float(fixed[1])),
             tuple(Kind(band, r, float(limit), unusual) for band, r in kinds),
             tolerances,
             float(most_force),
             objective == "worst",
             _round(regions),
+            free=free,
         )
         for kinds in sets
     ]
-    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules))
+    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
     if placed.found is None and holes is not None:
         # As drawn more cells are proved concave than within all tolerances.
@@ -141,7 +185,7 @@ def design(
     if placed.found is not None:
         found = placed.found
         chain, how = found.chain(actuator_stiffness, f"Designed for {target.text}"), ""
-        quick = not found.rule.as_drawn
+        quick = not (found.rule.as_drawn or found.rule.bends)
     else:
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
@@ -167,6 +211,39 @@ def design(
     )
 
 
+def _of_elements(
+    goal: Goal,
+    made: Scaled,
+    elements: Sequence[Element],
+    force_scale: Range,
+    tolerances: Tolerances,
+    n: int | None,
+    seed: int,
+) -> Design:
+    """A chain of elements that does it, as a design with its yield."""
+    chain = made.chain
+    result = cycle(chain)
+    counted: str | list[str] = str(result.sequence)
+    if goal.states is not None and not unsearchable(chain, tolerances.friction):
+        counted = sorted(goal.states)
+    ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in elements]
+    low, high = force_scale
+    return Design(
+        chain,
+        str(result.sequence),
+        result.loading_order,
+        result.unloading_order,
+        yields(chain, tolerances, n=n, seed=seed, wanted=counted),
+        # All forces of an element grow together: a line from the least to the largest.
+        tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
+        None,
+        made.choices,
+        made.best,
+        made.method,
+        made.standing,
+    )
+
+
 def _wanted(
     sequence: str | None,
     states: Iterable[str] | str | None,
@@ -174,11 +251,7 @@ def _wanted(
     within: Region | Sequence[Region],
 ) -> tuple[Target, tuple[Region, ...]]:
     """What is wanted, and the region of every cell."""
-    if (sequence is None) == (states is None):
-        raise InputError(
-            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
-            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
-        )
+    _refuse_both(sequence, states)
     some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
         raise InputError(
@@ -201,6 +274,20 @@ def _wanted(
     return target, some if len(some) == target.cells else some * target.cells
 
 
+def goal_of(sequence: str | None, states: Iterable[str] | str | None, cells: int | None) -> Goal:
+    """What elements shall do."""
+    _refuse_both(sequence, states)
+    return Goal.of(sequence, states, cells)
+
+
+def _refuse_both(sequence: str | None, states: Iterable[str] | str | None) -> None:
+    if (sequence is None) == (states is None):
+        raise InputError(
+            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
+            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
+        )
+
+
 def _counted(
     target: Target, chain: Chain, tolerances: Tolerances, sequence: str
 ) -> str | tuple[str, ...]:
@@ -220,6 +307,8 @@ def _not_searched(target: Target, share: Yield) -> str:
 
 def _refuse(
     p: tuple[float, float],
+    q: tuple[float, float],
+    free: str,
     bands: Sequence[Stock],
     levers: Sequence[float],
     limit: float,
@@ -228,8 +317,11 @@ def _refuse(
     most_force: float,
     n: int | None,
 ) -> None:
-    if len(p) != 2 or not all(math.isfinite(x) for x in p):
-        raise InputError(f"p = {p!r}: must be two finite numbers (x, y) [m].")
+    for name, place in (("p", p), ("q", q)):
+        if len(place) != 2 or not all(math.isfinite(x) for x in place):
+            raise InputError(f"{name} = {place!r}: must be two finite numbers (x, y) [m].")
+    if free not in _FREE:
+        raise InputError(f"free = {free!r}: must be one of {_FREE}.")
     if not bands or not all(isinstance(band, Stock) for band in bands):
         raise InputError(f"bands = {bands!r}: must be one Stock or more, as (Stock(28.5, 0.010),).")
     if not levers or not all(0 < r < math.inf for r in levers):
@@ -240,14 +332,47 @@ def _refuse(
         raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(anchor=0.0003, ...).")
     if objective not in _OBJECTIVES:
         raise InputError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
+    if objective == "worst" and not all(isinstance(band.law, Linear) for band in bands):
+        raise InputError(
+            "objective = 'worst' needs bands of Hooke's law, of which the worst is known: ask for "
+            "'yield' with a measured law."
+        )
     if not most_force > 0:
         raise InputError(f"most_force = {most_force} N: must be > 0.")
     if n is not None and n < 1:
         raise InputError(f"n = {n}: must be 1 mechanism or more.")
 
 
+def _refuse_elements(
+    elements: Sequence[Element],
+    force_scale: Range,
+    travel_scale: Range,
+    tolerances: Tolerances,
+    most_force: float,
+    n: int | None,
+) -> None:
+    for i, one in enumerate(elements):
+        if not isinstance(one, Element):
+            raise InputError(f"elements[{i}] = {one!r}: must be an Element.")
+    Chain(elements)  # of one measure
+    for name, between in (("force_scale", force_scale), ("travel_scale", travel_scale)):
+        low, high = between
+        if not 0 < low <= high < math.inf:
+            raise InputError(
+                f"{name} = {between!r}: must be (least, largest), both > 0 and finite, such as "
+                f"(0.5, 2.0); (1.0, 1.0) leaves it as it is."
+            )
+    if not isinstance(tolerances, Tolerances):
+        raise InputError(f"tolerances = {tolerances!r}: must be Tolerances(stiffness=0.05, ...).")
+    if not most_force > 0:
+        raise InputError(f"most_force = {most_force}: must be > 0.")
+    if n is not None and n < 1:
+        raise InputError(f"n = {n}: must be 1 mechanism or more.")
+
+
 def _refuse_slips(
-    p: tuple[float, float],
+    fixed: tuple[float, float],
+    name: str,
     bands: Sequence[Stock],
     levers: Sequence[float],
     limit: float,
@@ -260,13 +385,14 @@ def _refuse_slips(
     corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
     found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
     if not found:
-        found += sizes.length("p", (float(p[0]), float(p[1])), lever)
+        found += sizes.length(name, (float(fixed[0]), float(fixed[1])), lever)
         far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
         found += far or sizes.length("within", corner, lever)
         found += sizes.length("holes", holes or 0.0, lever)
         for band in bands:
             found += sizes.length("rest_length", band.rest_length, lever)
-            found += sizes.spring("stiffness", band.stiffness)
+            if isinstance(band.law, Linear):
+                found += sizes.spring("stiffness", band.stiffness)
     if found:
         raise SlipError(tuple(found), _WAY)
     strongest = max(band.stiffness for band in bands) * lever
@@ -291,7 +417,8 @@ def _widest(
     if found is not None and found.best is not None:
         spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
     else:
-        chosen = {(cell.bands[0].stiffness, cell.bands[0].rest_length) for cell in chain.cells}
+        first = [cell.bands[0] for cell in levers_of(chain)]
+        chosen = {(band.stiffness, band.rest_length) for band in first}
         spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
     spread = max(tolerances.stiffness if one is None else one for one in spreads)
     return replace(tolerances, stiffness=spread)
@@ -301,6 +428,11 @@ def _standing(found: Attempt | None) -> str:
     """What the motion of the drawing stands on."""
     if found is None:
         return "not all cells are proved concave, and the engine has followed the drawing"
+    if found.rule.bends:
+        return (
+            f"one taut band with falling force in each cell, looked at in {LOOKS} places as drawn, "
+            f"where a law that bends allows no proof; the engine has followed the drawing"
+        )
     where = "as drawn" if found.rule.as_drawn else "for all anchors within the tolerances"
     return (
         f"concave cells: one taut band with falling force in each, proved {where}; cells load in "

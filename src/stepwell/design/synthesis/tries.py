@@ -55,6 +55,7 @@ class Tries:
         seed: of what is random.
         progress: called with (done, total).
         rules: how many sets of bands and levers there are.
+        free: which anchors are placed.
     """
 
     target: Target
@@ -64,6 +65,7 @@ class Tries:
     seed: int
     progress: Callable[[int, int], None] | None
     rules: int
+    free: str = "q"
     _done: int = field(default=0, init=False)
 
     @property
@@ -94,6 +96,7 @@ class Tries:
             attempts[k] = attempts[k].refined()
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         complete = target.wish.complete and self.holes is not None
+        complete = complete and not any(rule.bends for rule in rules)
         complete = complete and all(attempt.complete for attempt in attempts)
         missed = ""
         for attempt in attempts:
@@ -153,7 +156,7 @@ class Tries:
         return yields(chain, tolerances, n=_MADE, seed=self.seed, wanted=counted).share
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
-        allowed = told(self.regions, self.holes)
+        allowed = told(self.regions, self.holes, self.free)
         return nothing_works(
             self.target, placed.attempts, placed.missed, rest, allowed, proved=proved
         )

@@ -1,5 +1,11 @@
 """Mechanisms as a workshop makes them: tolerances, yields, the survival of programs."""
 
 from stepwell.design.tolerances.survival import Survival, survival
-from stepwell.design.tolerances.tolerances import USUAL, Tolerances, refuse_reach, refuse_slips
+from stepwell.design.tolerances.tolerances import (
+    USUAL,
+    Tolerances,
+    levers_of,
+    refuse_reach,
+    refuse_slips,
+)
 from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields

@@ -9,10 +9,17 @@ from stepwell.base import ByValue
 from stepwell.design.tolerances.tolerances import Tolerances
 from stepwell.mechanism import Chain
 
-VARIED = (
-    "assumed: every part varies by itself, anchors, levers and friction evenly within their "
-    "tolerance, k and ℓ0 normally; quasi-static"
-)
+_LEVERS = "anchors, levers and friction evenly within their tolerance, k and ℓ0 normally"
+_ELEMENTS = "all forces of an element alike and all its travels alike, normally"
+
+
+def varied(chain: Chain) -> str:
+    """How mechanisms after a drawing are made, in words."""
+    how = _LEVERS
+    if chain.elements:
+        levers = len(chain.elements) < len(chain)
+        how = f"{_LEVERS if levers else 'friction evenly within its tolerance'}, {_ELEMENTS}"
+    return f"assumed: every part varies by itself, {how}; quasi-static"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

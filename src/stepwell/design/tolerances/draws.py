@@ -2,7 +2,8 @@
 
 One sample is one row of random numbers, and one row makes one mechanism. With B bands and N
 cells the columns are, inner first: 4 B for where the anchors are in their discs (p: area and
-angle, then q), B for the stiffness, B for ℓ0, N for the levers, N for the friction. Parts
+angle, then q), B for the stiffness, B for ℓ0, N for the levers, N for the friction, and for each
+element one for its forces and one for its travels. Parts
 without a tolerance take their numbers too, so that a part keeps its numbers whichever
 tolerances are given, and two designs compared with one seed are made with the same luck.
 """
@@ -15,8 +16,9 @@ from scipy.special import ndtr, ndtri
 
 from stepwell.base import Floats
 from stepwell.concave import in_disc
-from stepwell.design.tolerances.tolerances import Tolerances
-from stepwell.mechanism import Band, Chain
+from stepwell.design.orders import switching_forces
+from stepwell.design.tolerances.tolerances import Tolerances, levers_of
+from stepwell.mechanism import Band, Cell, Chain, Element
 
 _CUT = 4.0  # standard deviations at which the normal distribution ends
 _AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache
@@ -33,11 +35,16 @@ class Draws:
     @property
     def bands(self) -> int:
         """B, of all cells."""
-        return sum(len(cell.bands) for cell in self.chain.cells)
+        return sum(len(cell.bands) for cell in levers_of(self.chain))
 
     @property
     def columns(self) -> int:
         """How many random numbers make one mechanism."""
+        return self.scales + 2 * len(self.chain.elements)
+
+    @property
+    def scales(self) -> int:
+        """The first column of the elements: of each its forces and its travels."""
         return 6 * self.bands + 2 * len(self.chain)
 
     @property
@@ -62,11 +69,23 @@ class Draws:
 
     def shaped(self, even: Floats) -> Floats:
         """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
-        if self.tolerances.stiffness > 0 or self.tolerances.rest_length > 0:
-            normal = even[:, 4 * self.bands : 6 * self.bands]
-            tail = ndtr(-_CUT)
-            normal[:] = ndtri(tail + (1.0 - 2.0 * tail) * normal)
+        t, tail = self.tolerances, ndtr(-_CUT)
+        if t.stiffness > 0 or t.rest_length > 0 or t.travel > 0:
+            for normal in (even[:, 4 * self.bands : 6 * self.bands], even[:, self.scales :]):
+                normal[:] = ndtri(tail + (1.0 - 2.0 * tail) * normal)
         return even
+
+    def switching_forces(self, drawn: Floats) -> Floats:
+        """(m, T, 2) as `orders.switching_forces`, of (m, columns) draws of a chain of elements."""
+        t, n = self.tolerances, len(self.chain)
+        steps = np.array([len(phases) - 1 for phases in self.chain.phases])
+        rub = np.array([cell.friction for cell in self.chain.cells])
+        forces = switching_forces(self.chain) - np.repeat(rub, steps)[:, None] * [1.0, -1.0]
+        scale = 1.0 + t.stiffness * drawn[:, self.scales :: 2]
+        rub = rub + t.friction * drawn[:, self.scales - n : self.scales]
+        return np.repeat(scale, steps, axis=1)[:, :, None] * forces + np.repeat(rub, steps, axis=1)[
+            :, :, None
+        ] * [1.0, -1.0]
 
     def sample(self, number: int) -> Chain:
         """Mechanism `number` of all, from 0; the same as in `chunks`.
@@ -87,6 +106,7 @@ class Draws:
         t, b, n = self.tolerances, self.bands, len(self.chain)
         stiffness, rest = draw[4 * b : 5 * b], draw[5 * b : 6 * b]
         lever, friction = draw[6 * b : 6 * b + n], draw[6 * b + n :]
+        scales = iter(draw[self.scales :].reshape(-1, 2).tolist())
 
         def made(number: int, band: Band) -> Band:
             where = draw[4 * number : 4 * number + 4].tolist()
@@ -100,16 +120,18 @@ class Draws:
                 rest_length=band.rest_length * (1.0 + t.rest_length * rest[number]),
             )
 
-        cells, first = [], 0
+        cells: list[Cell | Element] = []
+        first = 0
         for i, cell in enumerate(self.chain.cells):
+            rub = cell.friction + t.friction * friction[i]
+            if isinstance(cell, Element):
+                force, travel = next(scales)
+                scale = cell.force_scale * (1.0 + t.stiffness * force)
+                size = cell.travel_scale * (1.0 + t.travel * travel)
+                cells.append(replace(cell, force_scale=scale, travel_scale=size, friction=rub))
+                continue
             bands = tuple(made(first + j, band) for j, band in enumerate(cell.bands))
             first += len(bands)
-            cells.append(
-                replace(
-                    cell,
-                    band=bands,
-                    lever=cell.lever + t.lever * (2.0 * lever[i] - 1.0),
-                    friction=cell.friction + t.friction * friction[i],
-                )
-            )
+            longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
+            cells.append(replace(cell, band=bands, lever=longer, friction=rub))
         return replace(self.chain, cells=tuple(cells))

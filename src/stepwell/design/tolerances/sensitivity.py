@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats, Ints
+from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.relays import gaps_between
+from stepwell.mechanism import Element
 
 # 2^12 points in each of the two base samples, and 2^10 where each has to be built.
 _POWER, _POWER_BUILT = 12, 10
@@ -21,11 +24,12 @@ class Sensitivities(ByValue):
     """Shares of the variance of the smallest gap, part by part.
 
     A part is "<cell>.d" (all anchors of its bands), "<cell>.stiffness", "<cell>.rest_length",
-    "<cell>.lever" or "<cell>.friction", with <cell> its name, or its number from 1 where names
-    repeat; only parts with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f
-    being friction. It tells the order of cells whose force falls all the way; of others it need
-    not, and `agreed` says how well it did. F0 and F1 of a cell of one linear band without a load
-    are those of a taut band also where a mechanism has it slack.
+    "<cell>.lever" or "<cell>.friction", of an element "<cell>.force_scale", "<cell>.travel_scale"
+    or "<cell>.friction", with <cell> its name, or its number from 1 where names repeat; only
+    parts with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f being friction; of
+    elements, of all their switching forces. It tells the order of cells whose force falls all the
+    way; of others it need not, and `agreed` says how well it did. F0 and F1 of a cell of one
+    linear band without a load are those of a taut band also where a mechanism has it slack.
 
     Attributes:
         parameters: (m,) the parts.
@@ -69,17 +73,13 @@ class Sensitivities(ByValue):
 
 
 def gaps_of_built(draws: Draws, orders: Ints, rows: Floats) -> Floats:
-    """(m,) smallest gap [N] between neighbours of two orders (2, N), of each of (m, columns) draws.
+    """(m,) smallest gap [N] between neighbours of two orders (2, T), of each of (m, columns) draws.
 
     Raises:
         ValueError: a mechanism that cannot be built.
     """
-    found = np.empty(len(rows))
-    for i, row in enumerate(rows):
-        cells = draws.built(row).cells
-        key = np.array([(c.force_0 + c.friction, c.friction - c.force_1) for c in cells]).T
-        found[i] = min(np.min(np.diff(key[side, orders[side]])) for side in range(2))
-    return found
+    forces = np.array([switching_forces(draws.built(row)) for row in rows])
+    return np.min(gaps_between(forces, orders), axis=(1, 2), initial=np.inf)
 
 
 def sensitivities(
@@ -100,7 +100,7 @@ def sensitivities(
     a part, since an anchor's place in its disc takes two and says nothing by one of them.
     """
     groups = _groups(draws)
-    if not groups or len(draws.chain) == 1:
+    if not groups or len(switching_forces(draws.chain)) < 2:
         return Sensitivities((), np.empty(0), np.empty(0), 0.0, 0)
     active = np.concatenate(list(groups.values()))
     from scipy.stats import qmc, sobol_indices
@@ -132,18 +132,23 @@ def _groups(draws: Draws) -> dict[str, list[int]]:
     """The columns of every part that has a tolerance."""
     b, n, t = draws.bands, len(draws.chain), draws.tolerances
     found: dict[str, list[int]] = {}
-    names, first = draws.chain.names, 0
-    for i, name in enumerate(names):
-        cell = name if names.count(name) == 1 else i + 1
-        bands = range(first, first + len(draws.chain.cells[i].bands))
-        first = bands.stop
-        for part, columns in (
-            ("anchor", [4 * band + k for band in bands for k in range(4)]),
-            ("stiffness", [4 * b + band for band in bands]),
-            ("rest_length", [5 * b + band for band in bands]),
-            ("lever", [6 * b + i]),
-            ("friction", [6 * b + n + i]),
-        ):
-            if getattr(t, part) > 0 and columns:
-                found[f"{cell}.{'d' if part == 'anchor' else part}"] = columns
+    names, first, scale = draws.chain.names, 0, draws.scales
+    for i, cell in enumerate(draws.chain.cells):
+        name = names[i] if names.count(names[i]) == 1 else i + 1
+        friction = ("friction", "friction", [6 * b + n + i])
+        if isinstance(cell, Element):
+            parts = [("force_scale", "stiffness", [scale]), ("travel_scale", "travel", [scale + 1])]
+            scale += 2
+        else:
+            bands = range(first, first + len(cell.bands))
+            first = bands.stop
+            parts = [
+                ("d", "anchor", [4 * band + k for band in bands for k in range(4)]),
+                ("stiffness", "stiffness", [4 * b + band for band in bands]),
+                ("rest_length", "rest_length", [5 * b + band for band in bands]),
+                ("lever", "lever", [6 * b + i]),
+            ]
+        for part, tolerance, columns in (*parts, friction):
+            if getattr(t, tolerance) > 0:
+                found[f"{name}.{part}"] = columns
     return found

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, require
-from stepwell.design.tolerances.counted import VARIED, Counted
+from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
-from stepwell.mechanism import Chain, SlipError, sizes
+from stepwell.mechanism import Chain, SlipError, Stretch, sizes
 from stepwell.sequences.branches import checked_state
-from stepwell.statics import StaticsError
+from stepwell.statics import StaticsError, drive_range
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Survival(Counted):
         n, seed: how many mechanisms, and which.
         share, interval: successes over n, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
-        successes: how many end with every cell on the side that `ends` says.
+        successes: how many end with every cell in the phase that `ends` says, or nearest to it.
     """
 
     turning_points: tuple[float, ...]
@@ -37,8 +37,12 @@ class Survival(Counted):
     @property
     def assumptions(self) -> str:
         """Under which all this holds."""
-        assumed = f"{VARIED}; a mechanism that cannot be built or followed counts as a failure"
-        return "; ".join(filter(None, (assumed, frictionless(self.tolerances, self.chain))))
+        assumed = (
+            varied(self.chain),
+            "a mechanism that cannot be built or followed counts as a failure",
+            frictionless(self.tolerances, self.chain),
+        )
+        return "; ".join(filter(None, assumed))
 
     def __repr__(self):
         low, high = self.interval
@@ -63,7 +67,7 @@ def survival(
 
     All else as for `Chain.survival`.
     """
-    start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
+    start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "ends", ends)
     n = ONE_BY_ONE if n is None else n
     if n < 1:
@@ -90,10 +94,20 @@ def survival(
 
 
 def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
-    full = [cell.full_travel for cell in made.cells]
     if math.isinf(made.actuator_stiffness):
         # Its stops are not quite where they were drawn.
-        stroke = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
-        points = (stroke, *(min(point, made.full_stroke) for point in points[1:]))
-    end = made.path(points, start=start).end
-    return all((s > f / 2) == (c == "1") for s, f, c in zip(end, full, ends, strict=True))
+        if not made.elements:
+            full = made.full_travels
+            begin = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
+            points = (begin, *points[1:])
+        low, high = drive_range(made)
+        points = (points[0], *(min(max(point, low), high) for point in points[1:]))
+    path = made.path(points, start=start)
+    ending = zip(made.stretches, path.end_sheet, path.end.tolist(), ends, strict=True)
+    return all(_nearest(own, sheet, travel) == int(digit) for own, sheet, travel, digit in ending)
+
+
+def _nearest(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
+    """The number of the phase nearest to a place [m], of those on its sheet if there are any."""
+    away = [(own != sheet, max(low - travel, travel - high)) for own, low, high in stretches]
+    return away.index(min(away))

@@ -9,8 +9,17 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
-from stepwell.design.orders import numbered_cycle, orders_of, searched, short, unlike
+from stepwell.design.orders import (
+    Switches,
+    numbered_cycle,
+    orders_of,
+    relay_cycle,
+    searched,
+    short,
+    unlike,
+)
 from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
@@ -39,6 +48,9 @@ def followed(draws: Draws, draw: Floats, states: frozenset[str] | None = None) -
         if states is not None:
             found, ties = searched(made)
             return TIED if ties else unlike(found, states)
+        by_forces = relay_cycle(made)
+        if by_forces is not None:
+            return by_forces
         result = cycle(made)
     except (StaticsError, ValueError):
         return NO_ANSWER
@@ -55,28 +67,32 @@ class Tally:
 
     Attributes:
         states: as given.
-        orders: (2, N) of that cycle; None where it is not one cell after the other.
+        orders: (2, T) switches of that cycle; None where it is not one after the other.
         judge: the closed form; None where there is none.
         judged, by_engine: of how many it told the orders, and how many the engine followed.
         successes: how many do what is wanted.
         followed_well: of each that the engine followed, in order, whether it does.
-        wrong, narrowest: (2, N - 1) as `Judge` counts them, of those judged.
+        wrong, narrowest: (2, T - 1) as `Judge` counts them, of those judged.
     """
 
     def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
         self.draws, self.orders, self.states = draws, orders_of(wanted), states
         self._success = wanted if states is None else ""
-        cells = len(draws.chain)
+        chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").
-        whole = states is not None and len(states) == 2**cells
-        self._nested_do = whole and one_travel(draws.chain) and not draws.tolerances.lever
-        some = self.orders if self.orders is not None else np.tile(np.arange(cells), (2, 1))
-        self.judge = Judge.of(draws.chain, draws.spread, some)
+        whole = states is not None and len(states) == 2**count and not chain.elements
+        self._nested_do = whole and one_travel(chain) and not draws.tolerances.lever
+        some = self.orders if self.orders is not None else np.tile(np.arange(count), (2, 1))
+        self.judge = (
+            RelayJudge.of(draws, wanted, self.orders)
+            if chain.elements
+            else Judge.of(chain, draws.spread, some)
+        )
         self.successes = self.judged = self.by_engine = 0
         self.followed_well: list[bool] = []
-        self.wrong = np.zeros((2, cells - 1), np.int64)
+        self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)
         self.narrowest = self.wrong.copy()
-        self._told_apart = cells <= _MOST_CELLS
+        self._told_apart = len(chain) <= _MOST_CELLS
         self._texts: Counter[str] = Counter()
         self._numbers: list[Ints] = [np.empty(0, np.int64)]
 
@@ -94,13 +110,16 @@ class Tally:
             if progress is not None:
                 progress(done, n)
 
-    def _judged(self, drawn: Floats, judge: Judge) -> Bools:
+    def _judged(self, drawn: Floats, judge: Judge | RelayJudge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
         found = judge(drawn)
         ask = found.verdict == ASK
         self.judged += int(np.sum(~ask))
-        self.wrong += found.wrong
-        self.narrowest += found.narrowest
+        if found.wrong.size:
+            self.wrong += found.wrong
+            self.narrowest += found.narrowest
+        if self.states is not None and isinstance(judge, RelayJudge):
+            return np.ones_like(ask)
         if self.states is not None:
             halves = np.divmod(found.does, len(self.draws.chain) ** len(self.draws.chain))
             nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
@@ -108,7 +127,7 @@ class Tally:
             return ~nested
         self._add(TIED, int(np.sum(found.verdict == TIE)))
         does, other = found.verdict == DOES, found.verdict == OTHER
-        if self.orders is None:
+        if self.orders is None and isinstance(judge, Judge):
             does, other = np.zeros_like(does), does | other
         self.successes += int(np.sum(does))
         if self._told_apart:
@@ -138,11 +157,17 @@ class Tally:
         numbers, times = np.unique(np.concatenate(self._numbers), return_counts=True)
         often = np.argsort(-times, kind="stable")
         for i in often[:_KEPT]:
-            counts[numbered_cycle(int(numbers[i]), len(self.draws.chain))] += int(times[i])
+            counts[self._cycle(int(numbers[i]))] += int(times[i])
         rest = int(np.sum(times[often[_KEPT:]])) + counts.pop(ANOTHER, 0)
         listed = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
         rest += sum(times for _, times in listed[_KEPT:])
         return dict(listed[:_KEPT]) | ({ANOTHER: rest} if rest else {})
+
+    def _cycle(self, number: int) -> str:
+        """What the judge has numbered so."""
+        if isinstance(self.judge, RelayJudge):
+            return self.judge.texts[number]
+        return numbered_cycle(number, len(self.draws.chain))
 
 
 def why_none(chain: Chain, wanted: str, concave: bool) -> str:
@@ -154,9 +179,11 @@ def why_none(chain: Chain, wanted: str, concave: bool) -> str:
         concave: whether all cells that were made are proved concave, and so go one after the
             other.
     """
+    if chain.elements:
+        return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
     states = Sequence.parse(wanted).states
     strokes = [
-        math.fsum(c.full_travel for c, s in zip(chain.cells, state, strict=True) if s == "1")
+        math.fsum(full for full, s in zip(chain.full_travels, state, strict=True) if s == "1")
         for state in states
     ]
     top = states.index("1" * len(chain))

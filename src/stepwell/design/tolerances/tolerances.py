@@ -3,23 +3,38 @@
 import math
 from dataclasses import dataclass, fields
 
-from stepwell.base import ByValue, InputError, usual
-from stepwell.design.parameters import WAY
-from stepwell.mechanism import Chain, SlipError, sizes
+import numpy as np
 
-_UNITS = {"anchor": "m", "stiffness": "1", "rest_length": "1", "lever": "m", "friction": "N"}
+from stepwell.base import ByValue, InputError, told_in, usual
+from stepwell.design.orders import switching_forces
+from stepwell.design.parameters import WAY
+from stepwell.mechanism import Cell, Chain, SlipError, sizes
+
+_UNITS = {
+    "anchor": "m",
+    "stiffness": "1",
+    "rest_length": "1",
+    "lever": "m",
+    "friction": "N",
+    "travel": "1",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tolerances(ByValue):
     """How far the parts of a built mechanism may be from the drawing, each by itself.
 
+    Of an element there are `stiffness`, `friction` and `travel`. Its `error_band` is no tolerance:
+    it says how well one curve is known, not how much its copies differ.
+
     Args:
         anchor: every anchor p and q lies anywhere within this radius, evenly over the disc [m].
-        stiffness: standard deviation of each band's k over its mean, normal, cut at four [1].
+        stiffness: standard deviation of each band's k over its mean, normal, cut at four; of an
+            element, of all its forces alike [1].
         rest_length: the same of ℓ0 [1].
         lever: every cell's lever is up to this much longer or shorter, evenly [m].
         friction: every cell's friction is up to this much more than drawn, evenly [N].
+        travel: standard deviation of all travels of an element alike, normal, cut at four [1].
 
     Raises:
         ValueError: a value that is negative or not finite, or a spread of a quarter or more,
@@ -31,6 +46,7 @@ class Tolerances(ByValue):
     rest_length: float = 0.0
     lever: float = 0.0
     friction: float = 0.0
+    travel: float = 0.0
 
     def __post_init__(self):
         for field in fields(self):
@@ -45,10 +61,11 @@ class Tolerances(ByValue):
             object.__setattr__(self, field.name, value)
 
     def __repr__(self):
+        travel = f", travel {self.travel:.3g}" if self.travel else ""
         return (
             f"Tolerances(anchors ±{self.anchor * 1e3:.4g} mm, stiffness {self.stiffness:.3g}, "
             f"rest length {self.rest_length:.3g}, levers ±{self.lever * 1e3:.4g} mm, friction "
-            f"+{self.friction:.3g} N)"
+            f"+{self.friction:.3g} N{travel})"
         )
 
 
@@ -77,25 +94,36 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
 
 def meet(tolerances: Tolerances, chain: Chain) -> None:
     """Raise SlipError for tolerances that are probably in another unit for this chain."""
-    if not chain.unusual:
-        travel = max(chain.full_travels)
-        refuse_slips(tolerances, travel, max(sizes.own_force(c, c.lever) for c in chain.cells))
+    cells = levers_of(chain)
+    if cells and not chain.unusual:
+        travel = max(cell.full_travel for cell in cells)
+        refuse_slips(tolerances, travel, max(sizes.own_force(c, c.lever) for c in cells))
 
 
 def refuse_reach(chain: Chain, reach: float) -> None:
     """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
-    lever = max(cell.lever for cell in chain.cells)
+    lever = max((cell.lever for cell in levers_of(chain)), default=math.inf)
     found = tuple(sizes.far("reach", reach, lever)) if reach > usual.REACH else ()
     if found and not chain.unusual:
         raise SlipError(found, WAY)
+
+
+def levers_of(chain: Chain) -> list[Cell]:
+    """Those of its cells that have levers and bands."""
+    return [cell for cell in chain.cells if isinstance(cell, Cell)]
 
 
 def frictionless(tolerances: Tolerances, chain: Chain) -> str:
     """What to know of mechanisms without friction; "" where there is some."""
     if tolerances.friction or any(cell.friction for cell in chain.cells):
         return ""
-    ends = [abs(f) for cell in chain.cells for f in (cell.force_0, cell.force_1)]
+    least = float(np.min(np.abs(switching_forces(chain)), initial=math.inf))
+    if chain.elements:
+        unit, factor = told_in(chain.measure.force_unit)
+        beside = f"switching forces of {least * factor:.3g} {unit}"
+    else:
+        beside = f"forces F0 and F1 of {least * 1e3:.3g} mN"
     return (
-        f"without any friction, beside forces F0 and F1 of {min(ends) * 1e3:.3g} mN and more: give "
+        f"without any friction, beside {beside} and more: give "
         f"the cells or the tolerances some if yours has it"
     )

@@ -22,12 +22,28 @@ from stepwell.base import (
     require,
     write_csv,
 )
-from stepwell.design.orders import by_cells_at_1, checked_cycle, reached, short, unsearchable
-from stepwell.design.tolerances.counted import VARIED, Counted
+from stepwell.design.orders import (
+    Switches,
+    by_cells_at_1,
+    checked_cycle,
+    is_state,
+    reached,
+    short,
+    switching_forces,
+    unsearchable,
+)
+from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design.tolerances.tally import Tally, why_none
-from stepwell.design.tolerances.tolerances import USUAL, Tolerances, frictionless, meet
+from stepwell.design.tolerances.tolerances import (
+    USUAL,
+    Tolerances,
+    frictionless,
+    levers_of,
+    meet,
+)
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
 
@@ -45,10 +61,12 @@ class Critical(ByValue):
 
     Attributes:
         first, second: the numbers of the cells; `first` should move before `second`.
-        names: what they are called.
+        names: what they are called; of cells of more than two phases, with those between which
+            they go.
         way: "loading", decided by F0 plus friction, or "unloading", by F1 less friction.
         share: of the mechanisms judged in closed form, how many have them in the other order.
         narrowest: in how many their gap is the smallest of all.
+        by: the force that decides: "F0", "F1", or that of the switches up or down.
     """
 
     first: int
@@ -57,11 +75,12 @@ class Critical(ByValue):
     way: str
     share: float
     narrowest: float
+    by: str = ""
 
     def __str__(self):
         before, after = self.names
         return (
-            f"{before} before {after} while {self.way} (F{0 if self.way == 'loading' else 1}): "
+            f"{before} before {after} while {self.way} ({self.by}): "
             f"in the other order in {_percent(self.share)}"
         )
 
@@ -116,16 +135,16 @@ class Yield(Counted):
         """Forces at which the cells of the first n mechanisms let go, for a cloud around each.
 
         Returns:
-            (m, N, 2) F0 plus friction and F1 less friction [N]; m = min(n, self.n), and NaN
-            where a mechanism cannot be built.
+            (m, T, 2) F0 plus friction and F1 less friction [N], of elements the forces up and
+            down of each switch from a phase to the next; T = N where every cell has two phases,
+            m = min(n, self.n), and NaN where a mechanism cannot be built.
         """
-        found = np.full((min(n, self.n), len(self.chain), 2), np.nan)
+        found = np.full((min(n, self.n), *switching_forces(self.chain).shape), np.nan)
         for number in range(len(found)):
             try:
-                cells = self.mechanism(number).cells
+                found[number] = switching_forces(self.mechanism(number))
             except ValueError:
                 continue
-            found[number] = [(c.force_0 + c.friction, c.force_1 - c.friction) for c in cells]
         return found
 
     def to_xarray(self) -> xr.Dataset:
@@ -214,7 +233,7 @@ def yields(
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
-    target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), len(chain))
+    target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), chain.last_state)
     tally = Tally(Draws(chain, tolerances, seed), target, states)
     if sensitivity and tally.orders is None:
         raise InputError(
@@ -249,9 +268,10 @@ def _states(
     if wanted is None or isinstance(wanted, str):
         return None
     states = frozenset(str(state) for state in wanted)
-    if not states or any(len(s) != len(chain) or set(s) - {"0", "1"} for s in states):
+    if not states or not all(is_state(state, chain.last_state) for state in states):
+        digits = f"digits up to {chain.last_state}" if chain.elements else "characters 0 or 1"
         raise InputError(
-            f"wanted = {sorted(states)}: must be states of {len(chain)} characters 0 or 1, one a "
+            f"wanted = {sorted(states)}: must be states of {len(chain)} {digits}, one a "
             f"cell, inner first."
         )
     why = unsearchable(chain, tolerances.friction)
@@ -271,7 +291,7 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
     check.whole("n", n, 1)
     check.whole("seed", seed, 0)
     require("samples", n, "n =")
-    shortest = min(cell.lever for cell in chain.cells)
+    shortest = min((cell.lever for cell in levers_of(chain)), default=np.inf)
     if tolerances.lever >= shortest:
         raise InputError(
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
@@ -308,16 +328,20 @@ def _critical(tally: Tally) -> Critical | None:
         return None
     wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
     worst = int(np.lexsort((narrowest, wrong))[-1])
-    side, place = divmod(worst, len(tally.orders[0]) - 1)
+    side, place = divmod(worst, tally.orders.shape[1] - 1)
     first, second = tally.orders[side, place : place + 2].tolist()
-    names = tally.draws.chain.names
+    chain = tally.draws.chain
+    switches = Switches.of(chain.last_state)
+    names = switches.names(chain)
+    by = ("the forces up", "the forces down") if chain.elements else ("F0", "F1")
     return Critical(
-        first,
-        second,
+        int(switches.cell[first]),
+        int(switches.cell[second]),
         (names[first], names[second]),
         ("loading", "unloading")[side],
         int(wrong[worst]) / tally.judged,
         int(narrowest[worst]) / tally.judged,
+        by[side],
     )
 
 
@@ -328,6 +352,13 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
             + (n > tally.by_engine)
             * f", {n - tally.by_engine} proved to reach all states, every two loops being nested"
         )
+    elif isinstance(tally.judge, RelayJudge):
+        how = (
+            f"{tally.judged} judged by their switching forces, which decide under a prescribed "
+            f"force, where no element feels another"
+        )
+    elif tally.judge is None and tally.draws.chain.elements:
+        how = f"the general engine followed all {n}, since elements move together as the drive goes"
     elif tally.judge is None:
         how = (
             f"no closed form for such cells (several bands, a bent law or a load), so the general "
@@ -338,10 +369,9 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
             f"{tally.judged} judged in closed form, every cell being proved taut with falling "
             f"force, and {tally.by_engine} followed by the general engine"
         )
-    yield (
-        f"{VARIED}{' full cycle' * (tally.states is None)}; a tie, or a mechanism that cannot be "
-        f"built or followed, counts as a failure; {how}"
-    )
+    made = varied(tally.draws.chain) + " full cycle" * (tally.states is None)
+    fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
+    yield f"{made}; {fails}; {how}"
     yield frictionless(tally.draws.tolerances, tally.draws.chain)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
 

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from stepwell.base import Floats
 from stepwell.figures.cells.linkage import LinkageDrawing, Pose
-from stepwell.figures.common import BLOCK, FIXED_BLOCK, INK, cell_colours, hollow
+from stepwell.figures.common import BLOCK, FAINT, FIXED_BLOCK, INK, cell_colours, hollow
 
 THINNEST, THICKEST = 0.7, 3.0
 SLACK_DASHES = (0, (2.0, 1.6))
@@ -63,18 +63,41 @@ class Drawing:
         )
         for artist in (self.posts, self.blocks, self.levers, self.bands):
             ax.add_collection(artist, autolim=False)
+        self._symbols = self._draw_symbols(ax) if linkage.symbols else ()
+
+    def _draw_symbols(self, ax: Axes) -> Sequence[Artist]:
+        """Rods, boxes, curves and marks of the elements."""
+        symbols, weight = self.linkage.symbols, self.weight
+        colours = cell_colours(len(self.linkage.chain))
+        curves = [colours[i] for i, symbol in symbols.items() for _ in symbol.curves]
+        self.rods = LineCollection([], colors=INK, linewidths=1.5 * weight, zorder=1.5)
+        look = {"facecolors": "white", "edgecolors": INK, "linewidths": 0.8 * weight}
+        self.boxes = PolyCollection([], **look, zorder=3, gid="elements")
+        self.zeros = LineCollection([], colors=FAINT, linewidths=0.4 * weight, zorder=3.5)
+        self.curves = LineCollection(
+            [], colors=curves, linewidths=1.6 * weight, capstyle="round", zorder=4
+        )
+        dots = {"markersize": 4.2 * weight, "markeredgecolor": "white", "color": INK}
+        (self.dots,) = ax.plot([], [], "o", **dots, markeredgewidth=0.6 * weight, zorder=7)
+        drawn = (self.rods, self.boxes, self.zeros, self.curves)
+        for artist in drawn:
+            ax.add_collection(artist, autolim=False)
+        return (*drawn, self.dots)
 
     @property
     def artists(self) -> Sequence[Artist]:
         """From the lowest to the topmost."""
-        return (self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors)
+        own = (self.posts, self.blocks, self.levers, self.joints, self.bands, self.anchors)
+        return (*own, *self._symbols)
 
-    def move(self, travels: Sequence[float] | Floats) -> Pose:
-        """Put every part where it is at these travels (N,) [m]."""
-        pose = self.linkage.pose(travels)
-        left, bottom, right, top = pose.blocks.T
-        corners = np.stack([left, bottom, right, bottom, right, top, left, top], axis=1)
-        self.blocks.set_verts(list(self._page(corners.reshape(-1, 4, 2))))
+    def move(
+        self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
+    ) -> Pose:
+        """Put every part where it is at these travels (N,) [m]; sheets as for `pose`."""
+        pose = self.linkage.pose(travels, sheets)
+        self.blocks.set_verts(list(self._page(_corners(pose.blocks))))
+        if self._symbols:
+            self._move_symbols(pose)
         self.posts.set_segments(list(self._page(pose.posts)))
         levers = self._page(pose.levers)
         self.levers.set_segments(list(levers))
@@ -87,5 +110,28 @@ class Drawing:
         self.anchors.set_offsets(bands.reshape(-1, 2))
         return pose
 
+    def _move_symbols(self, pose: Pose) -> None:
+        self.rods.set_segments(list(self._page(pose.rods)))
+        self.boxes.set_verts(list(self._page(_corners(pose.boxes))))
+        curves: list[Floats] = []
+        zeros: list[Floats] = []
+        for symbol, (left, bottom, right, _) in zip(
+            self.linkage.symbols.values(), pose.boxes, strict=True
+        ):
+            corner, side = np.array([left, bottom]), right - left
+            curves += [self._page(corner + side * curve) for curve in symbol.curves]
+            line = np.array([(0.0, symbol.zero), (1.0, symbol.zero)])
+            zeros.append(self._page(corner + side * line))
+        self.curves.set_segments(curves)
+        self.zeros.set_segments(zeros)
+        self.dots.set_data(*self._page(pose.dots).T)
+
     def _page(self, xy: Floats) -> Floats:
         return self.origin + self.scale * xy
+
+
+def _corners(boxes: Floats) -> Floats:
+    """(n, 4, 2) of (n, 4) left, bottom, right, top."""
+    left, bottom, right, top = boxes.T
+    corners = np.stack([left, bottom, right, bottom, right, top, left, top], axis=1)
+    return corners.reshape(-1, 4, 2)

@@ -1,4 +1,4 @@
-"""The plane of a cell's two end forces, whose order along each axis is the order of motion."""
+"""The plane of what switches a cell there and back, whose order on each axis is that of motion."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ from stepwell.figures.common import (
     shortened,
     styled,
     text_at,
+    told,
 )
 from stepwell.mechanism import Chain
 
@@ -45,8 +46,17 @@ _CENTRAL = (2.5, 97.5)
 _NAME = 9
 
 
+class _Switch(NamedTuple):
+    """The way of a cell from one phase to the next, and the forces there and back [N]."""
+
+    name: str
+    colour: str
+    up: float
+    down: float
+
+
 class _Gap(NamedTuple):
-    """Two cells next to each other in a wanted order, and how far apart their forces are [N]."""
+    """Two cells next to each other in a wanted order, and how far apart their forces are."""
 
     first: int
     second: int
@@ -72,12 +82,13 @@ def force_plane(
     """F0 against F1 of every cell, what else could be reached, and the orders they give.
 
     Cells of one taut band with falling force load by rising F0 and unload by falling F1. With
-    friction f it is F0 + f and F1 - f, and these are drawn.
+    friction f it is F0 + f and F1 - f, and these are drawn. An element has a point for each two
+    neighbouring phases: the forces at which it goes from one to the other and back.
 
     Args:
-        chain: up to 16 cells.
-        loading, unloading: the orders wanted, cell numbers from 0; those that the chain has by
-            default.
+        chain: up to 16 cells, and switches of elements.
+        loading, unloading: the orders wanted, cell numbers from 0, or with elements numbers of
+            switches, cell by cell; those that the chain has by default.
         region: closed curves (m, 2) [N] round the pairs (F0, F1) that a cell can have.
         places: (m, 2) single pairs that a cell can have [N], such as those of drilled holes.
         clouds: (n, N, 2) pairs of each cell as it may be built [N]; NaN is left out. Their
@@ -93,35 +104,42 @@ def force_plane(
 
     Source: sorting theorem, theory page.
     """
-    count = len(chain)
+    switches = _switches(chain)
+    count, colours = len(switches), [switch.colour for switch in switches]
+    if not count:
+        raise InputError("the chain has no cell with two phases: nothing in it switches.")
     if count > MOST_CELLS:
-        raise InputError(f"the chain has {count} cells: at most {MOST_CELLS} can be told apart.")
-    forces = np.array([(c.force_0 + c.friction, c.force_1 - c.friction) for c in chain.cells])
+        what = "switches" if chain.elements else "cells"
+        raise InputError(f"the chain has {count} {what}: at most {MOST_CELLS} can be told apart.")
+    of = told.force(chain.measure)
+    # As drawn, like everything below.
+    forces = np.array([(switch.up, switch.down) for switch in switches]) * of.factor
     orders = (
         _order("loading", loading, np.argsort(forces[:, 0], kind="stable")),
         _order("unloading", unloading, np.argsort(-forces[:, 1], kind="stable")),
     )
-    cloud = None if clouds is None else np.asarray(clouds, float)
-    colours = cell_colours(count)
+    cloud = None if clouds is None else np.asarray(clouds, float) * of.factor
     strip = _ROW * count + 1.5
     width = COLUMN if count <= 4 else _WIDE
-    side = width - _LEFT - _BETWEEN - strip - _RIGHT
+    # The names of switches are longer.
+    edge = _LEFT + (3.0 if count > len(chain) else 0.0)
+    side = width - edge - _BETWEEN - strip - _RIGHT
     gap = _narrowest(forces, orders)
-    key = _key(bool(region), places is not None, cloud is not None, gap)
+    key = _key(bool(region), places is not None, cloud is not None, gap, of.sign)
     columns = 2 if width == COLUMN else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
     figure = blank(width, height)
-    ax = place(figure, _LEFT, _BOTTOM, side, side)
-    above = place(figure, _LEFT, _BOTTOM + side + _BETWEEN, side, strip)
-    right = place(figure, _LEFT + side + _BETWEEN, _BOTTOM, strip, side)
+    ax = place(figure, edge, _BOTTOM, side, side)
+    above = place(figure, edge, _BOTTOM + side + _BETWEEN, side, strip)
+    right = place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
 
     for curve in region:
-        points = np.asarray(curve, float)
+        points = np.asarray(curve, float) * of.factor
         ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
         closed = np.concatenate([points, points[:1]])
         ax.plot(*closed.T, color=FAINT, linewidth=0.8, zorder=1, gid="region")
     if places is not None:
-        pairs = np.asarray(places, float)
+        pairs = np.asarray(places, float) * of.factor
         ax.plot(*pairs.T, ".", markersize=2.0, color=FAINT, zorder=1, gid="places")
     if cloud is not None:
         for i, colour in enumerate(colours):
@@ -139,16 +157,29 @@ def force_plane(
         ends = np.sort(forces[[gap.first, gap.second], gap.side])
         band(*ends, **look, zorder=0.5, gid="narrowest")
     ax.autoscale(False)
+    names = [switch.name for switch in switches]
     for half, strip_ax in enumerate((above, right)):
-        _draw_order(strip_ax, ax, half, orders[half], forces, cloud)
-        _frame_order(strip_ax, ax, half, orders[half], chain.names)
-    named = zip(forces.tolist(), chain.names, strict=True)
+        _draw_order(strip_ax, ax, half, orders[half], forces, cloud, colours)
+        _frame_order(strip_ax, ax, half, orders[half], names, colours)
+    named = zip(forces.tolist(), names, strict=True)
     beside(ax, [Label(x, y, literal(name)) for (x, y), name in named])
     middle = {"ha": "center", "va": "center"}
     text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
     text_at(figure, width - _RIGHT - strip / 2, 4.8, "unloads", ha="center", va="top")
     legends.above(above, key, columns)
     return figure
+
+
+def _switches(chain: Chain) -> list[_Switch]:
+    """Of every cell one, or as many as an element has phases but one; friction is in it."""
+    found: list[_Switch] = []
+    for cell, name, colour in zip(chain.cells, chain.names, cell_colours(len(chain)), strict=True):
+        pairs = list(pairwise(cell.phases))
+        for k, (before, after) in enumerate(pairs):
+            numbered = f"{shortened(name, _NAME - 4)} {k}>{k + 1}" if len(pairs) > 1 else name
+            up, down = before.force_high + cell.friction, after.force_low - cell.friction
+            found.append(_Switch(numbered, colour, up, down))
+    return found
 
 
 def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tuple[int, ...]:
@@ -172,9 +203,12 @@ def _narrowest(forces: Floats, orders: tuple[Sequence[int], Sequence[int]]) -> _
 
 
 def _name(chain: Chain, side: int) -> str:
+    of = told.force(chain.measure)
+    if chain.elements:
+        return f"{of.word} {('up to the next phase', 'back down')[side]} [{of.sign}]"
     rubs = any(cell.friction > 0 for cell in chain.cells)
     symbol = f"F_{side}" + (("+f", "-f")[side] if rubs else "")
-    return f"${symbol}$, {('at 0', 'at 1')[side]} [N]"
+    return f"${symbol}$, {('at 0', 'at 1')[side]} [{of.sign}]"
 
 
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
@@ -191,10 +225,15 @@ def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
 
 
 def _draw_order(
-    ax: Axes, main: Axes, side: int, order: Sequence[int], forces: Floats, cloud: Floats | None
+    ax: Axes,
+    main: Axes,
+    side: int,
+    order: Sequence[int],
+    forces: Floats,
+    cloud: Floats | None,
+    colours: Sequence[str],
 ) -> None:
     """A row for every cell, at its force or over the range of it, the first to move on top."""
-    colours = cell_colours(len(order))
 
     def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:
         return np.array([values, rows] if side == 0 else [rows, values])
@@ -215,10 +254,14 @@ def _draw_order(
 
 
 def _frame_order(
-    ax: Axes, main: Axes, side: int, order: Sequence[int], names: Sequence[str]
+    ax: Axes,
+    main: Axes,
+    side: int,
+    order: Sequence[int],
+    names: Sequence[str],
+    colours: Sequence[str],
 ) -> None:
     """Ticks with the names of the rows; the forces are those of the plane."""
-    colours = cell_colours(len(order))
     words = [literal(shortened(name, _NAME)) for name in names]
     ends, in_order = (len(order) - 0.4, -0.6), [words[i] for i in order]
     if side == 0:
@@ -239,7 +282,7 @@ def _frame_order(
         label.set(color=colours[cell], fontweight="bold")
 
 
-def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Artist]:
+def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None, sign: str) -> list[Artist]:
     found: list[Artist] = []
     if region:
         found.append(legends.shade("can be reached", _FILL, edgecolor=FAINT, linewidth=0.8))
@@ -248,6 +291,6 @@ def _key(region: bool, places: bool, cloud: bool, gap: _Gap | None) -> list[Arti
     if cloud:
         found.append(legends.line("95 % as built", width=1.0))
     if gap is not None:
-        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} N"
+        words = f"{'narrowest step' if gap.size > 0 else 'wrong by'} {abs(gap.size):.3g} {sign}"
         found.append(legends.shade(words, gap.colour, alpha=0.6, linewidth=0))
     return found

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from stepwell.base import InputError
 from stepwell.figures.cells.drawing import SLACK_DASHES, THICKEST, Drawing
 from stepwell.figures.cells.linkage import LinkageDrawing
+from stepwell.figures.cells.symbol import rest_of
 from stepwell.figures.common import (
     INK,
     MM,
@@ -23,8 +24,9 @@ from stepwell.figures.common import (
     marks,
     plain,
     styled,
+    told,
 )
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, Element
 
 # More than this is too small to see on a page.
 MOST_CELLS = 12
@@ -50,7 +52,8 @@ def mechanism(
     The stroke runs to the right and the fixed block is at the left. Every second cell is
     mirrored across the stroke, so that blocks lie in two rows with the levers zig-zagging
     between them; this changes no length and no force. A band is as thick as its tension, and
-    dashed where it is slack.
+    dashed where it is slack. An element is a box with its force curve, and a mark on the curve
+    where it stands: in a phase, where that is without force or has the least.
 
     Args:
         chain: up to 12 cells.
@@ -75,6 +78,7 @@ class Sheet:
 
     linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
+    sheets: list[tuple[int | None, ...]]
     titles: list[str]
     origins: list[tuple[float, float]]
     scale: float
@@ -93,8 +97,9 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
         )
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
-    travels = [_travels(chain, state) for state in wanted]
-    linkage = LinkageDrawing(chain)
+    places = [_place(chain, state) for state in wanted]
+    travels = [tuple(travel for travel, _ in place) for place in places]
+    linkage = LinkageDrawing(chain, travels)
     left, bottom, right, top = linkage.bounds(travels)
     # The wall of the fixed block is part of the picture.
     left = min(left, -1.7 * linkage.reach)
@@ -126,11 +131,12 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     return Sheet(
         linkage,
         travels,
-        [_title(state) for state in wanted],
+        [tuple(sheet for _, sheet in place) for place in places],
+        [_title(chain, state) for state in wanted],
         origins,
         scale,
         (left, bottom, right, top),
-        float(linkage.pose([0.0] * len(chain)).blocks[-1, 2]),
+        _at_rest(linkage, travels[0]),
         _KEY + rows * row,
     )
 
@@ -142,11 +148,12 @@ def draw(ax: Axes, sheet: Sheet) -> None:
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
     slack = False
-    for k, (travels, title, origin) in enumerate(
-        zip(sheet.travels, sheet.titles, sheet.origins, strict=True)
+    stroke_of = told.stroke(sheet.linkage.chain.measure)
+    for k, (travels, sheets, title, origin) in enumerate(
+        zip(sheet.travels, sheet.sheets, sheet.titles, sheet.origins, strict=True)
     ):
         drawing = Drawing(ax, sheet.linkage, origin, per_metre, weight)
-        pose = drawing.move(travels)
+        pose = drawing.move(travels, sheets)
         slack = slack or bool(pose.slack.any())
         ground(ax, sheet.linkage, origin, per_metre)
         middle = origin[0] + (left + right) / 2
@@ -155,13 +162,13 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         stroke = math.fsum(travels)
         # From where the outermost block's edge is at zero stroke to where it is now.
         start = origin[0] + sheet.rest * per_metre
-        now = start + stroke * per_metre
+        now = start + stroke * sheet.linkage.unit * per_metre
         y = origin[1] + bottom - 1.6
         ax.plot([start, start], [y - 0.8, y + 0.8], color=INK, linewidth=0.6)
         if now - start > 2.0:
             ax.plot([start, now - 1.0], [y, y], color=INK, linewidth=0.6)
             marks.head(ax, (start, y), (now, y), INK, size=5)
-        ax.text(middle, y - 1.4, f"$u$ = {stroke * MM:.3g} mm", ha="center", va="top", fontsize=7)
+        ax.text(middle, y - 1.4, stroke_of.value(stroke), ha="center", va="top", fontsize=7)
         if k:
             loading = stroke >= math.fsum(sheet.travels[k - 1])
             x = origin[0] + left - _BETWEEN / 2
@@ -184,37 +191,60 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
 
 
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
-    names = sheet.linkage.chain.names
-    handles = legends.cells(names, 2.0)
-    strongest = sheet.linkage.greatest_tension()
-    handles.append(legends.line(f"band at {strongest:.2f} N", width=THICKEST * 0.8))
+    linkage = sheet.linkage
+    handles = legends.cells(linkage.chain.names, 2.0)
+    if len(linkage.owner):
+        strongest = linkage.greatest_tension()
+        handles.append(legends.line(f"band at {strongest:.2f} N", width=THICKEST * 0.8))
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     place_of_key = (0.02, 0.6 / sheet.height)
     legends.above(ax, handles, min(len(handles), 7), bbox_to_anchor=place_of_key)
+    if not len(linkage.owner):
+        return  # Nothing but elements: no length to compare with.
     # A round length of about a lever, so that no reader needs the design file.
-    bar = 0.010 if sheet.linkage.reach < 0.02 else 0.050
+    bar = 0.010 if linkage.reach < 0.02 else 0.050
     x = PAGE - 4.0
     look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * MM * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
 
 
-def _travels(chain: Chain, state: State) -> tuple[float, ...]:
+def _at_rest(linkage: LinkageDrawing, travels: Sequence[float]) -> float:
+    """Where the outermost block's right edge is at no stroke [m drawn]."""
+    return float(linkage.pose(travels).blocks[-1, 2]) - linkage.unit * math.fsum(travels)
+
+
+def _place(chain: Chain, state: State) -> list[tuple[float, int | None]]:
+    """Travel and sheet of every cell; None where any sheet that has the travel will do."""
     if isinstance(state, str):
-        if len(state) != len(chain) or set(state) - {"0", "1"}:
-            raise InputError(
-                f"state {state!r}: must be {len(chain)} characters, each 0 or 1, innermost first."
-            )
-        pairs = zip(chain.cells, state, strict=True)
-        return tuple(cell.full_travel if one == "1" else 0.0 for cell, one in pairs)
+        digits = [{str(k): phase for k, phase in enumerate(cell)} for cell in chain.phases]
+        if len(state) != len(chain) or not all(
+            one in known for one, known in zip(state, digits, strict=True)
+        ):
+            raise InputError(f"state {state!r}: must be {_allowed(chain)}, innermost first.")
+        phases = [known[one] for one, known in zip(state, digits, strict=True)]
+        return [
+            (rest_of(cell, phase) if isinstance(cell, Element) else phase.low, phase.sheet)
+            for cell, phase in zip(chain.cells, phases, strict=True)
+        ]
     travels = tuple(float(s) for s in state)
     if len(travels) != len(chain):
         raise InputError(f"a state has {len(travels)} travels: must be {len(chain)}, one a cell.")
-    return travels
+    return [(travel, None) for travel in travels]
 
 
-def _title(state: State) -> str:
+def _allowed(chain: Chain) -> str:
+    """What a state of this chain may be."""
+    counts = [len(phases) for phases in chain.phases]
+    if set(counts) == {2}:
+        return f"{len(chain)} characters, each 0 or 1"
+    ranges = ", ".join("0" if n == 1 else f"0 to {n - 1}" for n in counts)
+    return f"{len(chain)} characters, one a cell ({ranges})"
+
+
+def _title(chain: Chain, state: State) -> str:
     if isinstance(state, str):
         return state
-    return "$s$ = " + ", ".join(f"{s * MM:.3g}" for s in state) + " mm"
+    travel = told.travel(chain.measure)
+    return f"{travel.symbol} = {', '.join(map(travel.number, state))} {travel.sign}"

@@ -24,7 +24,7 @@ from stepwell.figures.common import (
     mm_pair,
     styled,
 )
-from stepwell.mechanism import Cell
+from stepwell.mechanism import Cell, Element
 
 Curve = Callable[[Cell, Floats], Floats]
 
@@ -34,7 +34,7 @@ _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 
 @styled
-def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
+def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
 
     k is the stiffness of the cell's stiffest band.
@@ -42,6 +42,9 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
     Args:
         cells: any number; the legend calls each by its name, or else by its anchor.
         ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
 
     Source: Kamp et al. 2024, Fig. 1D.
     """
@@ -53,7 +56,7 @@ def unit_cell_force(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
 
 
 @styled
-def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure:
+def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
     """E/(k r²) of each cell against lever angle, with θmax marked.
 
     k is the stiffness of the cell's stiffest band.
@@ -61,6 +64,9 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
     Args:
         cells: any number; the legend calls each by its name, or else by its anchor.
         ax: axes to draw into; a new figure of one column's width by default.
+
+    Raises:
+        ValueError: no cells, or an element among them: see `element_curve`.
 
     Source: Kamp et al. 2024, Fig. 1E.
     """
@@ -72,16 +78,22 @@ def unit_cell_energy(cells: Sequence[Cell], *, ax: Axes | None = None) -> Figure
 
 
 def _curves(
-    cells: Sequence[Cell], curve: Curve, ax: Axes | None, label: str, *, ends: bool
+    cells: Sequence[Cell | Element], curve: Curve, ax: Axes | None, label: str, *, ends: bool
 ) -> Figure:
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
+    levers = [cell for cell in cells if isinstance(cell, Cell)]
+    if len(levers) < len(cells):
+        first = next(i for i, cell in enumerate(cells) if isinstance(cell, Element))
+        raise InputError(
+            f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
+        )
     # Names in rows of two, the marks in a row of their own.
-    rows = math.ceil(len(cells) / 2)
+    rows = math.ceil(len(levers) / 2)
     top = 6.5 + 3.6 * rows
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
-    for cell, colour in zip(cells, cell_colours(len(cells)), strict=True):
+    for cell, colour in zip(levers, cell_colours(len(levers)), strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _SAMPLES)
         ax.plot(np.degrees(theta), curve(cell, theta), color=colour)
         shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
@@ -94,7 +106,7 @@ def _curves(
     if ends:
         marks.zero_line(ax)
     ax.set(xlabel="Lever angle $\\theta$ [°]", ylabel=label)
-    widest = math.degrees(max(cell.limit for cell in cells))
+    widest = math.degrees(max(cell.limit for cell in levers))
     ax.set_xlim(-1.08 * widest, 1.08 * widest)
     ax.set_xticks(np.linspace(-widest, widest, 7) if widest % 3 == 0 else [-widest, 0, widest])
     words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
@@ -110,8 +122,8 @@ def _curves(
     assert lower is not None
     ax.add_artist(lower)
     above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
-    colours = cell_colours(len(cells))
-    handles = [legends.line(*pair) for pair in zip(_names(cells), colours, strict=True)]
+    colours = cell_colours(len(levers))
+    handles = [legends.line(*pair) for pair in zip(_names(levers), colours, strict=True)]
     legends.above(ax, handles, 2, bbox_to_anchor=(0.0, above))
     if own:
         keep_inside(ax)

@@ -1,6 +1,6 @@
 """What figures share: style, names, labels, marks."""
 
-from stepwell.figures.common import legends, marks
+from stepwell.figures.common import legends, marks, told
 from stepwell.figures.common.dimension import (
     along_x,
     along_y,
@@ -18,8 +18,10 @@ from stepwell.figures.common.reading import (
     curve,
     legs,
     path_of,
+    phases,
     require_two_cells,
     snaps_of,
+    span,
     vertices,
 )
 from stepwell.figures.common.style import (
@@ -37,6 +39,7 @@ from stepwell.figures.common.style import (
     ORANGE,
     PAGE,
     PATHWAY,
+    PHASE,
     PURPLE,
     SKY,
     UNLOADING,

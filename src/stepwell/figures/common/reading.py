@@ -6,18 +6,21 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import InputError
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics import Path
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
+# Of its full travel: a cell this near a stop or a phase is there.
+_SLIP = 1e-7
+
 
 class Vertex(NamedTuple):
-    """A sample where every cell rests at a stop."""
+    """A sample where every cell is in a phase; a lever cell is so at its stops."""
 
     sample: int
     state: str
@@ -44,6 +47,8 @@ def snaps_of(path: Path) -> list[SnapSamples]:
     found: list[SnapSamples] = []
     for i in np.flatnonzero(path.snap_after[:-1]):
         moved = np.abs(path.travel[i + 1] - path.travel[i]) > 1e-9 * full
+        # Where a curve folds back, a cell jumps at one travel.
+        moved |= path.sheet[i + 1] != path.sheet[i]
         cells = tuple(int(c) for c in np.flatnonzero(moved))
         found.append(SnapSamples(int(i), int(i) + 1, int(path.direction[i]), cells))
     return found
@@ -77,14 +82,14 @@ def curve(
 
 
 def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
-    """(direction, sample indices) of the pieces, cut again at every vertex.
+    """(direction, sample indices) of the pieces, cut again where every cell rests at a stop.
 
     What only the force does while all cells rest is left out.
     """
-    at_stops = np.all(np.any(_resting(path), axis=0), axis=1)
+    resting = np.all(_at_stops(path), axis=1)
     found: list[tuple[int, NDArray[np.intp]]] = []
     for direction, at in pieces(path):
-        inside = np.flatnonzero(at_stops[at[1:-1]]) + 1
+        inside = np.flatnonzero(resting[at[1:-1]]) + 1
         cuts = [0, *inside, len(at) - 1]
         for first, last in pairwise(int(c) for c in cuts):
             part = at[first : last + 1]
@@ -94,22 +99,61 @@ def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
 
 
 def vertices(path: Path) -> list[Vertex]:
-    """Where every cell rests at a stop, once for each visit."""
-    resting = _resting(path)
+    """Where every cell is in a phase, once for each visit.
+
+    That is where the visit begins if all rest there, and half-way through it if they move on.
+    """
+    columns = zip(path.chain.cells, path.travel.T, path.sheet.T, strict=True)
+    digits = np.column_stack([phases(*column) for column in columns])
+    inside = np.all(digits >= 0, axis=1)
+    changes = np.any(np.diff(digits, axis=0) != 0, axis=1) | path.snap_after[:-1]
+    cuts = [0, *(np.flatnonzero(changes) + 1).tolist(), len(digits)]
     found: list[Vertex] = []
-    previous = -2
-    for i in np.flatnonzero(np.all(np.any(resting, axis=0), axis=1)):
-        state = "".join("1" if one else "0" for one in resting[1, i])
-        if not (i == previous + 1 and found and found[-1].state == state):
-            found.append(Vertex(int(i), state, int(path.direction[i])))
-        previous = i
+    for first, end in pairwise(cuts):
+        if inside[first]:
+            way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path.stroke[first:end])))])
+            moves = way[-1] > _SLIP * path.chain.full_stroke
+            at = first + (int(np.argmin(np.abs(way - way[-1] / 2))) if moves else 0)
+            state = "".join(map(str, digits[first]))
+            found.append(Vertex(at, state, int(path.direction[at])))
     return found
 
 
-def _resting(path: Path) -> NDArray[np.bool_]:
-    """(2, n, N) whether a cell is at its stop 0, at its stop 1."""
-    full = np.array(path.chain.full_travels)
-    return np.stack([path.travel <= 1e-7 * full, path.travel >= (1 - 1e-7) * full])
+def span(path: Path, cell: int) -> tuple[float, float]:
+    """Least and largest travel of a cell [m]: of its curve, or beyond where it went there."""
+    one, travel = path.chain.cells[cell], path.travel[:, cell]
+    slip = _SLIP * one.full_travel
+    low, high = float(np.min(travel)), float(np.max(travel))
+    return (
+        low if low < one.low - slip else one.low,
+        high if high > one.high + slip else one.high,
+    )
+
+
+def phases(
+    cell: Cell | Element, travel: ArrayLike, sheet: ArrayLike, near: float = _SLIP
+) -> NDArray[np.intp]:
+    """The phase that a cell is in at travels [m] on sheets, both of one shape; -1 in transit.
+
+    `near` is how far from it, as a share of the full travel, still counts.
+    """
+    travel, sheet, slip = np.asarray(travel), np.asarray(sheet), near * cell.full_travel
+    found = np.full(travel.shape, -1)
+    for digit, phase in enumerate(cell.phases):
+        here = (travel >= phase.low - slip) & (travel <= phase.high + slip)
+        found[here & (sheet == phase.sheet)] = digit
+    return found
+
+
+def _at_stops(path: Path) -> NDArray[np.bool_]:
+    """(n, N) whether a cell is at one of its stops."""
+    found = np.zeros(path.travel.shape, bool)
+    for i, cell in enumerate(path.chain.cells):
+        travel, slip = path.travel[:, i], _SLIP * cell.full_travel
+        below, above = cell.stopped
+        found[:, i] |= below & (travel <= cell.low + slip)
+        found[:, i] |= above & (travel >= cell.high - slip)
+    return found
 
 
 def require_two_cells(chain: Chain, what: str) -> None:

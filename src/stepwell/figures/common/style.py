@@ -41,6 +41,8 @@ INK = "#222222"
 FAINT = "#8A8A8A"
 BLOCK = "#DCDCDC"
 FIXED_BLOCK = "#A8A8A8"
+# Where an element is in one of its phases.
+PHASE = "#E9E9E9"
 
 # The innermost and the outermost cell keep their colour in a chain of any length.
 _INNER, _OUTER = GREEN, PURPLE
@@ -133,14 +135,21 @@ def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
-    """Narrow the axes where their left labels would come closer than `least` mm to the edge."""
-    box = ax.yaxis.get_tightbbox()
+    """Narrow the axes where their left labels would come closer than `least` mm to the edge.
+
+    At the right, where their last number would leave the page.
+    """
     figure = root(ax)
-    missing = least / 25.4 * figure.dpi - (box.x0 if box is not None else np.inf)
-    if missing > 0:
-        place = ax.get_position()
-        share = missing / figure.bbox.width
-        ax.set_position((place.x0 + share, place.y0, place.width - share, place.height))
+    # Twice, because narrower axes may have other numbers.
+    for _ in range(2):
+        place, box, below = ax.get_position(), ax.yaxis.get_tightbbox(), ax.xaxis.get_tightbbox()
+        missing = least / 25.4 * figure.dpi - (box.x0 if box is not None else np.inf)
+        over = (below.x1 if below is not None else 0.0) - figure.bbox.width
+        if missing > 0 or over > 0:
+            # A pixel more at the right, lest rounding puts it outside.
+            left = max(missing, 0.0) / figure.bbox.width
+            right = (over + 1.0) / figure.bbox.width if over > 0 else 0.0
+            ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
 
 
 def canvas(

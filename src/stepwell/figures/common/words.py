@@ -31,12 +31,12 @@ def sequence_words(text: str, most: int) -> str:
         text: such as "00>10>11>01>00"; any other text stays as it is.
         most: characters that there is room for.
     """
-    if len(text) <= most or not re.fullmatch(r"[01]+(>[01]+)+", text):
+    if len(text) <= most or not re.fullmatch(r"\d+(>\d+)+", text):
         return text
     moves: list[tuple[str, str]] = []
     for a, b in pairwise(text.split(">")):
         cells = [k for k, (x, y) in enumerate(zip(a, b, strict=True), 1) if x != y]
-        way = "loads" if b.count("1") > a.count("1") else "unloads"
+        way = "loads" if sum(map(int, b)) > sum(map(int, a)) else "unloads"
         moves.append((way, "+".join(map(str, cells))))
     words = ""
     for (before, _), (way, cells) in pairwise([("", ""), *moves]):

@@ -24,12 +24,14 @@ _EDGE = 3.0
 # How much of the distance of two columns a box may take.
 _SHARE = 0.6
 _SAMPLES = 41
+# How far a way goes that comes round [mm].
+_ROUND = 7.0
 # How far a way past a whole column may be bent aside [mm].
 _BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
 
 
 class Layout:
-    """Nodes in columns by the number of cells at 1, in mm from the lower left corner.
+    """Nodes in columns by the sum of their digits, in mm from the lower left corner.
 
     Attributes:
         width, height: of the sheet.
@@ -38,30 +40,30 @@ class Layout:
 
     def __init__(self, reduced: FoldedGraph, cells: int):
         self.width = COLUMN if cells <= NAMED else PAGE
-        self._cells = cells
-        self._lines = self._count_lines()
-        shown = reduced.shown
-        column = {label: ones(label) for label in shown}
+        self._cells, last = cells, reduced.last
+        self._lines = self._count_lines(last)
+        shown, self._column = reduced.shown, reduced.levels
+        column = self._column
         # All but those between two columns need a place of their own.
         whole = [label for label in shown if column[label] % 1 == 0]
         # A smooth way is better short than a snap.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
         y = heights(column, whole, joined)
-        most = max(list(column.values()).count(k) for k in range(cells + 1))
+        most = max(list(column.values()).count(k) for k in range(last + 1))
         tallest = max(2 * self.half(label)[1] for label in shown)
         pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
         self.height = most * pitch + 2 * _EDGE
         side = max(self.half(label)[0] for label in shown) + _EDGE
-        step = (self.width - 2 * side) / cells
+        step = (self.width - 2 * side) / max(last, 1)
         self.at = {
             label: (side + step * column[label], _EDGE + most * pitch * y[label]) for label in shown
         }
-        for k in range(cells):
+        for k in range(last):
             self._spread([label for label in shown if column[label] == k + 0.5])
 
-    def _count_lines(self) -> int:
+    def _count_lines(self, last: int) -> int:
         """In how many lines a name is written, so that boxes leave room between columns."""
-        room = _SHARE * (self.width - 20.0) / self._cells
+        room = _SHARE * (self.width - 20.0) / max(last, 1)
         return math.ceil(self._cells / max(3, int((room - 1.8) / _CHARACTER)))
 
     def _spread(self, labels: list[str]) -> None:
@@ -89,12 +91,16 @@ class Layout:
         (x0, y0), (x1, y1) = self.at[way.source], self.at[way.target]
         shift = way.direction * _APART / 2
         a = np.array([x0 + way.direction * self.half(way.source)[0], y0 + shift])
-        b = np.array([x1 - way.direction * self.half(way.target)[0], y1 + shift])
-        reach = np.array([max(0.45 * abs(b[0] - a[0]), 2.0) * way.direction, 0.0])
+        ahead = way.direction * (self._column[way.target] - self._column[way.source])
+        # To a node of the same column, or of one behind, a way comes round to its far side.
+        side = 1 if ahead > 0 else -1
+        b = np.array([x1 - side * way.direction * self.half(way.target)[0], y1 + shift])
+        far = max(0.45 * abs(b[0] - a[0]), 2.0 if ahead > 0 else _ROUND)
+        reach = np.array([far * way.direction, 0.0])
         others = [label for label in self.at if label not in (way.source, way.target)]
         curves = [
-            _bezier(a, a + reach + [0.0, bow], b - reach + [0.0, bow], b)
-            for bow in (_BOWS if abs(ones(way.source) - ones(way.target)) > 1 else _BOWS[:1])
+            _bezier(a, a + reach + [0.0, bow], b - side * reach + [0.0, bow], b)
+            for bow in (_BOWS if ahead > 1 else _BOWS[:1])
         ]
         # The flattest of those that run through the fewest other nodes.
         return min(curves, key=lambda curve: sum(self._meets(curve, v) for v in others))
@@ -102,12 +108,6 @@ class Layout:
     def _meets(self, curve: Floats, label: str) -> bool:
         """Whether a curve runs through a node."""
         return bool(np.any(np.all(np.abs(curve - self.at[label]) < self.half(label), axis=1)))
-
-
-def ones(label: str) -> float:
-    """How many cells are at 1; one in transit counts half."""
-    state = label.partition("#")[0]
-    return state.count("1") + 0.5 * state.count("-")
 
 
 def apart(values: Sequence[float], gap: float) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from stepwell.base import InputError
 from stepwell.sequences.graphs import TransitionKind
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from stepwell.sequences.graphs import TransitionGraph
     from stepwell.sequences.programs import Program
@@ -37,10 +38,20 @@ class FoldedTransition:
 
 @dataclass(frozen=True, slots=True)
 class FoldedGraph:
-    """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
+    """Vertices, the half-way nodes from which there is a choice, and the ways between them.
+
+    Attributes:
+        shown: labels of these nodes.
+        ways: how they follow each other.
+        levels: of each shown node how many switches it is from all cells at 0, at least; a cell
+            half-way counts half.
+        last: the level of all cells in their last phases.
+    """
 
     shown: tuple[str, ...]
     ways: tuple[FoldedTransition, ...]
+    levels: Mapping[str, float]
+    last: int
 
 
 def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
@@ -62,7 +73,25 @@ def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
     shown = [label for label in graph if "-" not in label or label in landings | keep]
     ways = _ways(graph, shown)
     shown = [v for v in shown if "-" not in v or v in keep or _offers_a_choice(v, ways)]
-    return FoldedGraph(tuple(shown), tuple(_ways(graph, shown)))
+    levels = {label: _level(graph, label) for label in shown}
+    last = graph.cells if graph.chain is None else sum(map(int, graph.chain.last_state))
+    last = max([last, *(math.ceil(level) for level in levels.values())])
+    return FoldedGraph(tuple(shown), tuple(_ways(graph, shown)), levels, last)
+
+
+def _level(graph: TransitionGraph, label: str) -> float:
+    """The digits of a state added up, a cell half-way between two phases counting as such."""
+    node, state = graph.node(label), label.partition("#")[0]
+    total = 0.0
+    for i, digit in enumerate(state):
+        if digit != "-":
+            total += int(digit)
+        elif graph.chain is None:
+            total += 0.5
+        else:
+            travel = (node.travel_low[i] + node.travel_high[i]) / 2
+            total += sum(phase.high < travel for phase in graph.chain.phases[i]) - 0.5
+    return total
 
 
 def _offers_a_choice(label: str, ways: Sequence[FoldedTransition]) -> bool:

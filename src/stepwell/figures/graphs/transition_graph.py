@@ -1,4 +1,4 @@
-"""The transition graph: states by the number of cells at 1, and what the actuator does between."""
+"""The transition graph: states by the sum of their digits, and what the actuator does between."""
 
 from __future__ import annotations
 
@@ -50,11 +50,12 @@ _ASIDE = (0, (2.5, 1.5))
 def transition_graph(graph: TransitionGraph, *, program: Program | None = None) -> Figure:
     """States and the ways between them, from all cells at 0 on the left to all at 1 on the right.
 
-    A state with all cells at a stop is a box with its name. A half-way state is a dot, and shown
-    only where turning back leads elsewhere; all others are folded into the ways over them.
+    A state with all cells at a stop, or in a phase, is a box with its name, in columns by the sum
+    of its digits. A half-way state is a dot, and shown only where turning back leads elsewhere;
+    all others are folded into the ways over them.
 
     Args:
-        graph: for any actuator, with at most 64 states that have all cells at a stop.
+        graph: for any actuator, with at most 64 states without a cell half-way.
         program: a way to be highlighted, its turning points numbered.
 
     Returns:

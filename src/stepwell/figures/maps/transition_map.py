@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.base import Bools, Floats
+from stepwell.base import Bools, Floats, Quantity, told_in
 from stepwell.figures.common import (
     BLACK,
     BLUE,
@@ -56,8 +56,6 @@ _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
 _NUMBERED = 25.0
 _SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
-# What is shown of an SI unit, and how many of it make one.
-_SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / np.pi)}
 _PARTS = {
     "p.x": "$p_x$",
     "p.y": "$p_y$",
@@ -68,6 +66,8 @@ _PARTS = {
     "lever": "Lever",
     "limit": "Angle limit",
     "friction": "Friction",
+    "force_scale": "Scale of force",
+    "travel_scale": "Scale of travel",
 }
 # By the kind of boundary: colour and line, as loading and unloading have them everywhere.
 _LINES: dict[str, tuple[str, LineStyleType]] = {
@@ -170,10 +170,12 @@ class _Curves(NamedTuple):
 def _axis(dataset: Dataset, name: str) -> _Axis:
     coordinate = dataset[name]
     values = coordinate.to_numpy().astype(float)
-    unit, scale = _SHOWN.get(str(coordinate.attrs["units"]), (coordinate.attrs["units"], 1.0))
+    unit, scale = told_in(str(coordinate.attrs["units"]))
+    # A bare number has no unit to be told.
+    unit = f" [{Quantity('', unit).sign}]" if unit not in ("", "1") else ""
     cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
     words = f"{_PARTS.get(part, part)} of {cell}" if part else cell.replace("_", " ").capitalize()
-    return _Axis(values * scale, scale, f"{words} [{unit}]", _is_geometric(values))
+    return _Axis(values * scale, scale, f"{words}{unit}", _is_geometric(values))
 
 
 def _is_geometric(values: Floats) -> bool:

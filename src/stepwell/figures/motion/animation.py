@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -20,18 +22,22 @@ from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
     INK,
+    LOADING,
     MM,
+    UNLOADING,
     YELLOW,
     blank,
     cell_colours,
     literal,
     minus,
     path_of,
+    phases,
     place,
     plain,
     snaps_of,
     styled,
     text_at,
+    told,
 )
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
@@ -51,7 +57,7 @@ _DPI = 110.0
 _COLOURS = 96
 # Height of the plan of strokes [mm].
 _PLAN = 38.0
-# A cell this near a stop is seen there.
+# A cell this near a stop or a phase is seen there, as a share of its full travel.
 _AT = 1e-3
 
 
@@ -106,7 +112,7 @@ def animation(
 
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
     look += [frame for frame in frames if frame.snap][:1]
-    shared = _palette([scene.shoot(frame) for frame in look])
+    shared = _palette([scene.swatches(), *(scene.shoot(frame) for frame in look)])
 
     def pictures() -> Iterator[Picture]:
         for k, frame in enumerate(frames):
@@ -132,6 +138,7 @@ def animation(
 
 class _Frame(NamedTuple):
     travels: Floats
+    sheets: tuple[int, ...]
     force: float
     snap: bool
     drive: float
@@ -166,7 +173,8 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
             column[i] + part * (column[j] - column[i])
             for column in (path.travel, path.force, plan.drive, plan.way)
         )
-        frames.append(_Frame(travels, float(force), snap, float(u), float(w)))
+        sheets = tuple(path.sheet[j if part > 0.5 else i].tolist())
+        frames.append(_Frame(travels, sheets, float(force), snap, float(u), float(w)))
     return frames
 
 
@@ -177,11 +185,20 @@ class _Scene:
         from stepwell.sequences import Cycle, Program
 
         self.chain = path.chain
+        # Of lever chains the sizes are known; else three digits of the largest value.
+        known = not self.chain.elements
+        of = told.stroke(self.chain.measure), told.force(self.chain.measure)
+        self.said = [
+            (one, usual if known else _decimals(column * one.factor))
+            for one, usual, column in zip(of, (1, 2), (path.stroke, path.force), strict=True)
+        ]
+        self.travel = told.travel(self.chain.measure)
         # A cycle goes up and down once; all else has a plan worth showing.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
         windows = windows_of(result) if isinstance(result, Program) else []
-        self.linkage = LinkageDrawing(self.chain)
         samples = path.travel[:: max(1, len(path.travel) // 120)]
+        ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
+        self.linkage = LinkageDrawing(self.chain, ends)
         left, bottom, right, top = self.linkage.bounds(samples, 0.002)
         left = min(left, -2.2 * self.linkage.reach)
         wide, high = (right - left) * MM, (top - bottom) * MM
@@ -256,24 +273,36 @@ class _Scene:
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, travels: Floats) -> str:
-        share = travels / self.chain.full_travels
-        return "".join("0" if s < _AT else "1" if s > 1.0 - _AT else "-" for s in share)
+    def _state(self, frame: _Frame) -> str:
+        places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
+        found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
+        return "".join("-" if digit < 0 else str(digit) for digit in found)
+
+    def swatches(self) -> Picture:
+        """The colours of thin lines, which keep them so in the palette."""
+        from PIL import Image
+
+        width, height = (int(side) for side in self.figure.bbox.size)
+        colours = [*cell_colours(len(self.chain)), LOADING, UNLOADING]
+        sheet = Image.new("RGB", (len(colours), 1))
+        sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
+        return sheet.resize((width, height), Image.Resampling.NEAREST)
 
     def shoot(self, frame: _Frame) -> Picture:
         """The picture at one instant."""
         from PIL import Image
 
-        self.drawing.move(frame.travels)
-        stroke = float(np.sum(frame.travels))
-        self.stroke.set_text(f"$u$ = {stroke * MM:.1f} mm")
-        self.force.set_text(minus(f"$F$ = {frame.force:+.2f} N"))
-        x, y = frame.travels * MM if self.two else (stroke * MM, frame.force)
+        self.drawing.move(frame.travels, frame.sheets)
+        (stroke, some), (force, more) = self.said
+        u, f = float(np.sum(frame.travels)) * stroke.factor, frame.force * force.factor
+        self.stroke.set_text(minus(f"{stroke.symbol} = {u:.{some}f} {stroke.sign}"))
+        self.force.set_text(minus(f"{force.symbol} = {f:+.{more}f} {force.sign}"))
+        x, y = frame.travels * self.travel.factor if self.two else (u, f)
         for dot in (self.dot, self.halo):
             dot.set_data([x], [y])
         if self.plan is not None:
             self.plan.set_data([frame.way], [frame.drive])
-            self.state.set_text(f"state {self._state(frame.travels)}")
+            self.state.set_text(f"state {self._state(frame)}")
         self.halo.set_visible(frame.snap)
         self.word.set_visible(frame.snap)
         self.canvas.restore_region(self.still)
@@ -281,6 +310,12 @@ class _Scene:
             if artist.get_visible():
                 self.figure.draw_artist(artist)
         return Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
+
+
+def _decimals(values: Floats) -> int:
+    """So many that three digits of the largest are told."""
+    largest = float(np.max(np.abs(values))) or 1.0
+    return max(0, 2 - math.floor(math.log10(largest)))
 
 
 def _palette(pictures: list[Picture]) -> Picture:

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
-    MM,
     PAGE,
     Label,
     beside,
@@ -21,6 +20,7 @@ from stepwell.figures.common import (
     path_of,
     snaps_of,
     styled,
+    told,
     vertices,
 )
 
@@ -42,15 +42,16 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
             more than four cells.
 
     Returns:
-        The figure: force [N] against stroke [mm], with the states between the branches named
-        where there is room for their names.
+        The figure: force [N] against stroke [mm], or what they are in the chain's measure, with
+        the states between the branches named where there is room for their names.
     """
     path = path_of(result)
     own = ax is None
     width = COLUMN if len(path.chain) <= 4 else PAGE
     figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0))
-    stroke, force = path.stroke * MM, path.force
-    ax.set(xlabel="Stroke $u$ [mm]", ylabel="Actuator force [N]")
+    x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
+    stroke, force = path.stroke * x.factor, path.force * y.factor
+    ax.set(xlabel=x.label, ylabel=y.label)
     marks.zero_line(ax)
     crowded = len(legs(path)) > marks.MOST_HEADS
     loading, unloading = _WIDTHS

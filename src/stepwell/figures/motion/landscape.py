@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,13 +13,15 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from stepwell.base import Floats
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
     FAINT,
     MJ,
-    MM,
     canvas,
+    cell_colours,
+    keep_inside,
     literal,
     marks,
     path_of,
@@ -25,9 +29,11 @@ from stepwell.figures.common import (
     require_two_cells,
     root,
     snaps_of,
+    span,
     styled,
+    told,
 )
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
@@ -37,6 +43,9 @@ if TYPE_CHECKING:
 _WIDTHS = (3.0, 1.3)
 _SAMPLES = 121
 _LEVELS = 16
+# Longer than this, a side is drawn shorter than it is.
+_SLIMMEST = 3.0
+_FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
 # Grey, because every hue has a meaning of its own; light, because the path lies on it.
 _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F7F4"])
 
@@ -50,8 +59,11 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         ax: axes to draw into, without a colour bar; a new figure of one column by default.
 
     Returns:
-        The figure: energy [mJ] over the travels of the inner and the outer cell [mm]; thin
-        diagonals join points of equal stroke, along which snaps run.
+        The figure: energy [mJ] over the travels of the inner and the outer cell [mm], or what
+        they are in the chain's measure; thin diagonals join points of equal stroke, along which
+        snaps run. States are dots; with elements frames, with the phases of the inner cell
+        numbered above and those of the outer one beside. Where the curve of an element folds back,
+        its energy is the least that it can have at that travel.
 
     Raises:
         ValueError: a chain that has not exactly two cells.
@@ -62,38 +74,72 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 72.0), (11.0, 11.0, 20.0, 7.0))
-    filled = draw_energy(ax, path.chain)
+    filled = draw_energy(ax, path)
+    if own:
+        ax.apply_aspect()
+        keep_inside(ax, 0.0)
     draw_path(ax, path)
     if own:
         colour_bar(filled, place(figure, COLUMN - 17.0, 15.0, 2.5, 46.0))
     return figure
 
 
-def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
-    """The landscape itself with its stops, states and lines of equal stroke."""
-    inner, outer = chain.cells
-    s_in = np.linspace(0.0, inner.full_travel, _SAMPLES)
-    s_out = np.linspace(0.0, outer.full_travel, _SAMPLES)
-    energy = inner.energy(inner.angle(s_in)) + outer.energy(outer.angle(s_out))[:, None]
-    x, y, energy = s_in * MM, s_out * MM, energy * MJ
+def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
+    """The landscape itself with its stops or phases, states and lines of equal stroke."""
+    chain, of = path.chain, told.travel(path.chain.measure)
+    spans = [span(path, i) for i in range(2)]
+    along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
+    inner, outer = (_energy(*pair) for pair in zip(chain.cells, along, strict=True))
+    x, y = (travel * of.factor for travel in along)
+    energy = (inner + outer[:, None]) * MJ
     filled = ax.contourf(x, y, energy, _LEVELS, cmap=_ENERGY)
     ax.contour(x, y, energy, filled.levels, colors="#7C838B", linewidths=0.3)
 
-    width, height = x[-1], y[-1]
+    (left, right), (low, high) = (x[0], x[-1]), (y[0], y[-1])
+    width, height = right - left, high - low
     dots = {"color": FAINT, "linewidth": 0.4, "linestyle": (0, (1, 2)), "gid": "equal stroke"}
-    for u in np.linspace(0.0, width + height, 9)[1:-1]:
-        ends = np.array([max(0.0, u - height), min(width, u)])
+    for u in np.linspace(left + low, right + high, 9)[1:-1]:
+        ends = np.array([max(left, u - high), min(right, u - low)])
         ax.plot(ends, u - ends, **dots)
-    ax.plot([0, width, width, 0, 0], [0, 0, height, height, 0], color=FAINT, linewidth=0.6)
+    frame = [left, right, right, left, left], [low, low, high, high, low]
+    ax.plot(*frame, color=FAINT, linewidth=0.6)
 
     pad = 0.085 * max(width, height)
-    ax.set(xlim=(-pad, width + pad), ylim=(-pad, height + pad), aspect="equal")
+    pads = pad, pad
+    if max(width, height) < _SLIMMEST * min(width, height):
+        ax.set_aspect("equal")
+    else:
+        pads = 0.085 * width, 0.085 * height
+    ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
     ax.spines[["top", "right"]].set_visible(False)
-    ax.spines.bottom.set_bounds(0, width)
-    ax.spines.left.set_bounds(0, height)
+    ax.spines.bottom.set_bounds(left, right)
+    ax.spines.left.set_bounds(low, high)
     ax.tick_params(length=2.0)
-    xlabel, ylabel = (f"Travel of {literal(name)} [mm]" for name in chain.names)
+    xlabel, ylabel = (f"{of.word} of {literal(name)} [{of.sign}]" for name in chain.names)
     ax.set(xlabel=xlabel, ylabel=ylabel)
+    if chain.elements:
+        _frame_states(ax, chain, ((left, right), (low, high)))
+    else:
+        _name_states(ax, width, height)
+    return filled
+
+
+def _energy(cell: Cell | Element, travel: Floats) -> Floats:
+    """The least energy that a cell can have at travels [J]; more than one sheet may have them."""
+    sheets = cell.laws if isinstance(cell, Element) else ()
+    if len(sheets) < 2:
+        return cell.energy_at(travel)
+    found = np.full(travel.shape, np.inf)
+    for number, sheet in enumerate(sheets):
+        low = sheet.begin if sheet.begin > cell.low else -np.inf
+        high = sheet.end if sheet.end < cell.high else np.inf
+        here = (travel >= low) & (travel <= high)
+        found[here] = np.minimum(found[here], cell.energy_at(travel[here], number))
+    return found
+
+
+def _name_states(ax: Axes, width: float, height: float) -> None:
+    """A dot and a name for each state of two lever cells."""
     for name in ("00", "10", "11", "01"):
         one, other = int(name[0]), int(name[1])
         at = (one * width, other * height)
@@ -101,7 +147,31 @@ def draw_energy(ax: Axes, chain: Chain) -> QuadContourSet:
         off = (13.0 * one - 6.5, 13.0 * other - 6.5)
         text = ax.annotate(name, at, off, textcoords="offset points", ha="center", va="center")
         text.set_fontweight("bold")
-    return filled
+
+
+def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
+    """A frame round each state, with the digits of the inner cell above, of the outer beside."""
+    factor = told.travel(chain.measure).factor
+    both = [
+        [np.clip([phase.low * factor, phase.high * factor], *within) for phase in phases]
+        for phases, within in zip(chain.phases, ends, strict=True)
+    ]
+    for (left, right), (low, high) in product(*both):
+        corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        ax.plot(*zip(*corners, strict=True), **_FRAME, gid="states")
+    (_, right), (_, top) = ends
+    look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 8}
+    for cell, (stretches, colour) in enumerate(zip(both, cell_colours(2), strict=True)):
+        for digit, stretch in enumerate(stretches):
+            middle = float(np.mean(stretch))
+            at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
+            text = ax.annotate(str(digit), at, off, **look, color=colour, gid="digit")
+            text.set_fontweight("bold")
+    # How many ticks fit is known once the axes have their shape.
+    ax.apply_aspect()
+    for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
+        slip = 1e-9 * (high - low)
+        axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
 
 
 def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
@@ -113,7 +183,7 @@ def colour_bar(filled: QuadContourSet, ax: Axes) -> None:
 
 def draw_path(ax: Axes, path: Path) -> None:
     """Loading, unloading and snaps of the path, with their legend."""
-    x, y = path.travel.T * MM
+    x, y = path.travel.T * told.travel(path.chain.measure).factor
     marks.trace(ax, path, x, y, _WIDTHS)
     marks.snaps(ax, snaps_of(path), x, y)
     marks.headings(ax, path, x, y, sizes=(13.0, 10.0))

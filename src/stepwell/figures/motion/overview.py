@@ -44,7 +44,9 @@ def overview(cycle: Cycle) -> Figure:
     below = body + 13.0
     if len(chain) == 2:
         ax = place(figure, 11.0, 11.0, 58.0, body)
-        filled = draw_energy(ax, chain)
+        filled = draw_energy(ax, cycle.path)
+        ax.apply_aspect()
+        keep_inside(ax, 0.0)
         draw_path(ax, cycle.path)
         colour_bar(filled, place(figure, 72.5, 15.0, 2.5, body - 8.0))
     else:

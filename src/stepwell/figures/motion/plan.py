@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,12 +11,12 @@ from matplotlib.lines import Line2D
 from stepwell.base import Floats
 from stepwell.figures.common import (
     INK,
-    MM,
     curve,
     direction_colour,
     hollow,
     marks,
     snaps_of,
+    told,
 )
 
 if TYPE_CHECKING:
@@ -38,32 +37,30 @@ class Window(NamedTuple):
 
 
 class StrokePlan(NamedTuple):
-    """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
+    """A path's drive over the way that the actuator has covered, both (n,) in drawn units.
+
+    Attributes:
+        name: what the drive is, with its unit.
+    """
 
     path: Path
     way: Floats
     drive: Floats
     unit: str
-
-    @property
-    def name(self) -> str:
-        """What the drive is, with its unit."""
-        stiffness = self.path.chain.actuator_stiffness
-        what = "Actuator force" if stiffness == 0 else "Actuator"
-        return f"{'Stroke $u$' if math.isinf(stiffness) else what} [{self.unit}]"
+    name: str
 
 
 def plan_of(path: Path) -> StrokePlan:
     """The plan of a path: mm, or N under force control."""
-    by_force = path.chain.actuator_stiffness == 0
-    drive = path.drive * (1.0 if by_force else MM)
+    of = told.drive(path.chain)
+    drive = path.drive * of.factor
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(drive)))])
-    return StrokePlan(path, way, drive, "N" if by_force else "mm")
+    return StrokePlan(path, way, drive, of.sign, of.label)
 
 
 def windows_of(program: Program) -> list[Window]:
     """One for every turn, and one for the end where that may vary."""
-    scale = 1.0 if program.chain.actuator_stiffness == 0 else MM
+    scale = told.drive(program.chain).factor
     points = np.array(program.turning_points) * scale
     ways = np.cumsum(np.abs(np.diff(points)))
     bounds = [(turn.low, turn.high) for turn in program.turns]

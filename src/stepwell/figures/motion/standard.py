@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from stepwell.figures.cells import MOST_CELLS, MOST_STATES, mechanism
+from stepwell.figures.cells import MOST_CELLS, MOST_STATES, element_curves, mechanism
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.travel_stroke import MOST_LANES, travel_stroke
+from stepwell.mechanism import Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
@@ -23,7 +24,7 @@ def standard(cycle: Cycle) -> dict[str, Figure]:
 
     Returns:
         By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
-        travel_stroke (up to 60 cells).
+        travel_stroke (up to 60 cells); element_curves of up to 12 elements.
     """
     chain = cycle.chain
     found: dict[str, Figure] = {}
@@ -34,4 +35,8 @@ def standard(cycle: Cycle) -> dict[str, Figure]:
     found["force_stroke"] = force_stroke(cycle)
     if len(chain) <= MOST_LANES:
         found["travel_stroke"] = travel_stroke(cycle)
+    cells = zip(chain.names, chain.cells, strict=True)
+    elements = {name: cell for name, cell in cells if isinstance(cell, Element)}
+    if 0 < len(elements) <= MOST_CELLS:
+        found["element_curves"] = element_curves(elements)
     return found

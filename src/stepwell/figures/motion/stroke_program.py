@@ -16,7 +16,6 @@ from stepwell.base import Floats
 from stepwell.figures.common import (
     BLACK,
     COLUMN,
-    MM,
     PAGE,
     Label,
     beside,
@@ -33,7 +32,9 @@ from stepwell.figures.common import (
     root,
     shortened,
     snaps_of,
+    span,
     styled,
+    told,
     vertices,
 )
 from stepwell.figures.motion.plan import StrokePlan, Window, draw_plan, limits, plan_of, windows_of
@@ -66,8 +67,9 @@ def stroke_program(result: Program) -> Figure:
 
     Returns:
         The figure: the drive [mm], or [N] under force control, against the way that the actuator
-        has covered, which at constant speed is time. Every turn is numbered, with its window as
-        a bar; states with all cells at a stop are named along the curve, snaps are marked.
+        has covered, which at constant speed is time; of another measure, in its units. Every turn
+        is numbered, with its window as a bar; states with all cells at a stop or in a phase are
+        named along the curve, snaps are marked.
     """
     path = result.path
     plan = plan_of(path)
@@ -157,29 +159,35 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
 
 def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None:
     """Travel of every cell, innermost on top."""
-    longest = max(path.chain.full_travels) * MM
+    shown = lanes(path, _GAP)
     jumps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
     look: dict[str, Any] = {"linestyle": marks.SNAP_DASHES, "linewidth": 0.9, "gid": "jumps"}
-    base = 0.0
-    for i, (base, top, travel, colour) in enumerate(lanes(ax, path, _GAP)):
+    for i, lane in enumerate(shown):
+        lane.draw(ax)
+        base, top, travel, colour = lane[:4]
         ax.fill_between(way, base, travel, color=pale(colour), linewidth=0, zorder=1)
         for direction in (1, -1):
             ax.plot(*curve(path, direction, way, travel), color=colour, zorder=3, gid="travel")
         for at in (list(snap[:2]) for snap in jumps if i in snap.cells):
             ax.plot(way[at], travel[at], color=colour, zorder=3, **look)
-        ticks += [(base, "0"), (top, f"{top - base:.3g}")]
+        ticks += lane.ticks
         name_lane(ax, (1.0, (base + top) / 2), names[i], colour, (4.0, 0.0), va="center")
     ax.set_yticks(*zip(*ticks, strict=True))
-    ax.set(ylabel="Travel $s$ [mm]", ylim=(base - 0.15 * longest, 1.15 * longest))
+    longest = max(lane.top - lane.base for lane in shown)
+    low = shown[-1].base - 0.15 * longest
+    ax.set(ylabel=told.travel(path.chain.measure).label, ylim=(low, 1.15 * longest))
+    for lane in shown:
+        lane.number(ax)
 
 
 def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:
     """Travel of every cell of a long chain as a shade, innermost on top."""
-    full = np.array(path.chain.full_travels)
+    low, high = np.array([span(path, i) for i in range(len(path.chain))]).T
     look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}
-    x, y = np.concatenate([way, way[-1:]]), np.arange(len(full) + 1) + 0.5
-    ax.pcolormesh(x, y, (path.travel / full).T, **look)
+    x, y = np.concatenate([way, way[-1:]]), np.arange(len(low) + 1) + 0.5
+    ax.pcolormesh(x, y, ((path.travel - low) / (high - low)).T, **look)
     ax.invert_yaxis()
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_ylabel("Cell (white at 0, black at 1)")
+    ends = ("least", "most travel") if path.chain.elements else ("0", "1")
+    ax.set_ylabel(f"Cell (white at {ends[0]}, black at {ends[1]})")

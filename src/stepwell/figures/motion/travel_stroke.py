@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,16 +13,20 @@ from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
-    MM,
+    PHASE,
     canvas,
     cell_colours,
     keep_inside,
     literal,
     marks,
     path_of,
+    root,
     snaps_of,
+    span,
     styled,
+    told,
 )
+from stepwell.mechanism import Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
@@ -34,6 +38,8 @@ _WIDTHS = (2.0, 1.3)
 _UNLOADING_DASHES = (0, (3.2, 1.6))
 # Between the lanes of two cells, as a fraction of the longest travel.
 _GAP = 0.42
+# Digits closer than this cover each other [pt].
+_DIGIT = 7.0
 
 
 @styled
@@ -48,8 +54,9 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         ax: axes to draw into; a new figure of one column's width by default.
 
     Returns:
-        The figure: travel [mm] against stroke [mm]; loading solid, unloading dashed, snaps as
-        dashed jumps.
+        The figure: travel [mm] against stroke [mm], or what they are in the chain's measure;
+        loading solid, unloading dashed, snaps as dashed jumps. The phases of an element are
+        shaded and numbered.
 
     Raises:
         ValueError: more cells than lanes can be told apart.
@@ -64,55 +71,107 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     lane = min(20.0, 200.0 / len(cells))
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0))
-    longest = max(cell.full_travel for cell in cells) * MM
-    stroke = path.stroke * MM
+    x, y = told.stroke(path.chain.measure), told.travel(path.chain.measure)
+    stroke = path.stroke * x.factor
     snaps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
     # Past a dozen lanes their names would run into each other.
     named = len(cells) <= 12
     every = math.ceil(len(cells) / 20)
-    base = 0.0
-    for i, (base, top, travel, colour) in enumerate(lanes(ax, path, _GAP)):
-        name = path.chain.names[i]
+    shown = lanes(path, _GAP)
+    for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
+        lane.draw(ax)
         if named:
-            ticks += [(base, "0"), (top, f"{top - base:.3g}")]
-            name_lane(ax, (0.0, top), name, colour, (3.0, 1.5), va="bottom")
+            ticks += lane.ticks
+            name_lane(ax, (0.0, lane.top), name, lane.colour, (3.0, 1.5), va="bottom")
         elif i % every == 0:
-            ticks.append(((base + top) / 2, literal(name)))
-        marks.trace(ax, path, stroke, travel, _WIDTHS, _UNLOADING_DASHES)
-        marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, travel, size=3.2)
+            ticks.append(((lane.base + lane.top) / 2, literal(name)))
+        marks.trace(ax, path, stroke, lane.travel, _WIDTHS, _UNLOADING_DASHES)
+        marks.snaps(ax, [snap for snap in snaps if i in snap.cells], stroke, lane.travel, size=3.2)
     ax.set_yticks(*zip(*ticks, strict=True))
-    ax.set(
-        xlabel="Stroke $u$ [mm]",
-        ylabel="Travel $s$ [mm]" if named else "Travel $s$ of each cell, 0 to $S$",
-    )
+    ends = "its ends" if path.chain.elements else "0 to $S$"
+    each = f"{y.word} {y.symbol} of each cell, {ends}"
+    ax.set(xlabel=x.label, ylabel=y.label if named else each)
     ax.margins(x=0.06)
-    ax.set_ylim(base - 0.12 * longest, (1.0 + _GAP) * longest)
+    longest = max(lane.top - lane.base for lane in shown)
+    ax.set_ylim(shown[-1].base - 0.12 * longest, (1.0 + _GAP) * longest)
+    for lane in shown if named else ():
+        lane.number(ax)
     if own:
         keep_inside(ax)
     marks.legend(ax, path, _WIDTHS, _UNLOADING_DASHES)
     return figure
 
 
-def lanes(ax: Axes, path: Path, gap: float) -> Iterator[tuple[float, float, Floats, str]]:
-    """Lines for both stops of every cell, innermost on top.
+class Lane(NamedTuple):
+    """Where the travel of a cell is drawn.
+
+    Attributes:
+        base, top: heights of its least and of its largest travel.
+        travel: (n,) heights of its travels.
+        colour: of the cell.
+        ticks: heights and texts of both ends.
+        phases: heights between which each phase of an element lies; of a lever cell, none.
+    """
+
+    base: float
+    top: float
+    travel: Floats
+    colour: str
+    ticks: list[tuple[float, str]]
+    phases: list[tuple[float, float]]
+
+    def draw(self, ax: Axes) -> None:
+        """Lines at both ends, and the phases as shades."""
+        for end in (self.base, self.top):
+            ax.axhline(end, color=FAINT, linewidth=0.4, zorder=0)
+        for low, high in self.phases:
+            ax.axhspan(low, high, color=PHASE, linewidth=0, zorder=-1, gid="phases")
+
+    def number(self, ax: Axes) -> None:
+        """The digits of the phases at the right, on axes that have their final limits."""
+        middles = [(low + high) / 2 for low, high in self.phases]
+        heights = [float(ax.transData.transform((0.0, y))[1]) for y in middles]
+        near = _DIGIT * root(ax).dpi / 72.0
+        # All or none: some alone would be read wrongly.
+        if any(b - a < near for a, b in pairwise(sorted(heights))):
+            return
+        look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": FAINT}
+        look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+        for digit, y in enumerate(middles):
+            ax.annotate(str(digit), (1.0, y), (-1.0, 0.0), **look, zorder=8, gid="digit")
+
+
+def lanes(path: Path, gap: float) -> list[Lane]:
+    """A lane for every cell, innermost on top.
 
     Args:
-        ax: axes to draw into.
         path: of a chain of any length.
         gap: between two lanes, as a fraction of the longest travel.
-
-    Returns:
-        Of each cell the height of its stops 0 and 1, its travel (n,) on the first [mm], its colour.
     """
-    cells = path.chain.cells
-    longest = max(cell.full_travel for cell in cells) * MM
+    cells, of = path.chain.cells, told.travel(path.chain.measure)
+    spans = [span(path, i) for i in range(len(cells))]
+    longest = max(high - low for low, high in spans) * of.factor
+    found: list[Lane] = []
     for i, (cell, colour) in enumerate(zip(cells, cell_colours(len(cells)), strict=True)):
+        low, high = spans[i]
         base = -i * (1.0 + gap) * longest
-        top = base + cell.full_travel * MM
-        for stop in (base, top):
-            ax.axhline(stop, color=FAINT, linewidth=0.4, zorder=0)
-        yield base, top, base + path.travel[:, i] * MM, colour
+
+        def height(travel: Any, base: float = base, low: float = low) -> Any:
+            return base + (travel - low) * of.factor
+
+        top, phases = height(high), cell.phases if isinstance(cell, Element) else ()
+        found.append(
+            Lane(
+                base,
+                top,
+                height(path.travel[:, i]),
+                colour,
+                [(base, of.number(low)), (top, of.number(high))],
+                [(height(max(p.low, low)), height(min(p.high, high))) for p in phases],
+            )
+        )
+    return found
 
 
 def name_lane(

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import Floats
+from stepwell.base import Floats, InputError
+from stepwell.mechanism import Element
 from stepwell.robot import Antenna, Leg, Robot
 
 
@@ -49,6 +50,8 @@ def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegP
     bands: list[Floats] = []
     owner: list[int] = []
     for i, cell in enumerate(cells):
+        if isinstance(cell, Element):
+            raise InputError(f"leg {leg.name!r}: cell {i + 1} is an Element, which has no levers.")
         theta = float(cell.angle(s[i]))
         along = np.array([-math.sin(theta), leg.side * math.cos(theta)])
         outer = inner + cell.lever * along

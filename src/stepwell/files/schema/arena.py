@@ -7,8 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from stepwell.files.schema import chain as schema
-from stepwell.files.schema.chain import Keys, Line, Point, bounded
+from stepwell.files.schema.checks import Keys, Line, Point, Switch, at_most, bounded, tables_of
 from stepwell.files.schema.robot import Size
 
 Heading = Annotated[Decimal, bounded("-1e6", "1e6")]
@@ -42,13 +41,11 @@ class ArenaKeys(Keys):
     title: Line = ""
     start_mm: Point | None = None
     heading_deg: Heading | None = None
-    unusual: schema.Switch = False
+    unusual: Switch = False
     goal: GoalKeys | None = None
-    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), schema.at_most("obstacles")] = ()
-    cylinder: Annotated[
-        tuple[CylinderKeys, ...], Field(strict=False), schema.at_most("obstacles")
-    ] = ()
+    wall: Annotated[tuple[WallKeys, ...], Field(strict=False), at_most("obstacles")] = ()
+    cylinder: Annotated[tuple[CylinderKeys, ...], Field(strict=False), at_most("obstacles")] = ()
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES = schema.tables_of(ArenaKeys)
+TABLES = tables_of(ArenaKeys)

@@ -2,87 +2,37 @@
 
 from __future__ import annotations
 
-import unicodedata
-from collections.abc import Iterator, Mapping
 from decimal import Decimal
-from inspect import isclass
-from typing import Annotated, Any, NoReturn, get_args
+from typing import Annotated, Any
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    model_validator,
+from pydantic import Field, PlainValidator, model_validator
+
+from stepwell.base import Measure, short
+from stepwell.files.schema.checks import (
+    Keys,
+    Line,
+    Point,
+    Switch,
+    above_zero,
+    at_most,
+    bounded,
+    decimal_of,
+    few,
+    lengths,
+    refuse,
+    tables_of,
 )
-from pydantic_core import PydanticCustomError
-
-from stepwell.base import limits, short
+from stepwell.files.schema.elements import (
+    CsvName,
+    CurveKeys,
+    ElementKeys,
+    Friction,
+    PartKeys,
+    key_in,
+)
 from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
 
-# Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
-# twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
-LENGTH = (Decimal("-1e6"), Decimal("1e6"))
 ROW_STEP_MM = Decimal("1e-6")
-
-
-def refuse(problem: str, key: str = "") -> NoReturn:
-    """Raise what pydantic collects; `key` is a key inside the table that is being checked."""
-    raise PydanticCustomError("design", "{problem}", {"problem": problem, "key": key})
-
-
-def few(name: str, value: Any) -> Any:
-    """`value`, where it is no list of more than is allowed."""
-    if isinstance(value, list) and len(value) > limits.most(name):
-        refuse(limits.problem(name, len(value)))
-    return value
-
-
-def at_most(name: str) -> BeforeValidator:
-    """A list is looked at only where it is no longer than the limit of that name."""
-    return BeforeValidator(lambda value: few(name, value))
-
-
-def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
-    """`value` as a decimal between `least` and `most`; `allowed` says so in words."""
-    if isinstance(value, bool) or not isinstance(value, int | Decimal):
-        refuse(f"must be a number {allowed}.")
-    if isinstance(value, int) and abs(value) > 10**15:
-        refuse(f"must be a number {allowed}.")
-    decimal = Decimal(value)
-    if not decimal.is_finite():
-        refuse(f"must be a finite number {allowed}.")
-    if not least <= decimal <= most:
-        refuse(f"must be {allowed}.")
-    return decimal
-
-
-def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
-    """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
-    allowed = allowed or f"from {least} to {most}"
-    return PlainValidator(lambda value: decimal_of(value, Decimal(least), Decimal(most), allowed))
-
-
-def above_zero(least: str, most: str) -> PlainValidator:
-    """A check of one positive number between two bounds."""
-    return bounded(least, most, f"> 0 ({least} to {most})")
-
-
-def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
-    """`count` numbers of a list, or all, as the file has them; `problem` says what it must be."""
-    try:
-        found = tuple(decimal_of(v, *LENGTH, "") for v in value)
-    except (TypeError, ValueError):
-        refuse(problem)
-    if count not in (None, len(found)):
-        refuse(problem)
-    return found
-
-
-def point(value: Any) -> tuple[Decimal, ...]:
-    """Two lengths, as the file has them."""
-    return lengths(value, 2, "must be two numbers from -1e6 to 1e6, in mm, as in [10, 0].")
 
 
 def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal], ...]:
@@ -125,16 +75,14 @@ def _actuator(value: Any) -> Decimal:
     return stiffness if stiffness == 0 else decimal_of(value, softest, stiffness, allowed)
 
 
-def _line(value: Any) -> str:
-    if not isinstance(value, str):
-        refuse("must be text in quotes.")
-    if len(value) > 200 or any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value):
-        refuse("must be one line of at most 200 characters.")
-    return value
+def _other_actuator(value: Any) -> Decimal:
+    if value == "rigid":
+        return Decimal("Infinity")
+    return decimal_of(value, Decimal(0), Decimal("1e15"), 'from 0 to 1e15, or "rigid"')
 
 
 def _state(value: Any) -> str:
-    if not isinstance(value, str) or not value or set(value) - {"0", "1"}:
+    if not isinstance(value, str) or not value.isascii() or not value.isdecimal():
         refuse('must be 0 or 1 for each cell in quotes, inner first, as in "010".')
     return value
 
@@ -146,23 +94,14 @@ def _drives(value: Any) -> tuple[Decimal, ...]:
     return lengths(value, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
 
 
-def _switch(value: Any) -> bool:
-    if not isinstance(value, bool):
-        refuse("must be true or false, without quotes.")
-    return value
-
-
-Line = Annotated[str, PlainValidator(_line)]
-Switch = Annotated[bool, PlainValidator(_switch)]
-Point = Annotated[tuple[Decimal, ...], PlainValidator(point)]
 Lever = Annotated[Decimal, bounded("1e-3", "1e6", "from 0.001 to 1e6")]
 Limit = Annotated[Decimal, bounded(*map(short, LIMITS_DEG))]
 Stiffness = Annotated[Decimal, above_zero("1e-6", "1e9")]
 RestLength = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
 Coefficient = Annotated[Decimal, bounded("-1e6", "1e6")]
 Force = Annotated[Decimal, bounded("-1e6", "1e6")]
-Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
 Actuator = Annotated[Decimal, PlainValidator(_actuator)]
+OtherActuator = Annotated[Decimal, PlainValidator(_other_actuator)]
 TensionRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_tension_rows)]
 LawRows = Annotated[tuple[tuple[Decimal, Decimal], ...], PlainValidator(_law_rows)]
 LoadRows = Annotated[
@@ -171,21 +110,6 @@ LoadRows = Annotated[
 ]
 State = Annotated[str, PlainValidator(_state)]
 Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
-
-
-class Keys(BaseModel):
-    """A table of the file: strict, and no key that we do not know."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-    def given(self) -> dict[str, Any]:
-        """Only the keys that stand in the file."""
-        return {key: getattr(self, key) for key in self.model_fields_set}
-
-    @classmethod
-    def names(cls) -> list[str]:
-        """Every key that the table may hold, as the file spells it."""
-        return [field.alias or key for key, field in cls.model_fields.items()]
 
 
 class BandKeys(Keys):
@@ -198,6 +122,7 @@ class BandKeys(Keys):
     cubic_per_mm2: Coefficient | None = None
     table_mm_N: TensionRows | None = None
     shape_mm: LawRows | None = None
+    table_csv: CsvName | None = None
 
     @model_validator(mode="after")
     def _one_law(self) -> BandKeys:
@@ -213,7 +138,7 @@ class BandKeys(Keys):
 # The keys of each law, of which a band has one.
 LAWS = {
     "quadratic_per_mm or cubic_per_mm2": {"quadratic_per_mm", "cubic_per_mm2"},
-    "table_mm_N": {"table_mm_N"},
+    "table_mm_N": {"table_mm_N", "table_csv"},
     "shape_mm": {"shape_mm"},
 }
 TABLE_OWNS_STIFFNESS = (
@@ -229,8 +154,8 @@ class PlacedBandKeys(BandKeys):
     q_mm: Point
 
 
-class CellKeys(Keys):
-    """A unit cell; what it leaves out it takes from the chain."""
+class LeverKeys(Keys):
+    """A cell of levers and bands; what it leaves out it takes from the chain."""
 
     name: Line = ""
     p_mm: Point | None = None
@@ -243,12 +168,31 @@ class CellKeys(Keys):
     )
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
-    friction_N: Friction = Decimal(0)
+    friction_N: Friction | None = None
     unusual: Switch | None = None
 
+
+class OneCellKeys(ElementKeys, LeverKeys):
+    """A cell of levers and bands, or an element that holds no chain."""
+
+    beside: Annotated[tuple[PartKeys, ...], Field(strict=False), at_most("bands")] | None = None
+
+    @property
+    def forms(self) -> list[str]:
+        """The keys that give a curve; none of them where it has levers."""
+        return [key for key in self.model_fields_set if key in FORMS]
+
     @model_validator(mode="after")
-    def _anchored_once(self) -> CellKeys:
-        anchors = [key for key in ("p_mm", "q_mm") if key in self.model_fields_set]
+    def _anchored_once(self) -> OneCellKeys:
+        given = self.model_fields_set
+        if self.forms:
+            (form,) = self.forms
+            for key in _OF_LEVERS & given:
+                refuse(f"cannot stand with {form}: an element has no levers and bands.", key)
+            return self
+        anchors = [key for key in ("p_mm", "q_mm") if key in given]
+        for key in _OF_ELEMENTS & given:
+            refuse(f"goes with the curve of an element: {', '.join(FORMS)}.", key)
         if self.bands is None:
             for key in ("p_mm", "q_mm"):
                 if key not in anchors:
@@ -260,6 +204,20 @@ class CellKeys(Keys):
         if self.load_N is not None and self.load_mm_N is not None:
             refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")
         return self
+
+
+class CellKeys(OneCellKeys):
+    """A cell of levers and bands, or any element."""
+
+    inside: (
+        Annotated[tuple[OneCellKeys, ...], Field(strict=False), at_most("graph_cells")] | None
+    ) = None
+
+
+# The forms that the curve of an element may have, and what only levers or only elements have.
+FORMS = (*CurveKeys.model_fields, "beside", "inside")
+_OF_LEVERS = LeverKeys.model_fields.keys() - ElementKeys.model_fields.keys()
+_OF_ELEMENTS = ElementKeys.model_fields.keys() - LeverKeys.model_fields.keys()
 
 
 class SharedKeys(Keys):
@@ -274,14 +232,32 @@ class SharedKeys(Keys):
 class ChainKeys(SharedKeys):
     """The chain and what its cells share."""
 
-    actuator_stiffness_N_per_m: Actuator = Decimal("Infinity")
+    actuator_stiffness_N_per_m: Actuator | None = None
+    actuator_stiffness_kPa_per_mL: OtherActuator | None = None
+    actuator_stiffness_N_m_per_rad: OtherActuator | None = None
     cell: Annotated[tuple[CellKeys, ...], Field(strict=False), at_most("cells")]
 
     @model_validator(mode="after")
     def _some_cell(self) -> ChainKeys:
         if not self.cell:
             refuse("must hold one cell or more, inner first.", "cell")
+        given = [key for key in ACTUATORS.values() if key in self.model_fields_set]
+        if len(given) > 1:
+            refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
         return self
+
+
+# The stiffness of the actuator, by what the chain's travel and force are.
+ACTUATORS = {
+    Measure.TRAVEL: "actuator_stiffness_N_per_m",
+    Measure.VOLUME: "actuator_stiffness_kPa_per_mL",
+    Measure.ANGLE: "actuator_stiffness_N_m_per_rad",
+}
+# What an actuator is told: a travel, or a force where it prescribes that.
+TURNING_POINTS = {
+    measure: tuple(key_in("turning_points", u) for u in (measure.travel_unit, measure.force_unit))
+    for measure in Measure
+}
 
 
 class ProgramKeys(Keys):
@@ -290,15 +266,26 @@ class ProgramKeys(Keys):
     start: State | None = None
     turning_points_mm: Drives | None = None
     turning_points_N: Drives | None = None
+    turning_points_mL: Drives | None = None
+    turning_points_kPa: Drives | None = None
+    turning_points_deg: Drives | None = None
+    turning_points_mNm: Drives | None = None
     ends: State | None = None
     unusual: Switch = False
 
+    @property
+    def given_points(self) -> list[str]:
+        """The keys of turning points that stand in the file; one of them, where all is well."""
+        every = [key for pair in TURNING_POINTS.values() for key in pair]
+        return [key for key in every if getattr(self, key) is not None]
+
     @model_validator(mode="after")
     def _one_list(self) -> ProgramKeys:
-        if self.turning_points_mm is None and self.turning_points_N is None:
+        found = self.given_points
+        if not found:
             refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
-        if self.turning_points_mm is not None and self.turning_points_N is not None:
-            refuse("cannot stand with turning_points_mm: keep one of them.", "turning_points_N")
+        if len(found) > 1:
+            refuse(f"cannot stand with {found[0]}: keep one of them.", found[1])
         return self
 
 
@@ -308,25 +295,6 @@ class FileKeys(Keys):
     title: Line = ""
     chain: ChainKeys
     program: ProgramKeys | None = None
-
-
-Tables = Mapping[str, type[Keys]]
-
-
-def tables_of(table: type[Keys], path: str = "") -> Tables:
-    """A table and all tables in it, by their paths from the top of the file."""
-    found = {path: table}
-    for key, field in table.model_fields.items():
-        for inner in _tables_in(field.annotation):
-            found |= tables_of(inner, f"{path}.{key}".lstrip("."))
-    return found
-
-
-def _tables_in(annotation: Any) -> Iterator[type[Keys]]:
-    for part in get_args(annotation):
-        yield from _tables_in(part)
-    if isclass(annotation) and issubclass(annotation, Keys):
-        yield annotation
 
 
 # Where a reader may come from when a path holds one of these keys.

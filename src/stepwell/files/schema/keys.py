@@ -8,12 +8,14 @@ from decimal import Decimal
 from functools import cache, lru_cache
 from typing import Any
 
-from stepwell.files.schema.chain import Keys
+from stepwell.files.schema.checks import Keys
 from stepwell.files.text import array, quoted, units
 from stepwell.mechanism import Size, Slip, SlipError
 
 # The end of a key and what it is called where it is shown; the longer ones first.
 UNITS = {
+    "_kPa_per_mL": "kPa/mL",
+    "_N_m_per_rad": "N m/rad",
     "_N_m_s_per_rad": "N m s/rad",
     "_N_s_per_m": "N s/m",
     "_N_per_m": "N/m",
@@ -22,12 +24,26 @@ UNITS = {
     "_per_mm": "1/mm",
     "_mm": "mm",
     "_deg": "deg",
+    "_mL": "mL",
+    "_kPa": "kPa",
+    "_GPa": "GPa",
+    "_mNm": "mN m",
     "_g": "g",
     "_N": "N",
     "_s": "s",
 }
 # Decimal places from a unit of files to SI; angles are turned, and all others are SI.
-_PLACES = {"mm": -3, "g": -3, "1/mm": 3, "1/mm²": 6}
+_PLACES = {
+    "mm": -3,
+    "g": -3,
+    "1/mm": 3,
+    "1/mm²": 6,
+    "mL": -6,
+    "kPa": 3,
+    "GPa": 9,
+    "mN m": -3,
+    "kPa/mL": 9,
+}
 # Names that the values give these keys; other keys are called as they are, without the unit.
 _FIELDS = {
     "stroke_mm": "amplitude",
@@ -38,6 +54,8 @@ _FIELDS = {
     "cubic_per_mm2": "a3",
     "table_mm_N": "table",
     "load_mm_N": "load",
+    "peak_mm_N": "peak",
+    "valley_mm_N": "valley",
 }
 _KEYS = {field: key for key, field in _FIELDS.items()}
 

@@ -10,24 +10,28 @@ from pydantic import Field, PlainValidator, model_validator
 
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
-from stepwell.files.schema.chain import (
-    Friction,
+from stepwell.files.schema.chain import Stiffness
+from stepwell.files.schema.checks import (
     Keys,
     Line,
     Point,
-    Stiffness,
     Switch,
     above_zero,
+    at_most,
     bounded,
+    few,
+    lengths,
     refuse,
+    tables_of,
 )
+from stepwell.files.schema.elements import Friction
 from stepwell.files.text import did_you_mean
 from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
 
 
 def _centre(value: Any) -> tuple[Decimal, ...]:
     problem = "must be three numbers from -1e6 to 1e6, in mm, as in [24, 0, 12]."
-    return schema.lengths(value, 3, problem)
+    return lengths(value, 3, problem)
 
 
 def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
@@ -35,10 +39,10 @@ def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
         "must be three points or more from -1e6 to 1e6, in mm, as in [[-55, 0], [38, 45], "
         "[38, -45]]."
     )
-    schema.few("supports", value)
+    few("supports", value)
     if not isinstance(value, list) or len(value) < 3:
         refuse(problem)
-    return tuple(schema.lengths(point, 2, problem) for point in value)
+    return tuple(lengths(point, 2, problem) for point in value)
 
 
 def _profile(value: Any) -> str:
@@ -62,7 +66,7 @@ def _cell(value: Any) -> int | str:
 def _paths(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(path, str) for path in value):
         refuse('must be a list of keys in quotes, as in ["chain", "foot.link_mm"].')
-    return tuple(schema.few("sources", value))
+    return tuple(few("sources", value))
 
 
 Size = Annotated[Decimal, above_zero("1e-6", "1e6")]
@@ -83,7 +87,7 @@ class LegChainKeys(schema.SharedKeys):
     """A leg's chain, or what the chains of all legs share."""
 
     title: Line = ""
-    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), schema.at_most("cells")] = ()
+    cell: Annotated[tuple[schema.CellKeys, ...], Field(strict=False), at_most("cells")] = ()
 
     @model_validator(mode="after")
     def _some_cell(self) -> LegChainKeys:
@@ -200,16 +204,14 @@ class RobotKeys(Keys):
     blocks: BlocksKeys = BlocksKeys()
     floor: FloorKeys = FloorKeys()
     drive: DriveKeys = DriveKeys()
-    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), schema.at_most("legs")]
-    antenna: Annotated[
-        tuple[AntennaKeys, ...], Field(strict=False), schema.at_most("antennas")
-    ] = ()
+    leg: Annotated[tuple[LegKeys, ...], Field(strict=False), at_most("legs")]
+    antenna: Annotated[tuple[AntennaKeys, ...], Field(strict=False), at_most("antennas")] = ()
     source: SourceKeys = SourceKeys()
-    unusual: schema.Switch = False
+    unusual: Switch = False
 
 
 # Where a reader may come from when a path holds one of these keys.
-TABLES = schema.tables_of(RobotKeys)
+TABLES = tables_of(RobotKeys)
 _LOOKED_AT = 100  # keys of a file that may be misspelt ones
 _ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
 

@@ -7,12 +7,13 @@ from pydantic_core import ErrorDetails
 
 from stepwell.base import nearest_word
 from stepwell.files.schema import chain as schema
+from stepwell.files.schema.checks import Tables
 from stepwell.files.text import MOST_LINES, did_you_mean, key_path, value_text
 
 _ADVISED = 1000  # unknown keys of which it is asked which one was meant
 
 
-def worded(error: ValidationError, tables: schema.Tables = schema.TABLES) -> list[str]:
+def worded(error: ValidationError, tables: Tables = schema.TABLES) -> list[str]:
     """One line for every problem, in the order of the file's tables."""
     problems = error.errors(include_url=False)
     # A misspelt key is also a missing one: that is said once.
@@ -26,7 +27,7 @@ def worded(error: ValidationError, tables: schema.Tables = schema.TABLES) -> lis
     return [_line(problem, tables, i < MOST_LINES) for i, problem in enumerate(told)]
 
 
-def _line(problem: ErrorDetails, tables: schema.Tables, advise: bool) -> str:
+def _line(problem: ErrorDetails, tables: Tables, advise: bool) -> str:
     keys: list[str | int] = list(problem["loc"])
     kind: str = problem["type"]
     if kind == "extra_forbidden" and not advise:
@@ -57,14 +58,15 @@ def _plain(keys: list[str | int]) -> str:
     return ".".join(key for key in keys if isinstance(key, str))
 
 
-def _known(keys: list[str | int], tables: schema.Tables) -> list[str]:
+def _known(keys: list[str | int], tables: Tables) -> list[str]:
     """The keys that the table around a key may hold."""
     return tables[_plain(keys[:-1])].names()
 
 
-def _advice(keys: list[str | int], tables: schema.Tables) -> str:
+def _advice(keys: list[str | int], tables: Tables) -> str:
     key = str(keys[-1])
     homes = [home for home, table in tables.items() if key in table.names()]
+    homes = [home for home in homes if not any(home.startswith(f"{one}.") for one in homes)]
     if key in _ELSEWHERE and "drive" in tables:
         return _ELSEWHERE[key]
     if nearest_word(key, _known(keys, tables)) or not homes:

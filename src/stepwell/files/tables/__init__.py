@@ -1,7 +1,7 @@
 """The tables of a design file as values, and back."""
 
 from stepwell.files.tables.arena_map import drawn
-from stepwell.files.tables.cells import Shared, cells_of
+from stepwell.files.tables.cells import Shared, cells_of, chain_of
 from stepwell.files.tables.design_text import chain_text, robot_text
 from stepwell.files.tables.program import WrittenProgram, program_of
 from stepwell.files.tables.robot import part_of, robot

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from stepwell.base import InputError, StepwellError
 from stepwell.files.schema import chain as schema, field_of, fields, key_of, si, slip_text
+from stepwell.files.tables.elements import element_of, with_options
 from stepwell.files.text import value_text
-from stepwell.mechanism import Band, Cell, Cubic, Load, Slip, SlipError, Table
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Load, Slip, SlipError, Table
 
 
 class Shared(NamedTuple):
@@ -25,14 +27,53 @@ class Shared(NamedTuple):
 
 
 def cells_of(
-    tables: Sequence[schema.CellKeys], shared: Shared, where: str, problems: list[str]
-) -> tuple[Cell, ...]:
-    """The cells of a chain; `problems` gets a line for all that is wrong with each."""
-    cells = [_cell(one, shared, f"{where}.cell[{i}]", problems) for i, one in enumerate(tables)]
+    tables: Sequence[schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
+) -> tuple[Cell | Element, ...]:
+    """The cells of a list; `problems` gets a line for all that is wrong with each."""
+    cells = [
+        (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
+        for i, one in enumerate(tables)
+    ]
     return tuple(cell for cell in cells if cell)
 
 
-def _cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]) -> Cell | None:
+def chain_of(cells: Sequence[Cell | Element], keys: schema.ChainKeys, title: str) -> Chain:
+    """The chain of these cells, with its actuator.
+
+    Raises:
+        ValueError: cells that are no chain, or an actuator in the units of another one.
+    """
+    rigid = Chain(cells, title=title)
+    right = schema.ACTUATORS[rigid.measure]
+    for key in schema.ACTUATORS.values():
+        stiffness = getattr(keys, key)
+        if stiffness is not None and key != right:
+            raise InputError(
+                f"{key} = {value_text(stiffness)}: this chain is of {rigid.measure.travel} and "
+                f"{rigid.measure.force}, so it must be {right}."
+            )
+    stiffness = getattr(keys, right)
+    return rigid if stiffness is None else Chain(cells, si(right, stiffness), title)
+
+
+def _element(
+    shared: Shared, keys: schema.OneCellKeys, where: str, problems: list[str]
+) -> Element | None:
+    before = len(problems)
+    inside = getattr(keys, "inside", None)
+    cells = () if inside is None else cells_of(inside, shared, f"{where}.inside", problems)
+    if len(problems) > before:
+        return None
+    try:
+        if inside is None:
+            return element_of(keys)
+        return with_options(Element.from_chain(Chain(cells)), keys)
+    except StepwellError as error:
+        problems += [f"{where}: {line}" for line in str(error).split("\n")]
+        return None
+
+
+def _cell(shared: Shared, keys: schema.OneCellKeys, where: str, problems: list[str]) -> Cell | None:
     before = len(problems)
     own = merged(shared.band, keys.band.given(), f"{where}.band", problems)
     tables = [own | {"p_mm": keys.p_mm, "q_mm": keys.q_mm}]
@@ -61,7 +102,7 @@ def _cell(keys: schema.CellKeys, shared: Shared, where: str, problems: list[str]
         return None
 
 
-def _key(slip: Slip, cell: schema.CellKeys, band: dict[str, Any] | None) -> str:
+def _key(slip: Slip, cell: schema.OneCellKeys, band: dict[str, Any] | None) -> str:
     """The key of a cell, or of its band, that holds a size."""
     if slip.name.startswith("load."):
         constant = slip.name == "load.force" and cell.load_N is not None

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from stepwell.files.schema import chain as chain_schema, robot as schema, table_lines, written
+from stepwell.files.tables.elements import element_lines
 from stepwell.files.text import Written, array, inline, lines, quoted
-from stepwell.mechanism import Band, Cell, Chain, Cubic, Table, slips
+from stepwell.mechanism import Band, Cell, Chain, Cubic, Element, Table, slips
 from stepwell.robot import Robot
 from stepwell.robot.parts import of_robot
 
@@ -30,27 +31,33 @@ def chain_text(chain: Chain) -> str:
     text = [*_title(chain.title), ""] if chain.title else []
     text += ["[chain]", *lines(shared.keys)]
     if chain.actuator_stiffness != math.inf:
-        text += lines(_written({"actuator_stiffness_N_per_m": chain.actuator_stiffness}))
+        key = chain_schema.ACTUATORS[chain.measure]
+        text += lines(_written({key: chain.actuator_stiffness}))
     text += shared._replace(keys={}).lines()
     for cell in chain.cells:
         text += ["", "[[chain.cell]]", *_cell_lines(cell, shared)]
     return "\n".join(text) + "\n"
 
 
-def _shared_by(cells: Sequence[Cell]) -> Common:
-    """What all these cells have in common."""
+def _shared_by(every_cell: Sequence[Cell | Element]) -> Common:
+    """What all cells of levers and bands have in common."""
+    cells = [cell for cell in every_cell if isinstance(cell, Cell)]
+    if not cells:
+        return Common({}, {})
     every = [_band(band) for cell in cells for band in cell.bands]
     band = _shared(every, ("stiffness_N_per_m", "rest_length_mm", "two_sided"))
     keys = _shared([_cell(cell) for cell in cells], ("lever_mm", "limit_deg"))
     return Common(keys, band | _shared_law(every))
 
 
-def _cell_lines(cell: Cell, shared: Common) -> list[str]:
+def _cell_lines(cell: Cell | Element, shared: Common) -> list[str]:
     """The keys of a [[chain.cell]] table, without those that are shared."""
+    name = [f"name = {quoted(cell.name)}"] if cell.name else []
+    if isinstance(cell, Element):
+        return [*name, *element_lines(cell)]
     keys = _cell(cell)
     bands = [_band(band) for band in cell.bands]
     bands = [{key: band[key] for key in band if key not in shared.band} for band in bands]
-    name = [f"name = {quoted(cell.name)}"] if cell.name else []
     rest = {key: keys[key] for key in keys if key not in shared.keys}
     return [*name, *_own_bands(bands), *lines(rest)]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, told_in
 from stepwell.files.schema import chain as schema, si, written
 from stepwell.files.text import array, quoted, units, value_text
 from stepwell.mechanism import Chain
@@ -44,7 +44,7 @@ class WrittenProgram(ByValue):
         slacks = [0.0, *(turn.slack for turn in program.turns), (program.high - program.low) / 2]
         least = _EXACT * max(program.chain.full_stroke, *map(abs, points))
         tidy = (
-            _tidy(point, max(_ROUND * slack, least), _places(program.chain))
+            _tidy(point, max(_ROUND * slack, least), _key(program.chain))
             for point, slack in zip(points, slacks, strict=False)
         )
         return cls(program.start, tuple(tidy), program.to)
@@ -65,7 +65,7 @@ class WrittenProgram(ByValue):
 
     def text(self, chain: Chain) -> str:
         """The table [program] in the design file of the chain."""
-        key = _KEYS[chain.actuator_stiffness == 0]
+        key = _key(chain)
         points = written(key, self.turning_points)
         ends = "" if self.ends is None else f"ends = {quoted(self.ends)}\n"
         unusual = "unusual = true\n" if _near_nothing(self.turning_points, chain) else ""
@@ -75,18 +75,16 @@ class WrittenProgram(ByValue):
 def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
     """The program of a file; `problems` gets a line for everything the chain cannot do."""
     for key, state in (("start", keys.start), ("ends", keys.ends)):
-        if state is not None and len(state) != len(chain):
-            problems.append(
-                f"program.{key} = {value_text(state)}: must be {len(chain)} characters 0 or 1, one "
-                f"for each cell, inner first."
-            )
-    start = keys.start or "0" * len(chain)
-    key, other = _KEYS if chain.actuator_stiffness else _KEYS[::-1]
-    drives: tuple[Decimal, ...] | None = getattr(keys, key)
-    if drives is None:
-        given = value_text(getattr(keys, other))
-        control = "prescribes the force" if key.endswith("N") else "moves"
-        problems.append(f"program.{other} = {given}: the actuator {control}, so it must be {key}.")
+        problems += [] if state is None else _wrong_state(key, state, chain)
+    start = keys.start or chain.first_state
+    key = _key(chain)
+    (given,) = keys.given_points
+    drives: tuple[Decimal, ...] = getattr(keys, given)
+    if given != key:
+        force = f"prescribes the {chain.measure.force}"
+        control = force if chain.actuator_stiffness == 0 else "moves"
+        told = value_text(drives)
+        problems.append(f"program.{given} = {told}: the actuator {control}, so it must be {key}.")
         return WrittenProgram(start, (), keys.ends)
     points: tuple[float, ...] = si(key, drives)
     if math.isinf(chain.actuator_stiffness) and not problems:
@@ -94,21 +92,32 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
         if _near_nothing(points, chain) and not keys.unusual:
             meant = array(units.toml(point * 1000) for point in drives)
             fits = max(points) * 1e3 <= (1 + _SAME) * chain.full_stroke
+            unit, factor = told_in(chain.measure.travel_unit)
             problems.append(
                 f"program.{key} = {value_text(drives)}: stays within "
-                f"{max(map(abs, points)) / chain.full_stroke:.2g} of the chain's stroke, "
-                f"{chain.full_stroke * 1e3:.12g} mm.{f' Did you mean {meant}?' * fits} If it is "
-                f"meant so, set unusual = true in [program]."
+                f"{max(map(abs, points)) / chain.full_stroke:.2g} of the chain's "
+                f"{chain.measure.stroke}, {chain.full_stroke * factor:.12g} {unit}."
+                f"{f' Did you mean {meant}?' * fits} If it is meant so, set unusual = true in "
+                f"[program]."
             )
     return WrittenProgram(start, points, keys.ends)
 
 
-_KEYS = ("turning_points_mm", "turning_points_N")
+def _key(chain: Chain) -> str:
+    """The key of what the actuator of a chain prescribes."""
+    return schema.TURNING_POINTS[chain.measure][chain.actuator_stiffness == 0]
 
 
-def _places(chain: Chain) -> int:
-    """Decimal places between SI and the unit of the file."""
-    return 0 if chain.actuator_stiffness == 0 else 3
+def _wrong_state(key: str, state: str, chain: Chain) -> list[str]:
+    most = [len(phases) - 1 for phases in chain.phases]
+    if len(state) == len(chain) and all(
+        int(digit) <= last for digit, last in zip(state, most, strict=True)
+    ):
+        return []
+    must = f"{len(chain)} characters 0 or 1, one for each cell, inner first."
+    if chain.elements:
+        must = f"one digit for each cell, inner first, none above its own in {chain.last_state}."
+    return [f"program.{key} = {value_text(state)}: must be {must}"]
 
 
 def _near_nothing(points: tuple[float, ...], chain: Chain) -> bool:
@@ -119,26 +128,36 @@ def _near_nothing(points: tuple[float, ...], chain: Chain) -> bool:
 
 def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[str]:
     """Strokes that no rigid actuator can take this chain to."""
-    most = chain.full_stroke
-    begin = sum(cell.full_travel for cell, s in zip(chain.cells, start, strict=True) if s == "1")
+    full, near = chain.full_stroke, _SAME * chain.full_stroke
+    phases = [phases[int(digit)] for phases, digit in zip(chain.phases, start, strict=True)]
+    begins = sum(phase.low for phase in phases), sum(phase.high for phase in phases)
+    ends = [
+        sum(cell.low if cell.stopped[0] else -math.inf for cell in chain.cells),
+        sum(cell.high if cell.stopped[1] else math.inf for cell in chain.cells),
+    ]
+    unit, factor = told_in(chain.measure.travel_unit)
     found: list[str] = []
     for i, point in enumerate(points):
-        place = f"program.{_KEYS[0]}[{i}] = {point * 1e3:.12g}"
-        if i == 0 and abs(point - begin) > _SAME * most:
-            found.append(f"{place}: must be {begin * 1e3:.12g}, the stroke where {start} stands.")
-        elif not -_SAME * most <= point <= (1 + _SAME) * most:
-            meant = f" Did you mean {point:.12g}?" if 10 * most < point <= 1e3 * most else ""
+        place = f"program.{_key(chain)}[{i}] = {point * factor:.12g}"
+        if i == 0 and not begins[0] - near <= point <= begins[1] + near:
+            at = f"{begins[0] * factor:.12g}"
+            if begins[0] < begins[1]:
+                at = f"from {at} to {begins[1] * factor:.12g} {unit}"
+            found.append(f"{place}: must be {at}, the {chain.measure.stroke} where {start} stands.")
+        elif not ends[0] - near <= point <= ends[1] + near:
+            meant = f" Did you mean {point:.12g}?" if 10 * full < point <= 1e3 * full else ""
             found.append(
-                f"{place}: must be from 0 to {most * 1e3:.12g}, the sum of all travels.{meant}"
+                f"{place}: must be from {ends[0] * factor:.12g} to {ends[1] * factor:.12g}, the "
+                f"sum of all travels.{meant}"
             )
     return found
 
 
-def _tidy(value: float, within: float, places: int) -> float:
+def _tidy(value: float, within: float, key: str) -> float:
     """The number of fewest digits near enough to `value`, counted in the unit of the file."""
-    exact = units.shortest(value, places)
+    exact = Decimal(written(key, value))
     for digits in range(13):
-        rounded = round(exact, digits)
-        if abs(units.moved(rounded, -places) - value) <= within:
-            return units.moved(rounded, -places)
+        rounded: float = si(key, round(exact, digits))
+        if abs(rounded - value) <= within:
+            return rounded + 0.0  # a zero has no sign
     return value

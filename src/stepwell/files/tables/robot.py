@@ -70,7 +70,7 @@ def _leg(common: schema.LegChainKeys, keys: schema.LegKeys, where: str, problems
             f"{where}.chain: is missing. Give the cells of all legs under [[chain.cell]], or those "
             f"of this leg under [[leg.chain.cell]]."
         )
-    place = f"{where}.chain" if own.cell else "chain"
+    place = f"{where}.chain.cell" if own.cell else "chain.cell"
     cells = cells_of(tables, Shared.of(band, common, own), place, problems)
     if len(problems) > before:
         return None

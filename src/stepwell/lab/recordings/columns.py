@@ -1,24 +1,82 @@
-"""Which column of an export is time, stroke or force, with the factor that makes it SI."""
+"""Which column of a table of numbers is what, with the factor that makes it SI."""
 
 from __future__ import annotations
 
+import math
 import re
 
-from stepwell.base import InputError
+from stepwell.base import InputError, Measure
 
 # In the order in which they are looked for: "Time" in "Load time" is a time.
 ROLES = {
     "time": ("time", "zeit"),
     "stroke": ("displacement", "stroke", "extension", "position", "crosshead", "travel", "weg"),
     "force": ("force", "load", "kraft"),
+    "volume": ("volume", "volumen"),
+    "pressure": ("pressure", "druck"),
+    "angle": ("angle", "rotation", "twist", "winkel"),
+    "torque": ("torque", "moment"),
 }
 UNITS = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
     "stroke": {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
-    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "force": {
+        "N": 1.0,
+        "mN": 1e-3,
+        "kN": 1e3,
+        "lbf": 4.4482216152605,
+        "kgf": 9.80665,
+        "gf": 9.80665e-3,
+    },
+    "volume": {
+        "m3": 1.0,
+        "m³": 1.0,
+        "L": 1e-3,
+        "l": 1e-3,
+        "dm3": 1e-3,
+        "mL": 1e-6,
+        "ml": 1e-6,
+        "cm3": 1e-6,
+        "cm³": 1e-6,
+        "uL": 1e-9,
+        "µL": 1e-9,
+        "mm3": 1e-9,
+        "mm³": 1e-9,
+    },
+    "pressure": {
+        "Pa": 1.0,
+        "hPa": 1e2,
+        "mbar": 1e2,
+        "kPa": 1e3,
+        "bar": 1e5,
+        "MPa": 1e6,
+        "psi": 6894.757293168,
+    },
+    "angle": {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0},
+    "torque": {
+        "N m": 1.0,
+        "Nm": 1.0,
+        "N·m": 1.0,
+        "N cm": 1e-2,
+        "Ncm": 1e-2,
+        "N·cm": 1e-2,
+        "N mm": 1e-3,
+        "Nmm": 1e-3,
+        "N·mm": 1e-3,
+        "mN m": 1e-3,
+        "mNm": 1e-3,
+        "mN·m": 1e-3,
+    },
 }
+# What a recording of a test machine has; what the curve of an element may be, and the names that
+# these columns have here where they have others there.
+_RECORDED = ("time", "stroke", "force")
+_TRAVELS = {"stroke": Measure.TRAVEL, "volume": Measure.VOLUME, "angle": Measure.ANGLE}
+_FORCES = {"force": Measure.TRAVEL, "pressure": Measure.VOLUME, "torque": Measure.ANGLE}
 NEEDED = ("stroke", "force")
 EXAMPLE = "Time (s), Displacement (mm), Force (N)"
+_PAIR = "travel_mm,force_N"
+_PAIRS = "travel and force (mm, N), volume and pressure (mL, kPa) or angle and torque (deg, N mm)"
 
 _UNIT = re.compile(r"[(\[]\s*([^()\[\]]*?)\s*[)\]]")
 _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]")
@@ -44,9 +102,10 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, t
     Raises:
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
     """
-    names, units = _named(header, delimiter, count)
+    names, units = _named(header, delimiter, count, EXAMPLE)
     found: dict[str, tuple[int, float]] = {}
-    for role, words in ROLES.items():
+    for role in _RECORDED:
+        words = ROLES[role]
         for place, name in enumerate(names):
             if role not in found and any(word in name.lower() for word in words):
                 found[role] = place, _factor(role, name, units[place])
@@ -60,12 +119,70 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, t
     return found
 
 
-def _named(header: list[str], delimiter: str | None, count: int) -> tuple[list[str], list[str]]:
+def pair(
+    header: list[str], delimiter: str | None, count: int
+) -> tuple[Measure, tuple[int, float], tuple[int, float]]:
+    """The columns of travel and of force of one measure, by their units, and their names.
+
+    Args:
+        header, delimiter, count: as for `columns`.
+
+    Returns:
+        What they are; and of travel and force the place in a row and the factor that makes it SI.
+
+    Raises:
+        ValueError: a column is missing or twice there, has no unit or one that is not known, or
+            the two do not belong together.
+    """
+    names, units = _named(header, delimiter, count, _PAIR)
+    x, travel = _only(_TRAVELS, names, units)
+    y, force = _only(_FORCES, names, units)
+    if _TRAVELS[travel] is not _FORCES[force]:
+        raise InputError(
+            f"columns {names[x][:40]!r} in {units[x]} and {names[y][:40]!r} in {units[y]} do not "
+            f"belong together: must be {_PAIRS}."
+        )
+    return (
+        _TRAVELS[travel],
+        (x, UNITS[travel][units[x]]),
+        (y, UNITS[force][units[y]]),
+    )
+
+
+def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tuple[int, str]:
+    """The one column that is in a unit of these roles; of several the one that is named so."""
+    every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in UNITS[role]]
+    named = [(k, role) for k, role in every if _is_called(names[k], role)]
+    found = every if len(every) < 2 else named or every
+    if len(found) == 1:
+        return found[0]
+    words = " or ".join("travel" if role == "stroke" else role for role in roles)
+    if found:
+        both = ", ".join(repr(names[k][:40]) for k, _ in found)
+        raise InputError(f"columns {both} may each be the {words}: leave one of them.")
+    for k, name in enumerate(names):
+        for role in roles:
+            if _is_called(name, role):
+                _factor(role, name, units[k])
+    shown = ", ".join(name[:40] for name in names if name) or "none"
+    raise InputError(
+        f"no column for the {words} (columns: {shown}): name the columns and their "
+        f"units, as in {_PAIR}; they must be {_PAIRS}."
+    )
+
+
+def _is_called(name: str, role: str) -> bool:
+    return any(word in name.lower() for word in ROLES[role])
+
+
+def _named(
+    header: list[str], delimiter: str | None, count: int, example: str
+) -> tuple[list[str], list[str]]:
     """Names and units, from one line that holds both or from a line of each."""
     rows = [row for line in header if len(row := _fields(line, delimiter)) == count]
     if not rows:
         raise InputError(
-            f"no line above the numbers names its {count} columns: put one there, as in {EXAMPLE}."
+            f"no line above the numbers names its {count} columns: put one there, as in {example}."
         )
     below = rows[-1]
     bare = [_UNIT.sub("", field).strip() for field in below]

@@ -76,25 +76,7 @@ class Recording(ByValue):
     @cached_property
     def turns(self) -> tuple[int, ...]:
         """Samples where the stroke turns back, between its first and its last."""
-        stroke = self.stroke
-        threshold = _TURN * float(np.ptp(stroke))
-        turns: list[int] = []
-        low = high = 0
-        rising: bool | None = None
-        for i, u in enumerate(stroke.tolist()):
-            if u > stroke[high]:
-                high = i
-            if u < stroke[low]:
-                low = i
-            if rising is not False and stroke[high] - u > threshold:
-                if rising:
-                    turns.append(high)
-                rising, low = False, i
-            elif rising is not True and u - stroke[low] > threshold:
-                if rising is False:
-                    turns.append(low)
-                rising, high = True, i
-        return tuple(turns)
+        return turns_of(self.stroke)
 
     @property
     def halves(self) -> tuple[slice, ...]:
@@ -117,3 +99,25 @@ class Recording(ByValue):
             f"Recording({self.name!r}, {len(self)} samples, {self.stroke[0] * 1e3:.4g} to "
             f"{self.stroke[-1] * 1e3:.4g} mm, {self.direction})"
         )
+
+
+def turns_of(stroke: Floats) -> tuple[int, ...]:
+    """Samples where strokes of any unit turn back, between the first and the last."""
+    threshold = _TURN * float(np.ptp(stroke))
+    turns: list[int] = []
+    low = high = 0
+    rising: bool | None = None
+    for i, u in enumerate(stroke.tolist()):
+        if u > stroke[high]:
+            high = i
+        if u < stroke[low]:
+            low = i
+        if rising is not False and stroke[high] - u > threshold:
+            if rising:
+                turns.append(high)
+            rising, low = False, i
+        elif rising is not True and u - stroke[low] > threshold:
+            if rising is False:
+                turns.append(low)
+            rising, high = True, i
+    return tuple(turns)

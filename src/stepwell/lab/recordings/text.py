@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, InputError
-from stepwell.lab.recordings.columns import columns, split
+from stepwell.base import Floats, InputError, Measure
+from stepwell.lab.recordings.columns import columns, pair, split
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # Blanks last: a comma between blanks is a decimal comma.
@@ -37,12 +37,10 @@ def parse(data: bytes) -> Export:
     Raises:
         ValueError: no text, no header, no numbers, or a unit that is none; says what to do.
     """
-    lines = re.split(r"\r\n|\r|\n", _decoded(data))
-    start, delimiter = _first_row(lines)
-    count = len(split(lines[start], delimiter))
-    found = columns([line for line in lines[:start] if line.strip()], delimiter, count)
-    body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
-    rows, remarks = _rows(body, delimiter, count)
+    header, delimiter, count, body = _parts(data, "time, displacement and force")
+    found = columns(header, delimiter, count)
+    rows, bad = _rows(body, delimiter, count)
+    remarks = _remarks(bad, body[-1][0])
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
     values = {role: rows[:, place] * factor for role, (place, factor) in found.items()}
@@ -50,6 +48,43 @@ def parse(data: bytes) -> Export:
     if "time" not in values:
         remarks += ("no time column, so its rate is not known",)
     return Export(time, values["stroke"], values["force"], remarks)
+
+
+def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
+    """The curve in the bytes of a table: what it is, and its travels and forces in SI.
+
+    Args:
+        data: text as for `parse`, its columns those of `columns.pair` among others.
+
+    Raises:
+        ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
+    """
+    header, delimiter, count, body = _parts(data, "travel and force")
+    measure, (x, x_factor), (y, y_factor) = pair(header, delimiter, count)
+    rows, bad = _rows(body, delimiter, count)
+    if bad:
+        number, line = bad[0]
+        raise InputError(
+            f"line {number} is no row of {count} numbers ({line[:_SHOWN]!r}): correct it or take "
+            f"it out."
+        )
+    return measure, rows[:, x] * x_factor, rows[:, y] * y_factor
+
+
+class _Parts(NamedTuple):
+    header: list[str]
+    delimiter: str | None
+    width: int
+    body: list[tuple[int, str]]
+
+
+def _parts(data: bytes, example: str) -> _Parts:
+    """The lines above the numbers, how they are split, and those from the first numbers on."""
+    lines = re.split(r"\r\n|\r|\n", _decoded(data))
+    start, delimiter = _first_row(lines, example)
+    body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
+    header = [line for line in lines[:start] if line.strip()]
+    return _Parts(header, delimiter, len(split(lines[start], delimiter)), body)
 
 
 def _decoded(data: bytes) -> str:
@@ -65,21 +100,19 @@ def _decoded(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def _first_row(lines: list[str]) -> tuple[int, str | None]:
+def _first_row(lines: list[str], example: str) -> tuple[int, str | None]:
     for at, line in enumerate(lines[:_HEADER_AT_MOST]):
         for delimiter in _DELIMITERS:
             fields = split(line, delimiter)
             if len(fields) >= 2 and all(map(_NUMBER.fullmatch, fields)):
                 return at, delimiter
-    raise InputError(
-        "holds no row of two or more numbers: a recording is rows of time, displacement and force."
-    )
+    raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
 
 
 def _rows(
     body: list[tuple[int, str]], delimiter: str | None, count: int
-) -> tuple[Floats, tuple[str, ...]]:
-    """The rows that can be read, and what is to be said of the others."""
+) -> tuple[Floats, list[tuple[int, str]]]:
+    """The rows that can be read, and the others with their numbers."""
     pieces: list[Floats] = []
     bad: list[tuple[int, str]] = []
     for first in range(0, len(body), _BLOCK):
@@ -93,7 +126,7 @@ def _rows(
             f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
             f"{line[:_SHOWN]!r}): export it again."
         )
-    return good, _remarks(bad, body[-1][0])
+    return good, bad
 
 
 def _one_by_one(

@@ -144,6 +144,11 @@ class Leg(ByValue):
                 f"leg {self.name!r} has {len(self.chain)} cell: must have 2 or more; the last "
                 f"one lifts the foot and those before it make the step."
             )
+        if self.chain.elements:
+            raise InputError(
+                f"leg {self.name!r} has elements: must have cells of levers and bands alone, whose "
+                f"blocks carry the foot."
+            )
         if self.chain.actuator_stiffness != float("inf"):
             raise InputError(
                 f"leg {self.name!r}: actuator_stiffness = {self.chain.actuator_stiffness:g} N/m: "

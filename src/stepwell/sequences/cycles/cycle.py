@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence as Sized
 from dataclasses import dataclass
 from functools import cached_property
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, amount
 from stepwell.mechanism import Cell, Chain, Element, phase_at
 from stepwell.sequences.cycles.sequence import Pathway, Sequence, pathway_of
 from stepwell.statics import Event, EventKind, Path, Tie, full_cycle
@@ -146,9 +146,10 @@ class Cycle(ByValue):
     def __repr__(self):
         pathway = f", {self.pathway.label}" if self.pathway else ""
         tie = f", {len(self.degenerate)} ties" if self.degenerate else ""
+        peak = amount(self.peak_force, self.chain.measure.force_unit)
         return (
             f"Cycle({self.sequence!r}{pathway}: {len(self.snaps)} snaps, dissipates "
-            f"{self.dissipated * 1e3:.4g} mJ, peak {self.peak_force:.4g} N{tie})"
+            f"{self.dissipated * 1e3:.4g} mJ, peak {peak}{tie})"
         )
 
 

@@ -14,9 +14,9 @@ from stepwell.sequences.graphs.node import TransitionKind
 from stepwell.sequences.graphs.rows import (
     Row,
     drives_text,
+    endings,
     graph_of,
     row_of,
-    suffix,
 )
 from stepwell.sequences.graphs.transition_graph import TransitionGraph, transitions
 
@@ -27,7 +27,7 @@ _LISTS = ("cells", "ties", "switching_fields")
 
 def _rows(graph: TransitionGraph) -> Row:
     """The graph as rows, with NaN for what is not known."""
-    x = suffix(graph)
+    ends = endings(graph.unit)
     found = {
         "format": _FORMAT,
         "cells": list(graph.names),
@@ -35,9 +35,9 @@ def _rows(graph: TransitionGraph) -> Row:
         "drive_unit": graph.unit,
         "start": graph.graph["start"],
         "method": graph.method,
-        "ties": [row_of(tie, x) for tie in graph.ties],
-        "nodes": [row_of(graph.node(label), x) for label in graph],
-        "edges": [{"from": a, "to": b, **row_of(t, x)} for a, b, t in transitions(graph)],
+        "ties": [row_of(tie, ends) for tie in graph.ties],
+        "nodes": [row_of(graph.node(label), ends) for label in graph],
+        "edges": [{"from": a, "to": b, **row_of(t, ends)} for a, b, t in transitions(graph)],
     }
     if "fields" in graph.graph:
         found["switching_fields"] = graph.graph["fields"].tolist()
@@ -57,7 +57,8 @@ def to_json(graph: TransitionGraph) -> str:
         format      "stepwell transition graph 1"
         cells       names of the cells, inner first
         actuator    "stroke", "force", "spring of 53 N/m" or "field"
-        drive_unit  "m", "N", or "" for bare numbers; below, _X stands for _m, _N or nothing
+        drive_unit  "m", "N", or "" for bare numbers; below, _X stands for _m, _N or nothing; of
+                    other chains "m³" (_m3), "Pa", "rad" or "N m" (_Nm), and so for _m and _N below
         start       the state that the graph began with, or null for all
         method      how it was found
         ties        list of {drive_X, cells, advice}
@@ -150,11 +151,12 @@ def _flat(row: Row) -> Row:
 
 
 def _listed(row: Row) -> Row:
-    lists = {"travel_low_m": float, "travel_high_m": float, "cells": int}
-    return {
-        key: [lists[key](word) for word in str(value).split()] if key in lists else value
-        for key, value in row.items()
-    }
+    lists = {"cells": int, "travel": float}
+    found: Row = {}
+    for key, value in row.items():
+        kind = lists.get(key.partition("_")[0])
+        found[key] = [kind(word) for word in str(value).split()] if kind else value
+    return found
 
 
 _KEPT = re.compile(r'stepwell="((?:[^"\\]|\\.)*)"')
@@ -163,8 +165,9 @@ _KEPT = re.compile(r'stepwell="((?:[^"\\]|\\.)*)"')
 def to_dot(graph: TransitionGraph) -> str:
     """The graph in the DOT language, for Graphviz.
 
-    Vertices with equally many cells at 1 stand in one row, all at 0 at the bottom. A rising drive
-    is drawn solid, a falling one dashed, a snap bold; every edge tells its drive in mm or N. What
+    Vertices with equally many cells at 1 stand in one row, all at 0 at the bottom; cells in a later
+    phase count more. A rising drive is drawn solid, a falling one dashed, a snap bold; every edge
+    tells its drive in mm, N and such. What
     `to_json` writes of the graph, of each node and of each edge stands in an attribute
     `stepwell`, which Graphviz passes over and `from_dot` reads.
     """
@@ -184,7 +187,7 @@ def to_dot(graph: TransitionGraph) -> str:
         lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
     rows: dict[int, list[str]] = {}
     for label in graph.vertices:
-        rows.setdefault(graph.node(label).state.count("1"), []).append(_quoted(label))
+        rows.setdefault(graph.node(label).level, []).append(_quoted(label))
     lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
     for (a, b, t), row in zip(transitions(graph), edges, strict=True):
         style = "solid" if t.direction > 0 else "dashed"

@@ -1,4 +1,4 @@
-"""Graphs of relays: of concave cells under a force, and of the switching fields of others."""
+"""Graphs of relays: of chains under a force, and of the switching fields of others."""
 
 from __future__ import annotations
 
@@ -12,99 +12,163 @@ import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import Bools, Floats, InputError, Ints
+from stepwell.base import Floats, InputError, Ints, Measure
 from stepwell.concave import Relays
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences.branches import Branches
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
-from stepwell.sequences.graphs.transition_graph import TransitionGraph, about, join
+from stepwell.sequences.graphs.transition_graph import (
+    TransitionGraph,
+    about,
+    join,
+    measure_of,
+)
+from stepwell.statics import problem_of, travel_in
 
 Edge = tuple[str, str, dict[str, tuple[Transition]]]
 
 
 def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
-    """The force-controlled graph of concave cells: a Preisach set of relays.
+    """The force-controlled graph of concave cells and elements: a Preisach set of relays.
 
-    A state stands while the force is at least B of every cell at 1 and at most A of every cell at
-    0. A rising force flips the cell of least A among those at 0, a falling one that of largest B
-    among those at 1. One flip is all that happens there, even with cells that are not bistable:
-    at the force A_i of the flip the others stood before and feel nothing of it, and i stands,
-    since B_i < A_i. So there are no avalanches.
+    A prescribed force is a dead load: λ and the energy of a cell ask for no other cell's travel, so
+    each goes its own way. A state stands while the force is at least B and at most A of every cell
+    in its phase. A rising force lets go the cell of least A, a falling one that of largest B. It
+    goes downhill along its own curve to the next phase that holds at this force, and the others,
+    which stood before, feel nothing of it; so there are no avalanches, and where it stands the
+    state does.
 
     Args:
         chain: under force control.
         fields: its (A, B).
 
-    Source: Preisach 1935; Terzi and Mungan 2020; that concave cells are relays under a prescribed
+    Source: Preisach 1935; Terzi and Mungan 2020; that these chains are relays under a prescribed
     force: theory page, "Preisach limit".
     """
-    full = np.array(chain.full_travels)
-    at_1 = every_state(len(chain))
-    opens = np.where(at_1, np.inf, fields.up)
-    shuts = np.where(at_1, fields.down, -np.inf)
+    phases = np.diff(fields.first) + 1
+    digits = every_state(phases)
+    up = np.full((len(phases), np.max(phases)), np.inf)
+    down = -up
+    up[fields.cell, fields.step] = fields.up
+    down[fields.cell, fields.step + 1] = fields.down
+    cells = np.arange(len(phases))
+    opens, shuts = up[cells, digits], down[cells, digits]
     low, high = np.max(shuts, axis=1), np.min(opens, axis=1)
     low[0], high[-1] = Branches(chain).range
     stands = np.flatnonzero(low <= high)
-    labels = labels_of(len(chain))
+    labels = labels_of(digits)
+    travels = _Travels(chain)
     rows = zip(
         stands.tolist(),
         low[stands].tolist(),
         high[stands].tolist(),
-        (at_1[stands] * full).tolist(),
+        travels.of(digits[stands], low[stands]).tolist(),
+        travels.of(digits[stands], high[stands]).tolist(),
         strict=True,
     )
-    ups, downs = _flips(chain, fields)
     rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
     first, last = np.argmin(opens[rising], axis=1), np.argmax(shuts[falling], axis=1)
     found = TransitionGraph()
     with _collector_at_rest():
-        for branch, (code, a, b, travel) in enumerate(rows):
-            label, travels = labels[code], tuple(travel)
-            found.add_node(label, node=Node(label, label, a, b, a, b, travels, travels, branch))
-        found.add_edges_from(_edges(labels, rising, first, ups))
-        found.add_edges_from(_edges(labels, falling, last, downs))
+        for branch, (code, a, b, begin, end) in enumerate(rows):
+            label, ends = labels[code], (tuple(begin), tuple(end))
+            found.add_node(label, node=Node(label, label, a, b, a, b, *ends, branch))
+        ups, downs = _flips(chain, travels, up, +1), _flips(chain, travels, down, -1)
+        found.add_edges_from(_edges(labels, digits, rising, first, ups))
+        found.add_edges_from(_edges(labels, digits, falling, last, downs))
+    elements = "cells" if chain.elements else "concave cells"
     found.graph.update(
         **about(chain),
         ties=(),
         start=None,
-        method="closed form: concave cells under a prescribed force are independent relays",
+        method=f"closed form: {elements} under a prescribed force are independent relays",
     )
     return nx.freeze(found)
 
 
-def every_state(cells: int) -> Bools:
-    """(2^N, N) which cells are at 1, the states counted up as binary numbers."""
-    codes = np.arange(1 << cells)[:, None]
-    return (codes >> np.arange(cells - 1, -1, -1)) & 1 == 1
+def every_state(phases: Ints) -> Ints:
+    """(S, N) the phase of every cell in every state, in the order of itertools.product.
 
-
-def labels_of(cells: int) -> list[str]:
-    """The same states as strings."""
-    return [format(code, f"0{cells}b") for code in range(1 << cells)]
-
-
-def _flips(chain: Chain, fields: Relays) -> tuple[list[Transition], list[Transition]]:
-    """What happens when each cell goes up, and when each goes down.
-
-    That does not depend on the others, so all states share these 2 N values.
+    `phases` is how many each cell has.
     """
-    ups: list[Transition] = []
-    downs: list[Transition] = []
-    pairs = zip(fields.up.tolist(), fields.down.tolist(), strict=True)
-    for i, (cell, (up, down)) in enumerate(zip(chain.cells, pairs, strict=True)):
-        gain = float(cell.energy(cell.limit)) - float(cell.energy(-cell.limit))
-        work_up, work_down = up * cell.full_travel, down * cell.full_travel
-        ups.append(Transition(TransitionKind.SNAP, +1, up, (i,), work_up - gain))
-        downs.append(Transition(TransitionKind.SNAP, -1, down, (i,), gain - work_down))
-    return ups, downs
+    return np.arange(int(np.prod(phases)))[:, None] // _weights(phases) % phases
 
 
-def _edges(labels: list[str], codes: Ints, cells: Ints, flips: list[Transition]) -> Iterator[Edge]:
-    alone = [(flip,) for flip in flips]
-    # The first cell is the first character, which is the highest digit.
-    targets = codes ^ (1 << (len(flips) - 1 - cells))
-    for a, b, cell in zip(codes.tolist(), targets.tolist(), cells.tolist(), strict=True):
-        yield labels[a], labels[b], {"transitions": alone[cell]}
+def _weights(phases: Ints) -> Ints:
+    """(N,) how many states further on the one is in which a cell is in its next phase."""
+    return np.cumprod(np.append(phases, 1)[::-1])[-2::-1]
+
+
+def labels_of(digits: Ints) -> list[str]:
+    """The same states as strings."""
+    text, n = (digits + ord("0")).astype(np.uint8).tobytes().decode(), digits.shape[1]
+    return [text[k : k + n] for k in range(0, len(text), n)]
+
+
+class _Travels:
+    """Travels of the cells of a chain in their phases, by force."""
+
+    def __init__(self, chain: Chain):
+        self._problem, self._stretches = problem_of(chain), chain.stretches
+
+    def at(self, cell: int, phase: int, force: float) -> float:
+        """Travel [m] of one cell at a force [N]."""
+        return travel_in(self._problem, cell, self._stretches[cell][phase], force)
+
+    def of(self, digits: Ints, force: Floats) -> Floats:
+        """(S, N) travels [m] in these phases, (S, N), at these forces, (S,) [N]."""
+        out = np.empty(digits.shape)
+        for cell, column in enumerate(digits.T):
+            for phase in range(len(self._stretches[cell])):
+                here = column == phase
+                forces, which = np.unique(force[here], return_inverse=True)
+                travels = [self.at(cell, phase, one) for one in forces.tolist()]
+                out[here, cell] = np.array(travels)[which]
+        return out
+
+
+# By cell and phase: what happens when the one leaves the other, and the phase that it lands in.
+_Flips = dict[tuple[int, int], tuple[tuple[Transition], int]]
+
+
+def _flips(chain: Chain, travels: _Travels, fields: Floats, direction: int) -> _Flips:
+    """What every cell does all by itself; states share it, since none feels the others.
+
+    `fields` are the forces at which it leaves each phase in this direction, (N, P).
+    """
+    found: _Flips = {}
+    for i, (cell, leaves) in enumerate(zip(chain.cells, fields.tolist(), strict=True)):
+        for phase, force in enumerate(leaves):
+            if math.isinf(force):
+                continue
+            target = phase + direction
+            # At this force it would leave these phases too.
+            while direction * (leaves[target] - force) < 0:
+                target += direction
+            a, b = travels.at(i, phase, force), travels.at(i, target, force)
+            heat = force * (b - a) - (_energy(cell, target, b) - _energy(cell, phase, a))
+            flip = Transition(TransitionKind.SNAP, direction, force, (i,), heat)
+            found[i, phase] = (flip,), target
+    return found
+
+
+def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
+    """Energy [J] of a cell in a phase."""
+    if isinstance(cell, Element):
+        return float(cell.energy_at(travel))
+    return float(cell.energy(cell.limit if phase else -cell.limit))
+
+
+def _edges(
+    labels: list[str], digits: Ints, codes: Ints, cells: Ints, flips: _Flips
+) -> Iterator[Edge]:
+    """Where each of these states goes when that cell of it leaves its phase."""
+    weights = _weights(digits[-1] + 1).tolist()
+    phases = digits[codes, cells]
+    for a, cell, phase in zip(codes.tolist(), cells.tolist(), phases.tolist(), strict=True):
+        flip, target = flips[cell, phase]
+        b = a + (target - phase) * weights[cell]
+        yield labels[a], labels[b], {"transitions": flip}
 
 
 @contextmanager
@@ -129,21 +193,24 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     """The switching fields of a graph whose cells are hysterons.
 
     Args:
-        graph: of a chain under force control, or behind a spring so soft that no cell comes to
-            rest between its stops; or one made by `from_switching_fields`.
+        graph: of a chain whose cells have two phases each, under force control, or behind a spring
+            so soft that no cell comes to rest between them; or one made by `from_switching_fields`.
 
     Returns:
         (2^N, N) array [N under force control, m behind a spring]. Rows are states in the order of
         itertools.product([0, 1], repeat=N), the inner cell first. `[state][i]` is the drive at
-        which cell i lets go of its stop while the others hold theirs: its up field if it is at 0,
+        which cell i leaves its phase while the others stay in theirs: its up field if it is at 0,
         its down field if it is at 1. Rows of states in which the chain cannot stand are filled in
         by the same formula:
 
             F0_i or F1_i under force control,   Σ S_j + F/K behind a spring K, j the cells at 1
 
+        Of elements F0 and F1 are the forces at which they leave their two phases, and S_j is the
+        travel of every cell in its phase at that force.
+
     Raises:
         ValueError: the cells are no hysterons: under a prescribed stroke all of them let go at
-            one stroke, and a cell that rests between its stops has more than two fields.
+            one stroke, and a cell that has more phases or rests between its stops has more fields.
 
     Source: the convention is that of hysteron-tgraphs (Teunisse and van Hecke 2025, R. Soc. Open
     Sci.), their class SwitchingFields; the formula for a spring is ours (theory page).
@@ -167,17 +234,25 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     resting = next((label for label in graph if "-" in label), None)
     if resting is not None:
         raise InputError(
-            f"graph: cells rest between their stops ({resting}), so they are no hysterons with "
-            f"two fields. Ask for chain.graph('force') or a softer spring than "
-            f"{stiffness:.4g} N/m; where they still do, no switching fields describe them."
+            f"graph: cells rest between their {'phases' if chain.elements else 'stops'} "
+            f"({resting}), so they are no hysterons with two fields. Ask for chain.graph('force') "
+            f"or a softer spring than {stiffness:.4g} {chain.measure.stiffness_unit}; where they "
+            f"still do, no switching fields describe them."
         )
-    at_1 = every_state(len(chain))
-    forces = np.array([(cell.force_0, cell.force_1) for cell in chain.cells])
-    let_go = np.where(at_1, forces[:, 1], forces[:, 0])
+    for name, phases in zip(chain.names, chain.phases, strict=True):
+        if len(phases) != 2:
+            raise InputError(
+                f"graph: {name} has {len(phases)} phases and a hysteron has two. The forces at "
+                f"which it leaves each of them are its `fields`."
+            )
+    digits = every_state(np.full(len(chain), 2))
+    forces = np.array([(one.force_high, other.force_low) for one, other in chain.phases])
+    let_go = np.where(digits == 1, forces[:, 1], forces[:, 0])
     if stiffness == 0:
         return let_go
-    full = np.array(chain.full_travels)
-    return (at_1 @ full)[:, None] + let_go / stiffness
+    travels = _Travels(chain)
+    columns = [np.sum(travels.of(digits, force), axis=1) for force in let_go.T]
+    return np.column_stack(columns) + let_go / stiffness
 
 
 def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGraph:
@@ -189,7 +264,7 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
 
     Args:
         fields: (2^N, N) in the order that `switching_fields` tells.
-        unit: of the fields: "N", "m", or nothing for bare numbers.
+        unit: of the fields: "N", "m", that of another measure, or nothing for bare numbers.
 
     Returns:
         A graph whose nodes are the states that stand at some drive. It knows no chain, no travels
@@ -203,20 +278,25 @@ def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> TransitionGra
     Source: van Hecke 2021, Phys. Rev. E 104, 054608; Teunisse and van Hecke 2025.
     """
     fields = _checked(fields)
-    if unit not in ("", "N", "m"):
-        raise InputError(f"unit = {unit!r}: must be 'N', 'm', or '' for bare numbers.")
-    at_1 = every_state(fields.shape[1])
+    measure = measure_of(unit)
+    if unit not in ("", measure.force_unit, measure.travel_unit):
+        others = [si for one in Measure for si in (one.force_unit, one.travel_unit)][2:]
+        raise InputError(
+            f"unit = {unit!r}: must be 'N', 'm', or '' for bare numbers; or {', '.join(others)}."
+        )
+    digits = every_state(np.full(fields.shape[1], 2))
+    at_1 = digits == 1
     opens, shuts = np.where(at_1, np.inf, fields), np.where(at_1, fields, -np.inf)
     low, high = np.max(shuts, axis=1), np.min(opens, axis=1)
     span = float(np.ptp(fields)) or 1.0
     low[0], high[-1] = np.min(fields) - _BEYOND * span, np.max(fields) + _BEYOND * span
     stands = np.flatnonzero(low <= high)
-    labels = labels_of(fields.shape[1])
+    labels = labels_of(digits)
     found = TransitionGraph()
     for branch, code in enumerate(stands.tolist()):
         ends = float(low[code]), float(high[code])
         label = labels[code]
-        unknown = (math.nan, math.nan) if unit != "N" else ends
+        unknown = ends if unit == measure.force_unit else (math.nan, math.nan)
         found.add_node(label, node=Node(label, label, *ends, *unknown, (), (), branch))
     rising, falling = stands[stands < len(labels) - 1], stands[stands > 0]
     for codes, direction, drive in ((rising, +1, high), (falling, -1, low)):

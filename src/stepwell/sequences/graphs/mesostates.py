@@ -98,7 +98,7 @@ class Atlas:
 
     @property
     def bottom(self) -> int:
-        """The branch on which all cells are at 0."""
+        """The branch on which every cell is in its first phase."""
         return self.branch_of[self.graph.zero]
 
     def label_at(self, number: int, drive: float) -> str:
@@ -142,9 +142,9 @@ def atlas(graph: TransitionGraph) -> Atlas:
     rise, fall = np.full(len(labels), -1), np.full(len(labels), -1)
     for a, b, direction in snaps:
         (rise if direction > 0 else fall)[branch_of[a]] = branch_of[b]
-    stroke = max(math.fsum(graph.node(label).travel_high) for label in graph)
-    span = float(np.max(high) - np.min(low))
-    slip = drive_slip(span, stroke if graph.unit == "m" else 0.0)
+    strokes = [math.fsum(graph.node(label).travel_high) for label in graph]
+    stroke = max(strokes) - min(strokes) if graph.unit == graph.measure.travel_unit else 0.0
+    slip = drive_slip(float(np.max(high) - np.min(low)), stroke)
     return Atlas(graph, up, down, Mesostates(low, high, rise, fall, slip), labels, branch_of)
 
 

@@ -9,20 +9,20 @@ from stepwell.base import ByValue
 class TransitionKind(Enum):
     """How a chain gets from one node to the next."""
 
-    SWITCH = "a cell arrives at a stop or leaves it; turning back undoes it"
+    SWITCH = "a cell arrives in a phase or leaves it; turning back undoes it"
     SNAP = "the chain jumps; turning back does not undo it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Node(ByValue):
-    """Stable equilibria with the same cells at 0, at 1 and in transit, one after another.
+    """Stable equilibria with every cell in the same phase or in transit, one after another.
 
-    A node with no cell in transit is a *vertex*. Under a rigid actuator it has one stroke and a
-    range of forces; all others have a range of strokes.
+    A node with no cell in transit is a *vertex*. Under a rigid actuator one with every cell at a
+    stop has one stroke and a range of forces; all others have a range of strokes.
 
     Attributes:
         label: its name in the graph: `state`, numbered where several nodes share it.
-        state: one character a cell, inner first: 0, 1, or - for one in transit.
+        state: one character a cell, inner first: the number of its phase, or - for one in transit.
         low, high: the drives between which it exists [m], or [N] under force control.
         force_low, force_high: the actuator's force λ there [N].
         travel_low, travel_high: (N,) travels there [m].
@@ -42,8 +42,13 @@ class Node(ByValue):
 
     @property
     def is_vertex(self) -> bool:
-        """Whether every cell stands at a stop."""
+        """Whether every cell stands in a phase."""
         return "-" not in self.state
+
+    @property
+    def level(self) -> int:
+        """The sum of the phases of a vertex: how many cells are at 1 where all have two."""
+        return sum(map(int, self.state))
 
     def __repr__(self):
         return f"Node({self.label}: drive {self.low:.6g} to {self.high:.6g}, branch {self.branch})"
@@ -57,7 +62,8 @@ class Transition(ByValue):
         kind: a switch or a snap.
         direction: +1 where the drive rises, -1 where it falls.
         drive: where [m], or [N] under force control.
-        cells: those that differ before and after, or are in transit on either side of a snap.
+        cells: those whose phase differs before and after, or that are in transit on either side of
+            a snap.
         released: energy that a snap turns into heat [J].
         tie: whether another outcome was closer than the tolerance.
     """

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from stepwell.base import InputError, most, problem, same
+from stepwell.base import InputError, Measure, amount, most, problem, same
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -22,7 +22,7 @@ from stepwell.sequences.branches import (
     state_of,
 )
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
-from stepwell.statics import Tie
+from stepwell.statics import Segment, Tie
 
 if TYPE_CHECKING:
     from stepwell.sequences.memory import MemoryReading
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 class TransitionGraph(nx.DiGraph):
     """Where a chain can stand, and how it gets from there to elsewhere.
 
-    A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with all cells at a
-    stop, or one such as "0-1" with cells in transit. `graph.nodes[label]["node"]` is a Node,
+    A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with every cell in a
+    phase, or one such as "0-1" with cells in transit. `graph.nodes[label]["node"]` is a Node,
     `graph.edges[a, b]["transitions"]` a tuple of Transition, one for each direction of the
     drive that leads from a to b.
 
@@ -73,7 +73,10 @@ class TransitionGraph(nx.DiGraph):
 
     @property
     def actuator(self) -> str:
-        """What drives it: "stroke", "force", "spring of 53 N/m" or "field"."""
+        """What drives it: "stroke", "force", "spring of 53 N/m" or "field".
+
+        Chains of volume and pressure, or of angle and torque, are driven by these.
+        """
         return self.graph["actuator"]
 
     @property
@@ -96,6 +99,11 @@ class TransitionGraph(nx.DiGraph):
         """Unit of drives: N under force control, m under others, "" for bare numbers."""
         return self.graph["unit"]
 
+    @property
+    def measure(self) -> Measure:
+        """What travel and force are in it, as the unit of drives tells; bare numbers are of m."""
+        return measure_of(self.unit)
+
     @cached_property
     def reading(self) -> MemoryReading:
         """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
@@ -117,13 +125,13 @@ class TransitionGraph(nx.DiGraph):
 
     @property
     def vertices(self) -> tuple[str, ...]:
-        """Labels of the nodes with every cell at a stop, by number of cells at 1."""
+        """Labels of the nodes with every cell in a phase, by the sum of their numbers."""
         found = [label for label in self if "-" not in label]
-        return tuple(sorted(found, key=lambda state: (state.count("1"), state[::-1])))
+        return tuple(sorted(found, key=lambda label: (self.node(label).level, label[::-1])))
 
     @property
     def zero(self) -> str:
-        """Label of the node with all cells at 0.
+        """Label of the node with every cell in its first phase, 0.
 
         Several nodes share that state only where slack cells share a motion; then the first.
         """
@@ -152,6 +160,12 @@ class TransitionGraph(nx.DiGraph):
         )
 
 
+def measure_of(unit: str) -> Measure:
+    """The measure one of whose units this is; that of travel and force for bare numbers."""
+    units = {si: one for one in Measure for si in (one.travel_unit, one.force_unit)}
+    return units.get(unit, Measure.TRAVEL)
+
+
 def transitions(graph: TransitionGraph) -> Iterator[tuple[str, str, Transition]]:
     """Every (from, to, transition)."""
     for a, b, together in graph.edges(data="transitions"):
@@ -169,29 +183,28 @@ def graph(
     """The transition graph of a chain. All else as for `Chain.graph`."""
     chain = driven(chain, drive)
     refuse_friction(chain)
-    fields = relays(chain)
-    if fields is not None and chain.actuator_stiffness == 0 and start is None:
-        _require("relays", chain)
+    states = [range(int(last) + 1) for last in chain.last_state]
+    fields = relays(chain) if chain.actuator_stiffness == 0 else None
+    if fields is not None and start is None:
+        _require("relays", states)
         from stepwell.sequences.graphs.fields import preisach
 
         return preisach(chain, fields)
     if start is None:
-        _require("graph_cells", chain)
+        _require("graph_cells", states)
     branches = Branches(chain)
-    states = (
-        ["".join(bits) for bits in product("01", repeat=len(chain))] if start is None else [start]
-    )
+    starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
     first: list[int] = []
-    for done, state in enumerate(states):
+    for done, state in enumerate(starts):
         if progress is not None:
-            progress(done, len(states))
+            progress(done, len(starts))
         place = branches.vertex(checked_state(chain, "start", state))
         if place is not None:
             first.append(branches.at(*place))
         elif start is not None:
             raise InputError(
-                f"start = {start!r}: is no equilibrium: a cell at 1 pushes harder than one at 0 "
-                f"holds. Start from another state, or leave start out to see all."
+                f"start = {start!r}: is no equilibrium: {_overdrawn(chain)}. Start from another "
+                f"state, or leave start out to see all."
             )
     found = sorted(branches.all_from(first, progress))
     if progress is not None:
@@ -199,12 +212,21 @@ def graph(
     return _assembled(branches, found, start)
 
 
-def _require(limit: str, chain: Chain) -> None:
-    if len(chain) > most(limit):
+def _require(limit: str, states: list[range]) -> None:
+    # As many states as so many cells of two have.
+    cells = (math.prod(map(len, states)) - 1).bit_length()
+    if cells > most(limit):
+        what = "the chain has" if cells == len(states) else "the chain has as many states as"
         raise InputError(
-            f"{problem(limit, len(chain), 'the chain has')} Or pass start= to see what can be "
-            f"reached from one state, or ask chain.program(to=...) for one way."
+            f"{problem(limit, cells, what)} Or pass start= to see what can be reached from one "
+            f"state, or ask chain.program(to=...) for one way."
         )
+
+
+def _overdrawn(chain: Chain) -> str:
+    if chain.elements:
+        return "no one force keeps every cell in its phase"
+    return "a cell at 1 pushes harder than one at 0 holds"
 
 
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
@@ -233,8 +255,10 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
             if exit_ is None:
                 continue
             snap, at = exit_.snap, exit_.snap.drive[0]
-            target = branches[exit_.branch].find(state_of(stretches, exit_.place), at)
-            what = TransitionKind.SNAP, direction, at, snap.cells, snap.released, snap.tie
+            onto = branches[exit_.branch]
+            target = onto.find(state_of(stretches, exit_.place), at)
+            cells = _changed(snap, sections[k].state, onto.sections[target].state)
+            what = TransitionKind.SNAP, direction, at, cells, snap.released, snap.tie
             join(found, names[number, k], names[exit_.branch, target], Transition(*what))
     found.graph.update(
         **about(chain),
@@ -247,10 +271,10 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
 
 def about(chain: Chain) -> dict[str, object]:
     """What a graph says of the chain that it is of."""
-    stiffness = chain.actuator_stiffness
-    actuator = {0.0: "force", math.inf: "stroke"}.get(stiffness, f"spring of {stiffness:.6g} N/m")
-    unit = "N" if stiffness == 0 else "m"
-    return {"chain": chain, "names": chain.names, "actuator": actuator, "unit": unit}
+    stiffness, measure = chain.actuator_stiffness, chain.measure
+    spring = f"spring of {amount(stiffness, measure.stiffness_unit, 6)}"
+    actuator = {0.0: measure.force, math.inf: measure.stroke}.get(stiffness, spring)
+    return {"chain": chain, "names": chain.names, "actuator": actuator, "unit": chain.drive_unit}
 
 
 def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:
@@ -264,6 +288,14 @@ def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str
         for count, (_, number, k) in enumerate(sorted(sharing), 1):
             labels[number, k] = state if len(sharing) == 1 else f"{state}#{count}"
     return labels
+
+
+def _changed(snap: Segment, before: str, after: str) -> tuple[int, ...]:
+    """The cells of a snap but for those that only give way within the phase they are in."""
+    moved = zip(snap.cells, snap.before, snap.after, strict=True)
+    return tuple(
+        cell for cell, a, b in moved if a == b or before[cell] != after[cell] or after[cell] == "-"
+    )
 
 
 def _unlike(a: str, b: str) -> tuple[int, ...]:

@@ -35,7 +35,7 @@ class Loop(ByValue):
 
     @property
     def vertices(self) -> tuple[str, ...]:
-        """Labels of those with every cell at a stop, each once, in the order of the visit."""
+        """Labels of those with every cell in a phase, each once, in the order of the visit."""
         return tuple(dict.fromkeys(label for label in self.up + self.down if "-" not in label))
 
     def __str__(self):

@@ -115,10 +115,7 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
 
 
 def _counting(drawn: Atlas, routes: Routes, remembers: bool) -> Counting:
-    graph = drawn.graph
-    # Under a prescribed force no cell feels another, and none by itself counts.
-    alone = graph.actuator == "force"
-    by_hand = graph.is_whole and not alone and len(drawn.mesostates) <= MOST_BY_HAND
+    by_hand = drawn.graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
     if remembers and not by_hand:
         return Counting((), True)
     return counting(drawn, routes, by_hand=by_hand)

@@ -1,4 +1,7 @@
-"""Scrambling: pairs of cells that flip in one order in some states and in the other in others."""
+"""Scrambling: pairs of cells that flip in one order in some states and in the other in others.
+
+A flip leads from a phase of a cell to the next one, so a cell with three phases has two.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue
+from stepwell.base import Bools, ByValue, Ints
 from stepwell.sequences.graphs import Atlas
 
 
@@ -17,7 +20,8 @@ class Scrambling(ByValue):
 
     Attributes:
         cells: (i, j), indices in chain.cells; the text counts cells from 1.
-        direction: +1 where both are at 0 and the drive rises, -1 where both are at 1 and it falls.
+        direction: +1 where both have a phase to rise to and the drive rises, -1 where both have one
+            to fall to and it falls; with two phases each, both are at 0 or both at 1.
         i_first, j_first: vertices from which i flips before j, and j before i.
         reachable: whether both vertices can be reached from all cells at 0; if not, at least one
             has to be set by hand.
@@ -39,47 +43,56 @@ class Scrambling(ByValue):
 
 
 def scrambling(atlas: Atlas, reachable: frozenset[str]) -> tuple[Scrambling, ...]:
-    """Every scrambled pair once for each direction, with states that can be reached if any are.
+    """Every scrambled pair of flips once, with states that can be reached if any are.
 
     A vertex tells the order of what flips on the way to the next one, against everything that
     could have and did not.
     """
     vertices = sorted(atlas.graph.vertices, key=lambda label: label not in reachable)
     count = sum(label in reachable for label in vertices)
+    last = np.max(_phases(atlas, vertices), axis=0)
+    # Flip m is that of cell[m] out of phase step[m], and of a falling drive back to it.
+    cell = np.repeat(np.arange(len(last)), last)
+    step = np.arange(len(cell)) - np.searchsorted(cell, cell)
     found: list[Scrambling] = []
     for direction in (+1, -1):
-        flips, waits = _flips_and_waits(atlas, vertices, direction)
-        known = np.zeros((atlas.graph.cells,) * 2, bool)
+        flips, waits = _flips_and_waits(atlas, vertices, cell, step, direction)
+        known = np.zeros((len(cell),) * 2, bool)
         for part, reached in ((slice(count), True), (slice(None), False)):
-            # before[i, j]: whether i flips before j somewhere.
+            # before[i, j]: whether flip i is before flip j somewhere.
             before = flips[part].T.astype(float) @ waits[part] > 0
             scrambled = before & before.T & ~known
             known |= scrambled
             for i, j in np.argwhere(np.triu(scrambled)).tolist():
                 i_first = vertices[int(np.argmax(flips[part, i] & waits[part, j]))]
                 j_first = vertices[int(np.argmax(flips[part, j] & waits[part, i]))]
-                found.append(Scrambling((i, j), direction, i_first, j_first, reached))
+                cells = int(cell[i]), int(cell[j])
+                found.append(Scrambling(cells, direction, i_first, j_first, reached))
     return tuple(found)
 
 
-def _flips_and_waits(atlas: Atlas, vertices: Sequence[str], direction: int) -> tuple[Bools, Bools]:
-    """(V, N) which cells flip on the way from each vertex to the next, and which could but wait."""
+def _flips_and_waits(
+    atlas: Atlas, vertices: Sequence[str], cell: Ints, step: Ints, direction: int
+) -> tuple[Bools, Bools]:
+    """(V, M) which flips are on the way from each vertex to the next, and which could but wait."""
     steps = atlas.up if direction > 0 else atlas.down
-    before, ahead = "01" if direction > 0 else "10"
-    n = atlas.graph.cells
     following: list[str] = []
-    for label in vertices:
+    for vertex in vertices:
+        label = vertex
         for _ in range(len(steps)):
-            label = steps.get(label, "")
+            label = steps.get(label, "-")
             if "-" not in label:
                 break
-        # With nothing more to come nothing flips.
-        following.append(label or before * n)
-    ready = _cells(vertices, n) == ord(before)
-    flips = ready & (_cells(following, n) == ord(ahead))
+        # With no vertex to come nothing flips.
+        following.append(vertex if "-" in label else label)
+    here, there = (_phases(atlas, labels)[:, cell] for labels in (vertices, following))
+    ready = here == (step if direction > 0 else step + 1)
+    flips = ready & ((there > step) if direction > 0 else (there <= step))
     return flips, ready & ~flips
 
 
-def _cells(labels: Sequence[str], n: int) -> np.ndarray:
-    """(V, N) the character of every cell."""
-    return np.frombuffer("".join(label[:n] for label in labels).encode(), np.uint8).reshape(-1, n)
+def _phases(atlas: Atlas, labels: Sequence[str]) -> Ints:
+    """(V, N) the phase of every cell."""
+    n = atlas.graph.cells
+    text = "".join(label[:n] for label in labels)
+    return np.frombuffer(text.encode(), np.uint8).reshape(-1, n).astype(np.int64) - ord("0")

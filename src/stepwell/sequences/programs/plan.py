@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import count
 
-from stepwell.base import InputError
-from stepwell.concave import fewest_strokes, relays
+from stepwell.base import InputError, amount
+from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
@@ -38,7 +38,7 @@ def program(
 
     All else as for `Chain.program`.
     """
-    start = checked_state(chain, "start", "0" * len(chain) if start is None else start)
+    start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "to", to)
     branches = Branches(chain)
     origin = branches.vertex(start)
@@ -54,12 +54,15 @@ def program(
 
 def _unstable(chain: Chain, state: str) -> str:
     cells = list(zip(chain.names, chain.cells, state, strict=True))
-    pushes, pushed = max((c.force_1 - c.friction, name) for name, c, s in cells if s == "1")
-    gives, giving = min((c.force_0 + c.friction, name) for name, c, s in cells if s == "0")
+    least = [(c.phases[int(at)].force_low - c.friction, name, at) for name, c, at in cells]
+    most = [(c.phases[int(at)].force_high + c.friction, name, at) for name, c, at in cells]
+    (pushes, pushed, low), (gives, giving, high) = max(least), min(most)
+    kind, unit = chain.measure.force, chain.measure.force_unit
+    f1, f0 = ("the least there", "the largest there") if chain.elements else ("F1", "F0")
     return (
-        f"{state} is no equilibrium, so the chain cannot stand there: at 1 {pushed} needs an "
-        f"actuator force of at least {pushes:.4g} N (F1 less friction), and at 0 {giving} lets go "
-        f"at {gives:.4g} N (F0 and friction)."
+        f"{state} is no equilibrium, so the chain cannot stand there: at {low} {pushed} needs an "
+        f"actuator {kind} of at least {amount(pushes, unit)} ({f1} less friction), and at {high} "
+        f"{giving} lets go at {amount(gives, unit)} ({f0} and friction)."
     )
 
 
@@ -69,7 +72,7 @@ def _by_fields(
     """The plan of relays, aimed by one run a stroke; None where it may not or does not hold."""
     chain = branches.chain
     fields = relays(chain)
-    if fields is None:
+    if fields is None or fields.skips:
         return None
     by_force = chain.actuator_stiffness == 0
     if not by_force:
@@ -82,18 +85,23 @@ def _by_fields(
     if plan.blocked is not None:
         if not order.only_ideals:
             return None
-        i, j = (chain.names[k] for k in plan.blocked)
+        i, j = (chain.names[fields.cell[m]] for m in plan.blocked)
+        k, m = (fields.step[m] + 1 for m in plan.blocked)
+        smaller, beyond = "the smaller F0 and the smaller F1", ""
+        if chain.elements:
+            smaller = f"the smaller {chain.measure.force} up and the smaller one down"
+            beyond = " or beyond"
         raise Unreachable(
-            f"no program leads from {start} to {to}: {i} has the smaller F0 and the smaller F1 of "
-            f"the two, so it goes to 1 before {j} and back to 0 after it. Where {j} is at 1, {i} "
-            f"is at 1, unless they were set by hand (theory page, 'Stroke programs').",
+            f"no program leads from {start} to {to}: {i} has {smaller} of the two, so it "
+            f"{_goes_first(chain, fields, plan.blocked)}. Where {j} is at {m}{beyond}, {i} is at "
+            f"{k}{beyond}, unless they were set by hand (theory page, 'Stroke programs').",
             proved=True,
         )
     aimed = _aimed(branches, origin, plan.states)
     if aimed is None:
         return None
-    method, shortest = ProgramMethod.FIELDS, order.leaders_win
-    return Program(chain, start, to, origin[1], *aimed, method, shortest, origin[0])
+    method = ProgramMethod.RELAYS if chain.elements else ProgramMethod.FIELDS
+    return Program(chain, start, to, origin[1], *aimed, method, order.leaders_win, origin[0])
 
 
 def _aimed(
@@ -145,6 +153,10 @@ def _by_branches(
     progress: Progress | None,
 ) -> Program:
     first = branches.at(*origin)
+    if start == to:
+        here = branches[first].sections[branches[first].find(to, origin[1])]
+        found = branches.chain, start, to, origin[1], (), *here.drive
+        return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0])
     order = count()
     heap: list[tuple[tuple[int, float], int, _Reached]] = []
 
@@ -224,8 +236,18 @@ def _why(branches: Branches, to: str) -> str:
         return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
     chain = branches.chain
     fields = relays(chain)
-    blocked = fewest_strokes(fields, "0" * len(chain), to).blocked if fields else None
+    # What a stroke does to elements, their fields do not tell.
+    told = not chain.elements or chain.actuator_stiffness == 0
+    if fields is None or fields.skips or not told:
+        return ""
+    blocked = fewest_strokes(fields, chain.first_state, to).blocked
     if blocked is None:
         return ""
-    i, j = (chain.names[k] for k in blocked)
-    return f"{i} goes to 1 before {j} and back to 0 after it."
+    return f"{chain.names[fields.cell[blocked[0]]]} {_goes_first(chain, fields, blocked)}."
+
+
+def _goes_first(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
+    """What the first of two relays does before and after the other."""
+    (k, m), second = (fields.step[i] for i in blocked), chain.names[fields.cell[blocked[1]]]
+    other = second if k == m else f"{second} goes to {m + 1}"
+    return f"goes to {k + 1} before {other} and back to {k} after it"

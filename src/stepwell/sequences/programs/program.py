@@ -24,6 +24,10 @@ class ProgramMethod(StrEnum):
         "does it with fewer"
     )
     FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
+    RELAYS = (
+        "planned backward from the forces at which the cells leave their phases, and followed by "
+        "the engine"
+    )
     FRICTION = (
         "searched with friction, turning in the middle of every smooth part of every run; each "
         "window was bisected with the other turns where they are, and a shorter program may exist"
@@ -49,8 +53,8 @@ class Turn(ByValue):
         drive: where to turn, the middle of the window [m], or [N] under force control.
         low, high: turning anywhere between does the same, whatever the other turns do within
             their own windows.
-        branch: states at stops that the chain can be brought to from there without a snap; not
-            told where the program was given.
+        branch: states without a cell in transit that the chain can be brought to from there without
+            a snap; not told where the program was given.
     """
 
     drive: float
@@ -74,7 +78,7 @@ class Program(ByValue):
         begin: drive at which it stands at the start [m], or [N] under force control.
         turns: what lies between; empty where one stroke does it.
         low, high: the drives between which the last stroke may end and the chain still stand at
-            `to`: one stroke under a rigid actuator, which has a state at one stroke only.
+            `to`: one stroke where a rigid actuator has every cell at a stop.
         method: how it was found and why there is none shorter.
         shortest: whether that is proved.
     """
@@ -104,7 +108,7 @@ class Program(ByValue):
         Args:
             chain: what is driven.
             turning_points: from the beginning to the end [m], or [N] under force control.
-            start: the state at the beginning; all cells at 0 by default.
+            start: the state at the beginning; every cell in its first phase by default.
             to: the state it is meant to end in; the one it ends in by default.
 
         Returns:
@@ -114,7 +118,7 @@ class Program(ByValue):
             ValueError: the chain cannot stand at the start.
             StaticsError: the engine could not go on; its text says what to do.
         """
-        start = "0" * len(chain) if start is None else start
+        start = chain.first_state if start is None else start
         points = tuple(float(point) for point in turning_points)
         path = chain.path(points, start=start)
         turns = tuple(
@@ -129,6 +133,8 @@ class Program(ByValue):
     @property
     def end(self) -> float:
         """Drive at which the last stroke ends, the middle of its window [m], or [N]."""
+        if not self.turns and self.low <= self.begin <= self.high:
+            return self.begin
         return (self.low + self.high) / 2
 
     @property
@@ -155,12 +161,12 @@ class Program(ByValue):
 
     @property
     def arrives(self) -> str:
-        """The state in which it ends, such as "010"; - for a cell between its stops."""
+        """The state in which it ends, such as "010"; - for a cell between its phases."""
         return arrival(self.path)
 
     @cached_property
     def sequence(self) -> Sequence:
-        """States with all cells at a stop that it passes."""
+        """States with every cell in a phase that it passes."""
         return sequence_of(self.path)
 
     def to_csv(self, file: str | File) -> None:
@@ -174,7 +180,8 @@ class Program(ByValue):
         write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
 
     def __str__(self):
-        unit, factor = told_in(self.chain.drive_unit)
+        told, factor = told_in(self.chain.drive_unit)
+        unit = Quantity("drive", told).sign
         points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
         text = f"{self.start} to {self.to}: {points} {unit}"
         if not self.turns:

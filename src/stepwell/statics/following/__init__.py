@@ -21,6 +21,7 @@ from stepwell.statics.following.pieces import (
     force_scale,
     invert,
     of_curve,
+    sheets_of,
     stand_all_on,
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample

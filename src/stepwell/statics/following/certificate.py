@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, overspent
-from stepwell.mechanism import Laws, can_fall, can_rise, law, stored
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
     CELL,
@@ -20,7 +20,7 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece, stand_all_on, stand_on
+from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, stand_all_on, stand_on
 from stepwell.statics.following.state import Movers, Problem, nobody
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY = 0, 1, 2, 3
@@ -38,6 +38,7 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
     cannot give way to what the other side of the kink would set off.
     """
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    ends = problem.sheets.ends
     n = len(travel)
     worst = 0.0
     slides = False
@@ -55,7 +56,7 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
         value, _, _ = law(laws, i, pieces.picked[piece], travel[i])
         friction = laws.friction[i]
         forward, backward = value + friction - force, force - value + friction
-        rises, falls = can_rise(laws, i, travel[i]), can_fall(laws, i, travel[i])
+        rises, falls = travel[i] < ends[i, BEYOND], travel[i] > ends[i, BEFORE]
         if rises:
             worst = max(worst, -forward)
         if falls:
@@ -66,7 +67,7 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
         if inside and (friction == 0.0 or mine >= 0):
             slopes[free] = _slope(laws, pieces, i, piece, travel[i])
             if not slides:
-                slopes[free] = min(slopes[free], _beyond(laws, pieces, i, piece, travel[i]))
+                slopes[free] = min(slopes[free], _beyond(problem, i, piece, travel[i]))
             free += 1
     return worst, smallest_eigenvalue(slopes[:free], alpha, beta)
 
@@ -80,11 +81,12 @@ def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> 
 
 
 @kernel
-def _beyond(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
+def _beyond(problem: Problem, cell: int, piece: int, travel: float) -> float:
     """κ on the other side of a joint of two pieces; inf away from one."""
-    if travel == pieces.left[piece] and travel > laws.low[cell]:
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    if travel == pieces.left[piece] and travel > ends[cell, LOW]:
         return _slope(laws, pieces, cell, piece - 1, travel)
-    if travel == pieces.right[piece] and travel < laws.high[cell]:
+    if travel == pieces.right[piece] and travel < ends[cell, HIGH]:
         return _slope(laws, pieces, cell, piece + 1, travel)
     return np.inf
 
@@ -101,7 +103,7 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     laws, pieces, scale = problem.laws, problem.pieces, problem.scale
     n = len(start)
     now = start.copy()
-    stand_all_on(laws, pieces, sheets)
+    stand_all_on(laws, problem.sheets, pieces, sheets)
     lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
     for i in range(n):
         _stands(problem, i, -1, now[i], lowest, highest)
@@ -117,8 +119,8 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
             mover = log.movers[j]
             i, piece = int(mover[CELL]), int(mover[PIECE])
             now[i] = mover[TRAVEL_1]
-            if laws.sheet[i] != int(mover[SHEET_1]):
-                stand_on(laws, pieces, i, int(mover[SHEET_1]))
+            if sheet_of(problem.sheets, i) != int(mover[SHEET_1]):
+                stand_on(laws, problem.sheets, pieces, i, int(mover[SHEET_1]))
             value = _stands(problem, i, piece, now[i], lowest, highest)
             if piece >= 0:
                 gap = max(gap, abs(value + mover[OFFSET] - force))
@@ -158,10 +160,10 @@ def _stands(
     problem: Problem, cell: int, piece: int, travel: float, lowest: Floats, highest: Floats
 ) -> float:
     """Write down between which λ a cell stands; its force [N]."""
-    laws, pieces = problem.laws, problem.pieces
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     on = piece if piece >= 0 else find_piece(pieces, cell, travel, 0)
     value = law(laws, cell, pieces.picked[on], travel)[0]
-    falls, rises = can_fall(laws, cell, travel), can_rise(laws, cell, travel)
+    falls, rises = travel > ends[cell, BEFORE], travel < ends[cell, BEYOND]
     lowest[cell] = value - laws.friction[cell] if falls else -np.inf
     highest[cell] = value + laws.friction[cell] if rises else np.inf
     return float(value)

@@ -6,7 +6,18 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import Laws, beyond, can_fall, can_rise, law, pick_rows, summed
+from stepwell.mechanism import (
+    BEFORE,
+    BEYOND,
+    FIRST,
+    HIGH,
+    LOW,
+    Laws,
+    beyond,
+    law,
+    pick_rows,
+    summed,
+)
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import stand_on
 from stepwell.statics.following.state import Problem
@@ -26,24 +37,27 @@ class Point(NamedTuple):
 
 
 @kernel
-def _rate(laws: Laws, i: int, travel: float, force: float, shared: float) -> float:
-    """ds_i/dt at unit mobility: stops and Coulomb friction may hold the cell."""
-    friction = laws.friction[i]
-    if shared > force + friction and can_rise(laws, i, travel):
+def _rate(
+    travel: float, force: float, friction: float, least: float, most: float, shared: float
+) -> float:
+    """ds/dt of a cell at unit mobility: stops and Coulomb friction may hold it."""
+    if shared > force + friction and travel < most:
         return shared - force - friction
-    if shared < force - friction and can_fall(laws, i, travel):
+    if shared < force - friction and travel > least:
         return shared - force + friction
     return 0.0
 
 
 @kernel
-def _balance(laws: Laws, travel: Floats, force: Floats, shared: float) -> float:
+def _balance(problem: Problem, travel: Floats, force: Floats, shared: float) -> float:
     """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
+    # Taken out once, here: compiled, every later look into the record would count references.
+    friction, ends = problem.laws.friction, problem.sheets.ends
     low, high = -np.inf, np.inf
     for _ in range(200):
         total, moving = 0.0, 0
         for i in range(len(travel)):
-            rate = _rate(laws, i, travel[i], force[i], shared)
+            rate = _rate(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
             if rate != 0.0:
                 total += rate
                 moving += 1
@@ -67,14 +81,15 @@ def _balance(laws: Laws, travel: Floats, force: Floats, shared: float) -> float:
 @kernel
 def _rates(problem: Problem, at: Point, shared: float, out: Floats) -> float:
     """λ, and all rates into `out`."""
-    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
+    alpha, beta = problem.alpha, problem.beta
     drive, travel, force = at.drive, at.travel, at.force
+    friction, ends = problem.laws.friction, problem.sheets.ends
     if beta == 0.0:
-        shared = _balance(laws, travel, force, shared)
+        shared = _balance(problem, travel, force, shared)
     else:
         shared = (drive - alpha * summed(travel)) / beta
     for i in range(len(travel)):
-        out[i] = _rate(laws, i, travel[i], force[i], shared)
+        out[i] = _rate(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
     return shared
 
 
@@ -85,11 +100,11 @@ def _smooth_rates(problem: Problem, at: Point, travel: Floats, out: Floats) -> N
     Within a step the field has to be smooth; stops and releases are looked at between steps.
     """
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
-    drive, sense, rows = at.drive, at.sense, at.rows
+    drive, sense, rows, ends = at.drive, at.sense, at.rows, problem.sheets.ends
     total, count = 0.0, 0
     for i in range(len(travel)):
         if sense[i] != 0:
-            place = min(max(travel[i], laws.low[i]), laws.high[i])
+            place = min(max(travel[i], ends[i, LOW]), ends[i, HIGH])
             pick_rows(laws, i, place, rows)
             out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
             total += out[i]
@@ -119,14 +134,14 @@ def _polish(
 ) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the equilibrium it creeps towards."""
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
-    travel, rows = at.travel, at.rows
+    travel, rows, ends = at.travel, at.rows, problem.sheets.ends
     n = len(travel)
     out[:] = travel
     active = np.zeros(n, np.bool_)
     offset = np.zeros(n)
     for i in range(n):
         if laws.friction[i] == 0.0:
-            active[i] = can_fall(laws, i, travel[i]) and can_rise(laws, i, travel[i])
+            active[i] = ends[i, BEFORE] < travel[i] < ends[i, BEYOND]
         elif rate[i] != 0.0:
             active[i] = True
             offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
@@ -172,8 +187,8 @@ def _polish(
         shared += change
         for i in range(n):
             if (
-                out[i] < laws.low[i]
-                or out[i] > laws.high[i]
+                out[i] < ends[i, LOW]
+                or out[i] > ends[i, HIGH]
                 or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]
             ):
                 return False, shared
@@ -184,9 +199,9 @@ def _polish(
         value = law(laws, i, rows, out[i])[0]
         slack = laws.friction[i] + 1e-9 * (abs(value) + abs(shared))
         if not active[i]:
-            if can_rise(laws, i, out[i]) and shared > value + slack:
+            if out[i] < ends[i, BEYOND] and shared > value + slack:
                 return False, shared
-            if can_fall(laws, i, out[i]) and shared < value - slack:
+            if out[i] > ends[i, BEFORE] and shared < value - slack:
                 return False, shared
     return True, shared
 
@@ -219,13 +234,13 @@ def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floa
     A stiff actuator can start a cell off its stop, or against its friction, and call it back
     within the step; stepping through that to and fro would take for ever. Such a cell stays.
     """
-    laws, travel, sense = problem.laws, at.travel, at.sense
+    laws, travel, sense, ends = problem.laws, at.travel, at.sense, problem.sheets.ends
     for _ in range(len(travel)):
         _solve(problem, at, h, rates, out)
         stays = False
         for i in range(len(travel)):
-            ends = travel[i] == laws.low[i] or travel[i] == laws.high[i]
-            bound = laws.friction[i] > 0.0 or ends
+            at_end = travel[i] == ends[i, LOW] or travel[i] == ends[i, HIGH]
+            bound = laws.friction[i] > 0.0 or at_end
             if sense[i] != 0 and bound and out[i] * sense[i] < 0.0:
                 sense[i] = 0
                 stays = True
@@ -236,10 +251,10 @@ def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floa
 
 
 @kernel
-def _turned(laws: Laws, at: Point, step: Floats) -> int:
+def _turned(ends: Floats, at: Point, step: Floats) -> int:
     """A cell that a step pushes into the stop that it was to leave, or -1."""
     for i in range(len(step)):
-        bound = at.travel[i] == laws.low[i] or at.travel[i] == laws.high[i]
+        bound = at.travel[i] == ends[i, LOW] or at.travel[i] == ends[i, HIGH]
         if at.sense[i] != 0 and bound and step[i] * at.sense[i] < 0.0:
             return i
     return -1
@@ -296,13 +311,14 @@ def flow(
     e32 = 6.0 + np.sqrt(2.0)
     for i in range(n):
         _look(laws, at, i)
+    ends, folds = problem.sheets.ends, len(problem.sheets.table) > n
     stiffest = np.max(np.abs(at.slope)) + scale / np.min(laws.full)
     h = 1e-2 / stiffest
     for step in range(_STEPS):
         if overspent(problem.effort, 4 * n):
             break
         shared = _rates(problem, at, shared, f0)
-        if _jumps(problem, at, f0):
+        if folds and _jumps(problem, at, f0):
             continue
         fastest = np.max(np.abs(f0))
         # The longest step moves no cell by more than rounding: this is rest, whether or not
@@ -326,7 +342,7 @@ def flow(
             _smooth_rates(problem, at, travel + 0.5 * h * k1, f1)
             _solve(problem, at, h * d, f1 - k1, k2)
             k2 += k1
-            turned = _turned(laws, at, k2)
+            turned = _turned(ends, at, k2)
             if turned >= 0:
                 # It would leave its stop and be back there within the step, which then would
                 # end before it began. A shorter step lets it go; in the shortest it stays.
@@ -354,17 +370,17 @@ def flow(
         share, first = 1.0, -1
         for i in range(n):
             move = h * k2[i]
-            room = laws.high[i] - travel[i] if move > 0.0 else travel[i] - laws.low[i]
+            room = ends[i, HIGH] - travel[i] if move > 0.0 else travel[i] - ends[i, LOW]
             if abs(move) * share > room:
                 share, first = room / abs(move), i
         for i in range(n):
             if sense[i] != 0:
                 move = share * h * k2[i]
                 rubbed[i] += abs(move)
-                travel[i] = min(max(travel[i] + move, laws.low[i]), laws.high[i])
+                travel[i] = min(max(travel[i] + move, ends[i, LOW]), ends[i, HIGH])
                 if i == first:
                     # Not by the sign of `move`: a cell that was there already moves by zero.
-                    travel[i] = laws.high[i] if k2[i] > 0.0 else laws.low[i]
+                    travel[i] = ends[i, HIGH] if k2[i] > 0.0 else ends[i, LOW]
                 _look(laws, at, i)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
         h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
@@ -374,12 +390,12 @@ def flow(
 @kernel
 def _jumps(problem: Problem, at: Point, rates: Floats) -> bool:
     """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
-    laws, some = problem.laws, False
+    laws, sheets, ends, some = problem.laws, problem.sheets, problem.sheets.ends, False
     for i in range(len(rates)):
-        out = at.travel[i] >= laws.high[i] if rates[i] > 0.0 else at.travel[i] <= laws.low[i]
-        to = beyond(laws, i, at.travel[i]) if rates[i] != 0.0 and out else -1
+        out = at.travel[i] >= ends[i, HIGH] if rates[i] > 0.0 else at.travel[i] <= ends[i, LOW]
+        to = beyond(sheets, i, at.travel[i]) if rates[i] != 0.0 and out else -1
         if to >= 0:
-            stand_on(laws, problem.pieces, i, to)
+            stand_on(laws, sheets, problem.pieces, i, to - int(sheets.table[to, FIRST]))
             _look(laws, at, i)
             some = True
     return some

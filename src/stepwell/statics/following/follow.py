@@ -48,7 +48,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
     effort, n = problem.effort, len(state.mode)
     goes = np.zeros(n, np.int64)
     slack = drive_slack(problem)
-    lowest, highest = ends_of(problem.laws)
+    lowest, highest = ends_of(problem.sheets)
     for turn in range(1, len(turning)):
         effort[STROKES] = turn - 1
         target = turning[turn]

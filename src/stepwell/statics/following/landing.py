@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import law
+from stepwell.mechanism import HIGH, LOW, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import Problem
 
@@ -55,11 +55,11 @@ def _ends(
 @kernel
 def pull_at(problem: Problem, line: Line, x: float) -> float:
     """What pulls less what resists after a shift x, as far as the line goes [N]."""
-    laws, pieces, on_forth, on_back = problem.laws, problem.pieces, 0, 0
+    ends, pieces, on_forth, on_back = problem.sheets.ends, problem.pieces, 0, 0
     if line.forth >= 0:
-        x = min(x, laws.high[line.forth] - line.from_forth)
+        x = min(x, ends[line.forth, HIGH] - line.from_forth)
     if line.back >= 0:
-        x = min(x, line.from_back - laws.low[line.back])
+        x = min(x, line.from_back - ends[line.back, LOW])
     if line.forth >= 0:
         on_forth = find_piece(pieces, line.forth, line.from_forth + x, -1)
     if line.back >= 0:
@@ -90,9 +90,9 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     lowest, highest = line.lowest - tolerance, line.highest + tolerance
     limit = np.inf
     if forth >= 0:
-        limit = min(limit, laws.high[forth] - from_forth)
+        limit = min(limit, problem.sheets.ends[forth, HIGH] - from_forth)
     if back >= 0:
-        limit = min(limit, from_back - laws.low[back])
+        limit = min(limit, from_back - problem.sheets.ends[back, LOW])
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     near = 1e-12 * size
     start *= size

@@ -11,7 +11,20 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
 from stepwell.kernels import entry, kernel
-from stepwell.mechanism import Laws, change_sheet, law, pick_rows, travel_of, turn_at
+from stepwell.mechanism import (
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    LOW,
+    Laws,
+    Sheets,
+    change_sheet,
+    law,
+    pick_rows,
+    travel_of,
+    turn_at,
+)
 
 _NODES = 13
 _DEPTH = 40
@@ -28,9 +41,8 @@ NO_FORCE = 1e-12
 class Pieces(NamedTuple):
     """P monotone pieces of all cells, in order of cell, sheet and travel; T sheets."""
 
-    sheet_first: Ints  # (T + 1,) pieces of sheet t are sheet_first[t] .. sheet_first[t + 1]
-    first: Ints  # (N,) pieces of the sheet on which cell i stands are first[i] .. last[i]
-    last: Ints  # (N,)
+    of_sheet: Ints  # (T + 1,) pieces of sheet t are of_sheet[t] .. of_sheet[t + 1] - 1
+    among: Ints  # (N, 2) first and last piece of the sheet on which cell i stands
     left: Floats  # (P,) travel where the piece begins
     right: Floats  # (P,)
     force_left: Floats  # (P,)
@@ -54,13 +66,13 @@ _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 
 
 @kernel
-def cut_points(laws: Laws, cell: int) -> Floats:
+def cut_points(laws: Laws, ends: Floats, cell: int) -> Floats:
     """Travels at which the law of `cell` may have a kink, ends and mid-way looks included."""
     r, sin_limit, low, high = (
         laws.lever[cell],
         laws.sin_limit[cell],
-        laws.low[cell],
-        laws.high[cell],
+        ends[cell, LOW],
+        ends[cell, HIGH],
     )
     count = 2
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
@@ -223,46 +235,50 @@ def _roots(of: Derivative, a: float, b: float, out: Floats, used: int) -> int:
     return used
 
 
-def cut(laws: Laws) -> Pieces:
+def cut(laws: Laws, sheets: Sheets) -> Pieces:
     """All pieces of all cells."""
     cells = len(laws.lever)
     slots = int(np.max(np.diff(laws.band_first))) + 1
     room = 16 * cells + 64
     while True:
-        among = np.zeros(len(laws.sheet_ends) + 1, np.int64), *np.zeros((2, cells), np.int64)
+        among = np.zeros(len(sheets.table) + 1, np.int64), np.zeros((cells, 2), np.int64)
         columns = *np.empty((4, room)), np.empty(room, np.int64)
         pieces = Pieces._make((*among, *columns, np.full((room, slots), -1, np.int64)))
-        total = _cut(laws, pieces)
+        total = _cut(laws, sheets, pieces)
         if total >= 0:
-            return Pieces._make((*among, *(column[:total].copy() for column in pieces[3:])))
+            return Pieces._make((*among, *(column[:total].copy() for column in pieces[2:])))
         room *= 2
 
 
 @entry(6e-3, "laws.lever")
-def _cut(laws: Laws, out: Pieces) -> int:
+def _cut(laws: Laws, sheets: Sheets, out: Pieces) -> int:
     """Fill the pieces; how many there are, or -1 where they are more than fit in."""
     found = np.empty(4 * MOST_PIECES)
     rows = np.full(out.picked.shape[1], -1, np.int64)
     total = 0
+    cell, last = -1, len(sheets.table)
+    for sheet in range(last):
+        cell += sheets.table[sheet, FIRST] == sheet
+        change_sheet(laws, sheets, cell, sheet)
+        out.of_sheet[sheet] = total
+        total = _cut_sheet(laws, sheets.ends, cell, out, found, rows, total)
+        if total < 0:
+            return -1
+    out.of_sheet[last] = total
     for i in range(len(laws.lever)):
-        for sheet in range(laws.sheet_first[i + 1] - laws.sheet_first[i]):
-            change_sheet(laws, i, sheet)
-            out.sheet_first[laws.sheet_first[i] + sheet] = total
-            total = _cut_sheet(laws, i, out, found, rows, total)
-            if total < 0:
-                return -1
-            out.sheet_first[laws.sheet_first[i] + sheet + 1] = total
-        stand_on(laws, out, i, 0)
+        stand_on(laws, sheets, out, i, 0)
     return total
 
 
 @kernel
-def _cut_sheet(laws: Laws, i: int, out: Pieces, found: Floats, rows: Ints, total: int) -> int:
+def _cut_sheet(
+    laws: Laws, ends: Floats, i: int, out: Pieces, found: Floats, rows: Ints, total: int
+) -> int:
     """Append the pieces of the sheet on which a cell stands; how many there are then, or -1."""
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
     sign, picked = out.sign, out.picked
     bands = laws.band_first[i + 1] - laws.band_first[i]
-    points = cut_points(laws, i)
+    points = cut_points(laws, ends, i)
     before = np.nan
     for j in range(len(points) - 1):
         a, b = points[j], points[j + 1]
@@ -311,49 +327,60 @@ def _cut_sheet(laws: Laws, i: int, out: Pieces, found: Floats, rows: Ints, total
     return total
 
 
-def of_curve(laws: Laws, pieces: Pieces) -> Bools:
+def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
     """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
-    own = np.repeat(np.arange(len(laws.sheet_curve)), np.diff(pieces.sheet_first))
-    begin, end = laws.sheet_curve[own].T
+    own = np.repeat(np.arange(len(sheets.table)), np.diff(pieces.of_sheet))
+    begin, end = sheets.table[own, CURVE_LOW : CURVE_HIGH + 1].T
     return (pieces.right > begin) & (pieces.left < end)
 
 
-def force_scale(laws: Laws, pieces: Pieces) -> float:
+def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     """Largest force of any cell on its curve [N], against which tolerances are measured."""
-    own = of_curve(laws, pieces)
+    own = of_curve(sheets, pieces)
     forces = np.abs(np.concatenate([pieces.force_left[own], pieces.force_right[own]]))
     return float(max(np.max(forces), np.max(laws.friction), NO_FORCE))
 
 
 @kernel
-def stand_on(laws: Laws, pieces: Pieces, cell: int, sheet: int) -> None:
-    """Let a cell stand on a sheet of its curve."""
-    change_sheet(laws, cell, sheet)
-    at = laws.sheet_first[cell] + sheet
-    pieces.first[cell], pieces.last[cell] = pieces.sheet_first[at], pieces.sheet_first[at + 1] - 1
+def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) -> None:
+    """Let a cell stand on a sheet of its curve, by its number there."""
+    among_all = int(sheets.table[sheets.now[cell], FIRST]) + sheet
+    change_sheet(laws, sheets, cell, among_all)
+    pieces.among[cell, 0] = pieces.of_sheet[among_all]
+    pieces.among[cell, 1] = pieces.of_sheet[among_all + 1] - 1
 
 
 @kernel
-def stand_all_on(laws: Laws, pieces: Pieces, sheets: Ints) -> None:
+def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> None:
     """Let every cell stand on its sheet, (N,) by number in the cell."""
-    for i in range(len(sheets)):
-        if laws.sheet[i] != sheets[i]:
-            stand_on(laws, pieces, i, sheets[i])
+    for i in range(len(numbers)):
+        if sheet_of(sheets, i) != numbers[i]:
+            stand_on(laws, sheets, pieces, i, numbers[i])
+
+
+@kernel
+def sheet_of(sheets: Sheets, cell: int) -> int:
+    """The sheet of its curve on which a cell stands, by its number there."""
+    return int(sheets.now[cell] - sheets.table[sheets.now[cell], FIRST])
+
+
+@kernel
+def sheets_of(sheets: Sheets) -> Ints:
+    """(N,) the sheets on which the cells stand, each by its number in the cell."""
+    numbers = np.empty(len(sheets.now), np.int64)
+    for i in range(len(numbers)):
+        numbers[i] = sheet_of(sheets, i)
+    return numbers
 
 
 @kernel
 def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
     """The piece of `cell` at `travel`; at a joint the one that lies in `direction`."""
-    return find_among(pieces, pieces.first[cell], pieces.last[cell], travel, direction)
-
-
-@kernel
-def find_among(pieces: Pieces, first: int, last: int, travel: float, direction: int) -> int:
-    """The piece at `travel` from `first` to `last`; at a joint the one in `direction`."""
+    ends = pieces.right
+    first, last = pieces.among[cell, 0], pieces.among[cell, 1]
     while first < last:
         middle = (first + last) // 2
-        right = pieces.right[middle]
-        if right < travel or (direction > 0 and right <= travel):
+        if ends[middle] < travel or (direction > 0 and ends[middle] <= travel):
             first = middle + 1
         else:
             last = middle

@@ -28,7 +28,13 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import find_piece, stand_all_on, stand_on
+from stepwell.statics.following.pieces import (
+    find_piece,
+    sheet_of,
+    sheets_of,
+    stand_all_on,
+    stand_on,
+)
 from stepwell.statics.following.state import Movers, Problem, drive_of, nobody
 
 
@@ -69,7 +75,7 @@ def sample(
     """Fill the samples; evenly in the drive along a branch, both ends of every jump."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     drive, travel, sheet, force, branch, snap_after, direction, residual, stability = samples
-    stand_all_on(laws, pieces, sheets)
+    stand_all_on(laws, problem.sheets, pieces, sheets)
     now, number = start.copy(), 0
     drive[0], travel[0], force[0] = drive_of(problem, start, start_force), start, start_force
     sheet[0], branch[0], snap_after[0] = sheets, number, 0
@@ -114,13 +120,13 @@ def sample(
                 level = point_at(problem, movers, row[FORCE_0], row[FORCE_1], u, places)
             for j in range(m):
                 now[movers.cell[j]] = places[j]
-                if laws.sheet[movers.cell[j]] != int(rows[j, SHEET_1]):
-                    stand_on(laws, pieces, movers.cell[j], int(rows[j, SHEET_1]))
+                if sheet_of(problem.sheets, movers.cell[j]) != int(rows[j, SHEET_1]):
+                    stand_on(laws, problem.sheets, pieces, movers.cell[j], int(rows[j, SHEET_1]))
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
                 # The branch goes on from the sample before.
                 continue
-            drive[at], travel[at], sheet[at], force[at] = u, now, laws.sheet, level
+            drive[at], travel[at], sheet[at], force[at] = u, now, sheets_of(problem.sheets), level
             branch[at], snap_after[at], direction[at] = number, 0, toward
             residual[at], stability[at] = certify(problem, now, level, moving)
             at += 1

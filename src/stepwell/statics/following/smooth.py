@@ -6,7 +6,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Laws, can_fall, can_rise, law, summed
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
 from stepwell.statics.following.pieces import Pieces, find_piece, invert
@@ -145,16 +145,17 @@ def join_flat(problem: Problem, state: State, direction: int) -> bool:
     They are held ones that let go at it, and moving ones that have just reached it.
     """
     laws, pieces = problem.laws, problem.pieces
+    friction, ends = laws.friction, problem.sheets.ends
     tie_force = TIE * problem.scale
     any_joined = False
     for i in range(len(state.mode)):
         held = state.mode[i] == HELD
-        if held and _until_letting_go(laws, state, i, direction) > tie_force:
+        if held and _until_letting_go(friction, ends, state, i, direction) > tie_force:
             continue
         piece = find_piece(pieces, i, state.travel[i], direction)
         if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
             continue
-        offset = state.sense[i] * laws.friction[i]
+        offset = state.sense[i] * friction[i]
         if not held and abs(pieces.force_left[piece] + offset - state.force[0]) > tie_force:
             continue
         state.piece[i] = piece
@@ -209,28 +210,29 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
 
 
 @kernel
-def _until_letting_go(laws: Laws, state: State, i: int, toward: int) -> float:
+def _until_letting_go(friction: Floats, ends: Floats, state: State, i: int, toward: int) -> float:
     """How far λ has to go `toward` until held cell i lets go; inf where it never does."""
     travel = state.travel[i]
-    free = can_rise(laws, i, travel) if toward > 0 else can_fall(laws, i, travel)
+    free = travel < ends[i, BEYOND] if toward > 0 else travel > ends[i, BEFORE]
     if state.mode[i] != HELD or not free:
         return np.inf
-    return max(0.0, toward * (state.at_rest[i] - state.force[0]) + laws.friction[i])
+    return max(0.0, toward * (state.at_rest[i] - state.force[0]) + friction[i])
 
 
 @kernel
 def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
-    laws, pieces, rank = problem.laws, problem.pieces, problem.rank
+    pieces, rank = problem.pieces, problem.rank
+    friction, ends = problem.laws.friction, problem.sheets.ends
     tie_force = TIE * problem.scale
     nearest = np.inf
     for i in range(len(rank)):
-        nearest = min(nearest, _until_letting_go(laws, state, i, toward))
+        nearest = min(nearest, _until_letting_go(friction, ends, state, i, toward))
     first, rival, falls = -1, -1, False
     if nearest == np.inf:
         return nearest, first
     for i in range(len(rank)):
-        if _until_letting_go(laws, state, i, toward) <= nearest + tie_force:
+        if _until_letting_go(friction, ends, state, i, toward) <= nearest + tie_force:
             piece = find_piece(pieces, i, state.travel[i], toward)
             falls = falls or pieces.sign[piece] < 0
             if first < 0 or rank[i] < rank[first]:
@@ -253,10 +255,10 @@ def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int
 
 
 @kernel
-def _turns_over(laws: Laws, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
+def _turns_over(ends: Floats, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
     """Sign of a cell's κ past the end of its piece; 2 where that is the end of its sheet."""
     end = pieces.right[piece] if heading > 0 else pieces.left[piece]
-    stop = laws.high[cell] if heading > 0 else laws.low[cell]
+    stop = ends[cell, HIGH] if heading > 0 else ends[cell, LOW]
     return 2 if end == stop else pieces.sign[piece + heading]
 
 
@@ -271,7 +273,8 @@ def _first_to_arrive(
     there both forces rise with the drive, with the leader on its next piece and the other one
     turned back on its own.
     """
-    laws, pieces, rank, force = problem.laws, problem.pieces, problem.rank, state.force[0]
+    pieces, rank, force = problem.pieces, problem.rank, state.force[0]
+    ends = problem.sheets.ends
     scale = problem.scale
     cell, on = movers.cell, movers.piece
     arrival, who, rival = np.inf, -1, -1
@@ -285,7 +288,7 @@ def _first_to_arrive(
         first = -1
         for m in range(len(cell)):
             distance = _until_end(pieces, movers, m, force, toward)
-            over = _turns_over(laws, pieces, cell[m], on[m], direction) == -1
+            over = _turns_over(ends, pieces, cell[m], on[m], direction) == -1
             if not over or distance > arrival + TIE * scale:
                 continue
             if first < 0 or rank[cell[m]] < rank[cell[first]]:
@@ -303,7 +306,7 @@ def _first_to_arrive(
                 leads = m
             else:
                 rival = m
-    if leads < 0 or rival < 0 or _turns_over(laws, pieces, cell[leads], on[leads], direction) != 1:
+    if leads < 0 or rival < 0 or _turns_over(ends, pieces, cell[leads], on[leads], direction) != 1:
         return arrival, who, False
     set_tie(state.tie, cell[leads], cell[rival])
     return arrival, leads, True
@@ -314,7 +317,7 @@ def _first_event(
     problem: Problem, state: State, movers: Movers, toward: int, direction: int
 ) -> BranchEnd:
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
-    laws, pieces = problem.laws, problem.pieces
+    pieces = problem.pieces
     force, tie_force = state.force[0], TIE * problem.scale
     arrival, who, company = _first_to_arrive(problem, state, movers, toward, direction)
     release, cell = _first_to_let_go(problem, state, toward)
@@ -328,7 +331,7 @@ def _first_event(
     if release <= arrival + tie_force:
         # A force that turns just where another cell lets go: it may or may not. Against the
         # drive an arrival at a stop is one too: a snap of no size or none at all.
-        past = _turns_over(laws, pieces, arrives, on, heading)
+        past = _turns_over(problem.sheets.ends, pieces, arrives, on, heading)
         if past == -1 if toward == direction else past != pieces.sign[on]:
             set_tie(state.tie, arrives, cell)
     end = pieces.force_right[on] if heading > 0 else pieces.force_left[on]

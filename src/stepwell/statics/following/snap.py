@@ -4,7 +4,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.kernels import kernel
-from stepwell.mechanism import can_fall, can_rise, law, stored, summed
+from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
 from stepwell.statics.following.landing import (
@@ -18,7 +18,13 @@ from stepwell.statics.following.landing import (
     pull_at,
 )
 from stepwell.statics.following.log import ENDS, FOLD, SNAP
-from stepwell.statics.following.pieces import find_among, find_piece, stand_all_on
+from stepwell.statics.following.pieces import (
+    find_piece,
+    sheet_of,
+    sheets_of,
+    stand_all_on,
+    stand_on,
+)
 from stepwell.statics.following.state import (
     DUE,
     FREE,
@@ -62,7 +68,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     # A snap at a prescribed stroke that does not keep it is no answer.
     if problem.beta == 0.0 and abs(summed(state.travel - before)) > 1e-9 * summed(laws.full):
         return NOT_SETTLED
-    changed = (state.travel != before) | (laws.sheet != begun.sheet)
+    changed = (state.travel != before) | (sheets_of(problem.sheets) != begun.sheet)
     if not np.any(changed):
         return STALLED
     # The cell that let go belongs to the snap even where the flow brings it back to its stop.
@@ -71,9 +77,10 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     released = 0.0
     for m in range(len(moved)):
         i = int(moved[m])
-        sheet = laws.sheet_first[i] + begun.sheet[i]
-        first, last = pieces.sheet_first[sheet], pieces.sheet_first[sheet + 1] - 1
-        on = pieces.picked[find_among(pieces, first, last, before[i], 0)]
+        there = sheet_of(problem.sheets, i)
+        stand_on(laws, problem.sheets, pieces, i, begun.sheet[i])
+        on = pieces.picked[find_piece(pieces, i, before[i], 0)]
+        stand_on(laws, problem.sheets, pieces, i, there)
         to = pieces.picked[find_piece(pieces, i, state.travel[i], 0)]
         released += stored(laws, i, on, before[i]) - stored(laws, i, to, state.travel[i])
     # A cell that yields and comes back has rubbed as well.
@@ -120,7 +127,7 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
         return JOINED, False
     other = partner if rigid else -1
     forth, back = (trigger, other) if sense > 0 else (other, trigger)
-    low, high = held_range(laws, state)
+    low, high = held_range(problem, state)
     if dead:
         # Under a dead load no cell feels the others.
         low, high = -np.inf, np.inf
@@ -153,20 +160,19 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
         outcome, shift, level = JOINED, 0.0, line.force
     if forth >= 0:
         state.travel[forth] = line.from_forth + shift
-        if laws.high[forth] - state.travel[forth] <= 1e-15 * laws.full[forth]:
-            state.travel[forth] = laws.high[forth]
+        if problem.sheets.ends[forth, HIGH] - state.travel[forth] <= 1e-15 * laws.full[forth]:
+            state.travel[forth] = problem.sheets.ends[forth, HIGH]
         rubbed[forth] = shift
     if back >= 0:
         state.travel[back] = line.from_back - shift
-        if state.travel[back] - laws.low[back] <= 1e-15 * laws.full[back]:
-            state.travel[back] = laws.low[back]
+        if state.travel[back] - problem.sheets.ends[back, LOW] <= 1e-15 * laws.full[back]:
+            state.travel[back] = problem.sheets.ends[back, LOW]
         rubbed[back] = shift
     state.force[0] = level
     if outcome == STOPPED:
-        jumps = (
-            forth >= 0 and state.travel[forth] == laws.high[forth] and jump(problem, state, forth)
-        )
-        if back >= 0 and state.travel[back] == laws.low[back]:
+        jumps = forth >= 0 and state.travel[forth] == problem.sheets.ends[forth, HIGH]
+        jumps = jumps and jump(problem, state, forth)
+        if back >= 0 and state.travel[back] == problem.sheets.ends[back, LOW]:
             jumps = jump(problem, state, back) or jumps
         if jumps:
             return JUMPED, tie
@@ -174,7 +180,7 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
         # One of the two has stopped and no longer takes its part of the force: the other
         # may now push a third one off its place, and the snap goes on.
         settle(problem, state)
-        low, high = held_range(laws, state)
+        low, high = held_range(problem, state)
         slip = 1e-12 * scale
         if low > high + slip or not low - slip <= state.force[0] <= high + slip:
             outcome = JOINED
@@ -221,7 +227,7 @@ def _by_flow(
     Where a cell has `jumped` to another sheet they are on their way already.
     """
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
-    sheets = laws.sheet.copy()
+    sheets = sheets_of(problem.sheets)
     start, worn = state.travel.copy(), rubbed.copy()
     again, settled, level = start, False, force
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
@@ -230,7 +236,7 @@ def _by_flow(
     for share in (1e-4, 1e-3, 1e-2):
         state.travel[:] = start
         rubbed[:] = worn
-        stand_all_on(laws, pieces, sheets)
+        stand_all_on(laws, problem.sheets, pieces, sheets)
         if not on_its_way:
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
@@ -242,18 +248,18 @@ def _by_flow(
         return False, False
     # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
     # between two landings hangs on less than any real mechanism can promise.
-    landed = laws.sheet.copy()
-    stand_all_on(laws, pieces, sheets)
+    landed = sheets_of(problem.sheets)
+    stand_all_on(laws, problem.sheets, pieces, sheets)
     settled, _ = flow(problem, again, drive, force, 1e-4, worn)
     state.force[0] = level
-    elsewhere = np.any(laws.sheet != landed)
-    stand_all_on(laws, pieces, landed)
+    elsewhere = np.any(sheets_of(problem.sheets) != landed)
+    stand_all_on(laws, problem.sheets, pieces, landed)
     tie = not settled or elsewhere or _elsewhere(problem, state, again)
     for i in range(len(landed)):
-        if abs(state.travel[i] - laws.low[i]) <= 1e-13 * laws.full[i]:
-            state.travel[i] = laws.low[i]
-        elif abs(state.travel[i] - laws.high[i]) <= 1e-13 * laws.full[i]:
-            state.travel[i] = laws.high[i]
+        if abs(state.travel[i] - problem.sheets.ends[i, LOW]) <= 1e-13 * laws.full[i]:
+            state.travel[i] = problem.sheets.ends[i, LOW]
+        elif abs(state.travel[i] - problem.sheets.ends[i, HIGH]) <= 1e-13 * laws.full[i]:
+            state.travel[i] = problem.sheets.ends[i, HIGH]
     return True, tie
 
 
@@ -281,9 +287,9 @@ def _elsewhere(problem: Problem, state: State, there: Floats) -> bool:
             # A cell that slid all the way rests where its force and friction meet λ: between two
             # such places it is off by the bend of its force.
             slip = laws.friction[i] + 1e-4 * problem.scale
-            if can_fall(laws, i, travel):
+            if travel > problem.sheets.ends[i, BEFORE]:
                 low = max(low, value - slip)
-            if can_rise(laws, i, travel):
+            if travel < problem.sheets.ends[i, BEYOND]:
                 high = min(high, value + slip)
         if low > high or (problem.beta > 0.0 and not low <= level <= high):
             return True
@@ -335,7 +341,11 @@ def _leave(problem: Problem, state: State, share: float) -> None:
     for m in range(count):
         i = movers[m]
         up = step * way[m] > 0.0
-        room = laws.high[i] - state.travel[i] if up else state.travel[i] - laws.low[i]
+        room = (
+            problem.sheets.ends[i, HIGH] - state.travel[i]
+            if up
+            else state.travel[i] - problem.sheets.ends[i, LOW]
+        )
         if abs(step * way[m]) > 0.5 * room:
             step *= 0.5 * room / abs(step * way[m])
     for m in range(count):

@@ -6,7 +6,7 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import Laws, beyond, can_fall, can_rise, law, summed
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following.log import (
     CAUSE,
     CELL,
@@ -30,7 +30,7 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
+from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, sheets_of, stand_on
 
 # What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
 # friction; has just reached the force at which it lets go.
@@ -48,6 +48,7 @@ class Problem(NamedTuple):
     """A chain and its actuator: what stays as it is while it is followed; N cells."""
 
     laws: Laws
+    sheets: Sheets
     pieces: Pieces
     alpha: float  # of the drive coordinate U = α Σ s_i + β λ
     beta: float
@@ -105,7 +106,7 @@ def drive_slack(problem: Problem) -> float:
 def begin(problem: Problem, state: State, direction: int) -> Begin:
     """The beginning of a segment: where the chain is now."""
     travel, force = state.travel.copy(), state.force[0]
-    drive, sheet = drive_of(problem, travel, force), problem.laws.sheet.copy()
+    drive, sheet = drive_of(problem, travel, force), sheets_of(problem.sheets)
     return Begin(direction, drive, force, travel, sheet)
 
 
@@ -157,7 +158,7 @@ def write(
         mover = log.movers[m + j]
         mover[CELL], mover[PIECE], mover[OFFSET] = i, movers.piece[j], movers.offset[j]
         mover[TRAVEL_0], mover[TRAVEL_1] = begun.travel[i], state.travel[i]
-        mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], problem.laws.sheet[i]
+        mover[SHEET_0], mover[SHEET_1] = begun.sheet[i], sheet_of(problem.sheets, i)
     log.used[0] = k + 1
     log.used[1] = m + len(movers.cell)
     log.first[k + 1] = m + len(movers.cell)
@@ -191,14 +192,15 @@ def hold(problem: Problem, state: State, i: int) -> None:
 
 
 @kernel
-def held_range(laws: Laws, state: State) -> tuple[float, float]:
+def held_range(problem: Problem, state: State) -> tuple[float, float]:
     """The forces λ at which every held cell stays."""
+    laws, ends = problem.laws, problem.sheets.ends
     low, high = -np.inf, np.inf
     for i in range(len(state.mode)):
         if state.mode[i] == HELD:
-            if can_fall(laws, i, state.travel[i]):
+            if state.travel[i] > ends[i, BEFORE]:
                 low = max(low, state.at_rest[i] - laws.friction[i])
-            if can_rise(laws, i, state.travel[i]):
+            if state.travel[i] < ends[i, BEYOND]:
                 high = min(high, state.at_rest[i] + laws.friction[i])
     return low, high
 
@@ -206,10 +208,10 @@ def held_range(laws: Laws, state: State) -> tuple[float, float]:
 @kernel
 def settle(problem: Problem, state: State) -> None:
     """Read modes and λ off a resting configuration, after a snap."""
-    laws, pieces = problem.laws, problem.pieces
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     free, total = 0, 0.0
     for i in range(len(state.mode)):
-        inside = can_fall(laws, i, state.travel[i]) and can_rise(laws, i, state.travel[i])
+        inside = ends[i, BEFORE] < state.travel[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
             state.mode[i], state.sense[i] = FREE, 0
             piece = find_piece(pieces, i, state.travel[i], 0)
@@ -222,17 +224,17 @@ def settle(problem: Problem, state: State) -> None:
         # Behind a stiff spring λ = K (U - Σ s) is rounding: the cells tell it better.
         state.force[0] = total / free
     elif problem.beta == 0.0:
-        low, high = held_range(laws, state)
+        low, high = held_range(problem, state)
         state.force[0] = min(max(state.force[0], low), high)
 
 
 @kernel
 def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
     """A cell has reached the end of its piece: it rests at a stop, jumps, or goes on."""
-    laws = problem.laws
-    end = laws.high[cell] if heading > 0 else laws.low[cell]
+    ends = problem.sheets.ends
+    end = ends[cell, HIGH] if heading > 0 else ends[cell, LOW]
     if state.travel[cell] == end:
-        if beyond(laws, cell, state.travel[cell]) < 0:
+        if beyond(problem.sheets, cell, state.travel[cell]) < 0:
             hold(problem, state, cell)
         else:
             # Its curve folds back here: it has to jump.
@@ -246,9 +248,10 @@ def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
 @kernel
 def jump(problem: Problem, state: State, cell: int) -> bool:
     """Let a cell whose sheet ends where it stands jump to the next one; whether it does."""
-    to = beyond(problem.laws, cell, state.travel[cell])
+    sheets = problem.sheets
+    to = beyond(sheets, cell, state.travel[cell])
     if to < 0:
         return False
-    stand_on(problem.laws, problem.pieces, cell, to)
+    stand_on(problem.laws, sheets, problem.pieces, cell, to - int(sheets.table[to, FIRST]))
     state.piece[cell] = find_piece(problem.pieces, cell, state.travel[cell], 0)
     return True

@@ -1,0 +1,224 @@
+"""The smallest change of one number of a cell after which a chain does what is wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, bisected
+from stepwell.concave import SortedChain
+from stepwell.design.margins.nearest import sequence
+from stepwell.design.orders import Switches, are_relays, switching_forces
+from stepwell.design.parameters import Parameter
+from stepwell.design.plane import Method
+from stepwell.mechanism import Chain
+from stepwell.statics import StaticsError
+
+# How far past a change it is looked at: far enough to leave no tie.
+_PAST = 1e-7
+_RATIOS = 12
+_MOST = 8.0  # largest ratio tried, up and down; every other is the root of the next
+_FINELY = 200  # tries each way where what is wanted may be a narrow range
+_RESOLUTION = 1e-6  # where bisection stops
+
+# What changes switching forces in proportion, or not at all.
+_OF_FORCES = ("stiffness", "force_scale", "travel_scale", "friction")
+
+_THEN = f"then bisection to {_RESOLUTION * 100:g} %"
+RESOLUTION = f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
+RESOLUTION_OF_FRICTION = f"asked at {_RATIOS} sizes up to the largest force of the element, {_THEN}"
+RESOLUTION_FINE = (
+    f"asked at {_FINELY} values each way, up to {_MOST:g} times more and as much less, of friction "
+    f"up to the largest force; what lies between them is not seen; {_THEN}"
+)
+
+
+class NearestShare(NamedTuple):
+    """The smallest change of a number, as a share of it; of friction, of the largest force.
+
+    Attributes:
+        share: signed; NaN where there is none.
+        past: the same a hair further, where the chain does it.
+        method: exact, or a search.
+    """
+
+    share: float
+    past: float
+    method: Method
+
+
+def changed_by(chain: Chain, number: Parameter, share: float) -> Chain:
+    """The chain with a number changed by a share of it; friction, by one of the largest force."""
+    if number.part != "friction":
+        return number.scaled(chain, 1.0 + share)
+    assert number.cell is not None
+    own = chain.cells[number.cell]
+    return number.changed(chain, own.friction + share * own.largest_force)
+
+
+def nearest_share(
+    chain: Chain,
+    forces: SortedChain | None,
+    now: str,
+    number: Parameter,
+    wanted: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> NearestShare:
+    """The smallest change of a number of a cell after which a chain does what is wanted.
+
+    In closed form F of one linear band is proportional to k, so the ratio of stiffness that reaches
+    another force is a quotient; a force of the other sign, or zero, is never reached. So it is with
+    all forces of an element under a prescribed force, where the order of the switching forces is
+    all that counts, and travels do not. Else values are asked, and the first change bisected.
+
+    Args:
+        chain: any number of cells.
+        forces: the chain in closed form, None where that is not proved.
+        now: what it does.
+        number: a number of one of its cells.
+        wanted: what it has to do; None for anything else than now.
+        progress: called with (done, total) values while the engine is asked.
+    """
+    assert number.cell is not None
+    if forces is not None and number.part == "stiffness" and wanted is None:
+        return _nearest(_quotients(forces, number.cell))
+    if chain.elements and number.part in _OF_FORCES and are_relays(chain):
+        return _among_relays(chain, number, wanted)
+
+    def does(share: float) -> bool:
+        # A design that cannot be made, or that the engine cannot follow, is another one.
+        try:
+            done = str(sequence(changed_by(chain, number, share)))
+        except (StaticsError, ValueError):
+            return wanted is None
+        return done != now if wanted is None else done == wanted
+
+    found = _searched(does, chain, number, finely=wanted is not None, progress=progress)
+    share = min(found, key=abs, default=math.nan)
+    return NearestShare(share, share, Method.SEARCH)
+
+
+def _nearest(found: list[tuple[float, int]]) -> NearestShare:
+    if not found:
+        return NearestShare(math.nan, math.nan, Method.EXACT)
+    share, grows = min(found, key=lambda one: abs(one[0]))
+    return NearestShare(share, share + math.copysign(_PAST, grows), Method.EXACT)
+
+
+def _quotients(forces: SortedChain, cell: int) -> list[tuple[float, int]]:
+    """Relative changes after which another force is reached, and whether k grows past them."""
+    return [
+        (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
+        for n in forces.neighbours(cell)
+        if n.own * n.other > 0
+    ]
+
+
+def _among_relays(chain: Chain, number: Parameter, wanted: str | None) -> NearestShare:
+    """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
+    meetings = _meetings(chain, number)
+    least = -1.0
+    if number.part == "friction":
+        assert number.cell is not None
+        own = chain.cells[number.cell]
+        least = -own.friction / own.largest_force
+    now = _by_forces(chain, switching_forces(chain))
+    up = [0.0, *meetings[meetings > 0.0].tolist(), math.inf]
+    down = [0.0, *meetings[meetings < 0.0][::-1].tolist(), least]
+    stretches = [*pairwise(up), *pairwise(down)]
+    for begin, end in sorted(stretches, key=lambda one: abs(one[0])):
+        way = math.copysign(1.0, end)
+        if begin == end or (way < 0 and begin <= least):
+            continue
+        middle = begin + way * (1.0 if math.isinf(end) else abs(end - begin) / 2.0)
+        done = _by_forces(chain, _forces_at(chain, number, middle))
+        if done is None or (done == now if wanted is None else done != wanted):
+            continue
+        past = begin + way * min(_PAST, abs(middle - begin))
+        return NearestShare(begin, past, Method.EXACT)
+    return NearestShare(math.nan, math.nan, Method.EXACT)
+
+
+def _by_forces(chain: Chain, forces: Floats) -> str | None:
+    motion = Switches.of(chain.last_state).motion(forces[None])
+    return None if motion.tied[0] else motion.cycles()[0][0]
+
+
+def _parts(chain: Chain, number: Parameter) -> tuple[Floats, Floats]:
+    """(T, 2) switching forces where the number has not changed, and by how much they do a share."""
+    assert number.cell is not None
+    own = chain.cells[number.cell]
+    forces = switching_forces(chain)
+    mine = (Switches.of(chain.last_state).cell == number.cell)[:, None]
+    rub = np.array([1.0, -1.0])
+    if number.part == "friction":
+        slope = np.broadcast_to(own.largest_force * rub, forces.shape)
+    elif number.part == "travel_scale":
+        slope = np.zeros_like(forces)
+    else:
+        slope = forces - own.friction * rub
+    return forces, np.where(mine, slope, 0.0)
+
+
+def _forces_at(chain: Chain, number: Parameter, share: float) -> Floats:
+    forces, slope = _parts(chain, number)
+    return forces + share * slope
+
+
+def _meetings(chain: Chain, number: Parameter) -> Floats:
+    """Rising shares at which a switching force of the cell meets one of another."""
+    forces, slope = _parts(chain, number)
+    mine = Switches.of(chain.last_state).cell == number.cell
+    own, other = forces[mine], forces[~mine]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = (other[None] - own[:, None]) / slope[mine][:, None]
+    return np.unique(at[np.isfinite(at)])
+
+
+def _searched(
+    does: Callable[[float], bool],
+    chain: Chain,
+    number: Parameter,
+    *,
+    finely: bool,
+    progress: Callable[[int, int], None] | None,
+) -> list[float]:
+    """The first share found that does it, each way that one is nearer than what is known."""
+    found: list[float] = []
+    least = math.inf
+    tries = [(sign, _tries(chain, number, sign, finely)) for sign in (1, -1)]
+    total, done = sum(len(shares) for _, shares in tries), 0
+    for sign, shares in tries:
+        good = 0.0
+        for share in shares:
+            if progress is not None:
+                progress(done, total)
+            done += 1
+            bad = sign * min(share, least)
+            if does(bad):
+                halvings = math.ceil(math.log2(max(1.0, abs(bad - good) / _RESOLUTION)))
+                found.append(bisected(lambda at: not does(at), good, bad, halvings)[1])
+                least = abs(found[-1])
+            if abs(bad) >= least:
+                break
+            good = bad
+    return found
+
+
+def _tries(chain: Chain, number: Parameter, sign: int, finely: bool) -> list[float]:
+    """Rising sizes of shares to be asked, up or down."""
+    parts = (
+        [(k + 1) / _FINELY for k in range(_FINELY)]
+        if finely
+        else [0.5**k for k in reversed(range(_RATIOS))]
+    )
+    if number.part != "friction":
+        return [abs(_MOST ** (sign * part) - 1.0) for part in parts]
+    assert number.cell is not None
+    own = chain.cells[number.cell]
+    most = 1.0 if sign > 0 else own.friction / own.largest_force
+    return [most * part for part in parts] if most > 0 else []

@@ -1,0 +1,162 @@
+"""The switches of a chain: every step of a cell from one of its phases to the next, and back.
+
+Under a prescribed force no cell feels another: cells whose phases are all the places where they can
+stand are then independent relays, and the order of their switching forces is all that they do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stepwell.base import Bools, Floats, Ints
+from stepwell.concave import TIED, closed
+from stepwell.mechanism import Cell, Chain, Element
+
+
+@dataclass(frozen=True, eq=False)
+class Switches:
+    """The switches of a chain, numbered cell by cell, inner first, and in a cell by rising phase.
+
+    Where every cell has two phases, as lever cells have, there is one of each cell.
+
+    Attributes:
+        cells: how many there are.
+        cell, phase: (T,) whose it is, and the phase that it leaves upwards.
+    """
+
+    cells: int
+    cell: Ints
+    phase: Ints
+
+    @classmethod
+    def of(cls, last: str) -> Switches:
+        """Those of cells of which `last` is the last state, such as "11"."""
+        steps = [(cell, k) for cell, digit in enumerate(last) for k in range(int(digit))]
+        cell, phase = np.array(steps, np.int64).reshape(-1, 2).T
+        return cls(len(last), cell, phase)
+
+    def __len__(self) -> int:
+        return len(self.cell)
+
+    def names(self, chain: Chain) -> tuple[str, ...]:
+        """What each is called: its cell's name, with the phases where that has more than two."""
+        steps = np.bincount(self.cell)
+        return tuple(
+            chain.names[cell] + (f" {k}-{k + 1}" if steps[cell] > 1 else "")
+            for cell, k in zip(self.cell.tolist(), self.phase.tolist(), strict=True)
+        )
+
+    def decisive(self, forces: Floats) -> Floats:
+        """(m, T, 2) forces at which each goes up in a full cycle, and comes down [N].
+
+        A cell that leaves a phase upwards lands in the first one that holds at this force, so it
+        leaves each at the largest force that any phase up to it needs.
+
+        Args:
+            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
+        """
+        held = forces.copy()
+        for t in range(1, len(self)):
+            if self.phase[t]:
+                held[:, t, 0] = np.maximum(held[:, t, 0], held[:, t - 1, 0])
+        for t in reversed(range(len(self) - 1)):
+            if self.phase[t + 1]:
+                held[:, t, 1] = np.minimum(held[:, t, 1], held[:, t + 1, 1])
+        return held
+
+    def motion(self, forces: Floats) -> Motion:
+        """What m chains of relays do under a force that rises over all of these and falls again.
+
+        Args:
+            forces: (m, T, 2) at which each by itself goes up, and comes down [N].
+        """
+        held = self.decisive(forces)
+        up, down = held[..., 0], held[..., 1]
+        rising = np.argsort(up, axis=1, kind="stable")
+        # Phases of one cell that are left at one force are left from the last one on.
+        back = np.arange(len(self))[::-1]
+        falling = back[np.argsort(-down[:, back], axis=1, kind="stable")]
+        order = np.stack([rising, falling], axis=1)
+        force = np.stack([np.take_along_axis(up, rising, 1), np.take_along_axis(down, falling, 1)])
+        apart = np.abs(np.diff(force, axis=-1)).swapaxes(0, 1)
+        same_cell = self.cell[order[..., 1:]] == self.cell[order[..., :-1]]
+        together = same_cell & (apart == 0.0)
+        least = TIED * np.max(np.abs(forces), axis=(1, 2), initial=0.0)
+        tied = np.any(~same_cell & (apart <= least[:, None, None]), axis=(1, 2))
+        return Motion(self, order, together, tied)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What m chains of relays do in a full cycle.
+
+    Attributes:
+        order: (m, 2, T) switches in the order in which they go up, and come down.
+        together: (m, 2, T - 1) whether one goes with the one before: its cell leaps a phase.
+        tied: (m,) whether two cells switch at one force, to rounding.
+    """
+
+    switches: Switches
+    order: Ints
+    together: Bools
+    tied: Bools
+
+    def cycles(self) -> tuple[list[str], Ints]:
+        """The different cycles as texts, and (m,) the number of each chain's."""
+        rows = np.concatenate(
+            [self.order.reshape(len(self.order), -1), self.together.reshape(len(self.order), -1)],
+            axis=1,
+        )
+        if not len(self.switches):
+            return ["0" * self.switches.cells], np.zeros(len(rows), np.int64)
+        _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+        return [self._cycle(i) for i in first.tolist()], number.ravel()
+
+    def _cycle(self, i: int) -> str:
+        cell = self.switches.cell
+        state = [0] * self.switches.cells
+        states = [state.copy()]
+        for way, order, together in zip((1, -1), self.order[i], self.together[i], strict=True):
+            for switch, leaps in zip(order.tolist(), [False, *together.tolist()], strict=True):
+                state[cell[switch]] += way
+                if leaps:
+                    states.pop()
+                states.append(state.copy())
+        return ">".join("".join(map(str, digits)) for digits in states)
+
+
+def switching_forces(chain: Chain) -> Floats:
+    """(T, 2) the forces at which every switch of a chain goes up and comes down [N].
+
+    Of a lever cell they are F0 + f and F1 - f, f being its friction.
+    """
+    return np.array(
+        [
+            (before.force_high + cell.friction, after.force_low - cell.friction)
+            for cell in chain.cells
+            for before, after in zip(cell.phases, cell.phases[1:], strict=False)
+        ]
+    ).reshape(-1, 2)
+
+
+def are_relays(chain: Chain) -> bool:
+    """Whether the switching forces decide what a chain does, proved: under a prescribed force."""
+    return chain.actuator_stiffness == 0 and all(map(is_relay, chain.cells))
+
+
+def relay_cycle(chain: Chain) -> str | None:
+    """The full cycle of a chain by its switching forces; None where they do not decide, or tie."""
+    if not chain.elements or not are_relays(chain):
+        return None
+    motion = Switches.of(chain.last_state).motion(switching_forces(chain)[None])
+    return None if motion.tied[0] else motion.cycles()[0][0]
+
+
+def is_relay(cell: Cell | Element) -> bool:
+    """Whether a cell under a prescribed force goes from phase to phase and nowhere else, proved."""
+    # On one sheet a cell moves on to the next place where its force is met, which is in a phase.
+    if isinstance(cell, Element):
+        return len(cell.sheets) == 1
+    return closed(replace(cell, friction=0.0)) is not None

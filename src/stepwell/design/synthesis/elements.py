@@ -1,0 +1,368 @@
+"""Elements chosen, scaled and put in order so that their chain does what is wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, product
+
+import numpy as np
+
+from stepwell.base import InputError, Ints, told_in
+from stepwell.design.orders import (
+    Switches,
+    Wish,
+    checked_cycle,
+    is_relay,
+    of_states,
+    orders_of,
+    searched,
+    short,
+    unlike,
+)
+from stepwell.design.synthesis.impossible import Impossible
+from stepwell.design.synthesis.scales import LEAST, Range, Scales
+from stepwell.design.tolerances import Tolerances, yields
+from stepwell.mechanism import Chain, Element
+from stepwell.sequences import cycle
+from stepwell.statics import StaticsError
+
+Progress = Callable[[int, int], None]
+
+_MOST_CHOICES = 2000  # of shapes for all cells: some seconds
+# Of the best choices by switching forces, and at random: what the engine follows, in cells.
+_ASKED, _FOLLOWED = 24, 2400
+_COMPARED, _MADE = 4, 40
+
+_RELAYS = (
+    "under a prescribed force no element feels another, and the order of their switching forces "
+    "is all that they do, which the engine has confirmed for the drawing"
+)
+_FOLLOWS = "elements move together under this drive, and the engine has followed the drawing"
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a chain of elements shall do.
+
+    Attributes:
+        text: in words.
+        last: the state with every cell in its last phase.
+        orders: (2, T) each, orders of its switches that do it under a prescribed force.
+        complete: whether there are no others.
+        cycle: the full cycle wanted; "" where states are.
+        states: those that shall be reached and no others; None where the cycle is wanted.
+        why: why there are no orders, where there are none.
+        never: whether that forbids it to every chain.
+    """
+
+    text: str
+    last: str
+    orders: tuple[Ints, ...]
+    complete: bool
+    cycle: str
+    states: frozenset[str] | None
+    why: str = ""
+    never: bool = False
+
+    @classmethod
+    def of(
+        cls, sequence: str | None, states: Iterable[str] | str | None, cells: int | None
+    ) -> Goal:
+        """A cycle, or a set of states of cells of two phases.
+
+        Raises:
+            ValueError: a text that is neither.
+        """
+        if sequence is not None:
+            given = str(sequence).replace(" ", "").split(">")
+            last = "".join(max(digits) for digits in zip(*given, strict=False))
+            text = checked_cycle(str(sequence), last, "sequence")
+            orders = orders_of(text)
+            if orders is None:
+                raise InputError(
+                    f"sequence = {short(text)!r}: must go phase by phase and cell by cell until "
+                    f"all are in their last one, and back, as in 00>10>11>01>00."
+                )
+            return cls(text, last, (orders,), True, text, None)
+        wanted = states if isinstance(states, str) else tuple(states or ())
+        wish: Wish = of_states(wanted, cells, True)
+        listed = wish.states or frozenset(wish.orders[0].states)
+        text = f"states {' '.join(wanted)}" if wanted != "all" else f"all states of {cells} cells"
+        last = "1" * wish.cells
+        orders = tuple(np.array([one.loading, one.unloading]) for one in wish.orders)
+        return cls(text, last, orders, wish.complete, "", listed, wish.why, wish.never)
+
+    def done_by(self, chain: Chain) -> bool:
+        """Whether a chain does it, by the engine."""
+        try:
+            if self.states is not None:
+                found, ties = searched(chain)
+                return not ties and not unlike(found, self.states)
+            result = cycle(chain)
+        except (StaticsError, ValueError):
+            return False
+        return not result.degenerate and str(result.sequence) == self.cycle
+
+
+@dataclass(frozen=True, eq=False)
+class _Choice:
+    """Elements with scales, one a cell.
+
+    Attributes:
+        shapes: which element each cell is.
+        scales: of all their forces.
+        share: by how much of them they may all be off at once with the orders met.
+    """
+
+    shapes: tuple[int, ...]
+    scales: tuple[float, ...]
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A chain that does it.
+
+    Attributes:
+        chain: of elements.
+        choices: of shapes that were looked at.
+        best: whether no other is better by the objective, proved.
+        method: how it was found.
+        standing: what is known of its motion.
+    """
+
+    chain: Chain
+    choices: int
+    best: bool
+    method: str
+    standing: str
+
+
+def scaled(
+    goal: Goal,
+    elements: Sequence[Element],
+    force_scale: Range,
+    travel_scale: Range,
+    most_force: float,
+    actuator_stiffness: float,
+    tolerances: Tolerances,
+    seed: int,
+    progress: Progress | None,
+) -> Scaled:
+    """The elements, their order along the chain and their scales that do what is wanted.
+
+    Args:
+        goal: what is wanted.
+        elements: those that can be had, each as often as it is needed.
+        force_scale, travel_scale: least and largest of each, times the element's own.
+        most_force: no switching force is larger [N].
+        actuator_stiffness: K [N/m].
+        tolerances: how far what is built may be from the drawing.
+        seed: of what is random.
+        progress: called with (done, total).
+
+    Raises:
+        Impossible: there is none, with the proof; or, and it says so, none was found.
+        ValueError: no element has the phases that are wanted.
+    """
+    sets = _fitting(goal, elements)
+    relays = actuator_stiffness == 0 and all(map(is_relay, elements))
+    if not goal.orders:
+        raise Impossible(goal.text, goal.why, proved=goal.never or relays)
+    rng = np.random.default_rng(seed)
+    count = math.prod(map(len, sets))
+    whole = count <= _MOST_CHOICES
+    choices = list(product(*sets) if whole else _some(sets, rng))
+    found: list[_Choice] = []
+    closest = -math.inf
+    total = len(goal.orders) * len(choices)
+    for done, (orders, shapes) in enumerate(product(goal.orders, choices)):
+        if progress is not None:
+            progress(done, total)
+        program = Scales.of([elements[k] for k in shapes], orders, force_scale, most_force)
+        gap = -math.inf if program is None else program.largest_gap
+        closest = max(closest, gap)
+        if program is None or not gap > LEAST:
+            continue
+        best = found[0].share if found and relays else 0.0
+        scales, share = program.surest(best)
+        if scales is not None:
+            found.append(_Choice(shapes, scales, share))
+            found.sort(key=lambda one: -one.share)
+    for one in found[: 1 if relays else _ASKED]:
+        chain = _chain(goal, elements, one, actuator_stiffness)
+        if goal.done_by(chain):
+            return Scaled(
+                chain,
+                len(choices),
+                relays and whole and goal.complete,
+                f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take "
+                f"elements, with their scales by linear programming; objective: the share by which "
+                f"all forces may be off at once with the order of the switching forces kept, "
+                f"{one.share * 100:.4g} %",
+                _RELAYS if relays else _FOLLOWS,
+            )
+    proved = relays and whole and goal.complete and not found
+    if not relays:
+        other = _at_random(
+            goal, elements, sets, force_scale, travel_scale, actuator_stiffness, tolerances, rng
+        )
+        if other is not None:
+            return other
+    raise _impossible(goal, elements, sets, force_scale, most_force, closest, proved, len(choices))
+
+
+def _fitting(goal: Goal, elements: Sequence[Element]) -> list[list[int]]:
+    """For every cell the elements that have as many phases as are wanted of it."""
+    sets = [
+        [k for k, one in enumerate(elements) if len(one.phases) == int(digit) + 1]
+        for digit in goal.last
+    ]
+    for cell, fitting in enumerate(sets):
+        if not fitting:
+            has = ", ".join(str(len(one.phases)) for one in elements)
+            raise InputError(
+                f"{short(goal.text)}: cell {cell + 1} has {int(goal.last[cell]) + 1} phases there, "
+                f"and the elements have {has}: give an element with as many."
+            )
+    return sets
+
+
+def _some(sets: list[list[int]], rng: np.random.Generator) -> Iterator[tuple[int, ...]]:
+    for _ in range(_MOST_CHOICES):
+        yield tuple(int(rng.choice(fitting)) for fitting in sets)
+
+
+def _chain(goal: Goal, elements: Sequence[Element], one: _Choice, stiffness: float) -> Chain:
+    made = [
+        replace(elements[k], force_scale=elements[k].force_scale * c)
+        for k, c in zip(one.shapes, one.scales, strict=True)
+    ]
+    return _named(goal, made, stiffness)
+
+
+def _named(goal: Goal, cells: Sequence[Element], stiffness: float) -> Chain:
+    """A chain of elements, those of one name numbered."""
+    names = [cell.name for cell in cells]
+    called = [
+        cell.renamed(f"{name} {i + 1}" if name and names.count(name) > 1 else name)
+        for i, (cell, name) in enumerate(zip(cells, names, strict=True))
+    ]
+    return Chain(called, stiffness, f"Designed for {short(goal.text)}")
+
+
+def _at_random(
+    goal: Goal,
+    elements: Sequence[Element],
+    sets: list[list[int]],
+    force_scale: Range,
+    travel_scale: Range,
+    stiffness: float,
+    tolerances: Tolerances,
+    rng: np.random.Generator,
+) -> Scaled | None:
+    """The surest of some random choices that do it by the engine; None where none does."""
+    done: list[Chain] = []
+    most = _FOLLOWED // len(sets)
+    looked_at = 0
+    for _ in range(most):
+        looked_at += 1
+        cells: list[Element] = []
+        for fitting in sets:
+            one = elements[int(rng.choice(fitting))]
+            force, travel = (
+                float(np.exp(rng.uniform(*np.log(between))))
+                for between in (force_scale, travel_scale)
+            )
+            scales = one.force_scale * force, one.travel_scale * travel
+            cells.append(replace(one, force_scale=scales[0], travel_scale=scales[1]))
+        chain = _named(goal, cells, stiffness)
+        if goal.done_by(chain):
+            done.append(chain)
+            if len(done) == _COMPARED:
+                break
+    if not done:
+        return None
+    wanted = goal.cycle or sorted(goal.states or ())
+
+    def share(chain: Chain) -> float:
+        return yields(chain, tolerances, n=_MADE, wanted=wanted).share
+
+    return Scaled(
+        max(done, key=share),
+        looked_at,
+        False,
+        f"searched: {looked_at} random choices of elements and scales followed by the engine; the "
+        f"one of {len(done)} that do it which works most often of {_MADE} built",
+        _FOLLOWS,
+    )
+
+
+def _impossible(
+    goal: Goal,
+    elements: Sequence[Element],
+    sets: list[list[int]],
+    scale: Range,
+    most_force: float,
+    closest: float,
+    proved: bool,
+    choices: int,
+) -> Impossible:
+    """Why no choice of elements and scales does it."""
+    pair = _clash(goal, elements, sets, scale, most_force)
+    if pair is not None:
+        a, b = pair
+        why = (
+            f"no two of these elements, at any scales from {scale[0]:g} to {scale[1]:g}, can have "
+            f"their switching forces in the orders wanted of cells {a + 1} and {b + 1}: all forces "
+            f"of an element grow together, so of two of one shape the stronger goes up later, and "
+            f"it comes down later where its force falls below zero and earlier where it does not"
+        )
+    else:
+        why = (
+            f"in none of {choices} ways to take elements are there scales from {scale[0]:g} to "
+            f"{scale[1]:g} with the switching forces in the wanted orders, by linear programming"
+        )
+    if not proved:
+        why += "; random choices of elements and scales were followed by the engine, and none does"
+    advice = "give elements of other shapes, or a wider range of scales"
+    unit, factor = told_in(elements[0].measure.force_unit)
+    largest = max(one.largest_force for one in elements) * scale[1]
+    needed = LEAST * largest
+    gap = closest * largest + 0.0 if math.isfinite(closest) else math.nan  # no -0
+    if not math.isnan(gap):
+        why += (
+            f" (the largest smallest gap is {gap * factor:.3g} {unit}, and {needed * factor:.2g} "
+            f"{unit} is needed)"
+        )
+    return Impossible(
+        goal.text, f"{why}: {advice}", proved=proved, largest_gap=gap, gap_needed=needed
+    )
+
+
+def _clash(
+    goal: Goal,
+    elements: Sequence[Element],
+    sets: list[list[int]],
+    scale: Range,
+    most_force: float,
+) -> tuple[int, int] | None:
+    """Two cells that cannot both have their places, whatever the others do; None where none."""
+    if len(goal.orders) != 1:
+        return None
+    (only,) = goal.orders
+    switches = Switches.of(goal.last)
+    for a, b in combinations(range(len(sets)), 2):
+        # The switches of these two alone, numbered anew.
+        kept = [t for t in range(len(switches)) if switches.cell[t] in (a, b)]
+        wanted: list[list[int]] = only.tolist()
+        orders = np.array([[kept.index(t) for t in row if t in kept] for row in wanted])
+        programs = (
+            Scales.of([elements[i], elements[j]], orders, scale, most_force)
+            for i, j in product(sets[a], sets[b])
+        )
+        if not any(one is not None and one.largest_gap > LEAST for one in programs):
+            return a, b
+    return None

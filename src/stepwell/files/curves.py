@@ -1,0 +1,236 @@
+"""Force curves from CSV files: as elements, and in place of their names in a design file."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stepwell.base import InputError, Measure, require
+from stepwell.files.schema import elements as schema, written
+from stepwell.files.text import DesignError, inline, key_path, parsed, value_text
+from stepwell.mechanism import Element
+
+if TYPE_CHECKING:
+    from stepwell.lab import MeasuredCurve
+
+# A key that names a file, as it stands on one line; other text and comments are passed over.
+_KEYS = r"(?:table|points|curve)_csv"
+_TEXT = r"""(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
+_NAMED = re.compile(
+    rf"""{_TEXT}|\#[^\n]*|(?<![\w."'-])(?P<key>{_KEYS})[ \t]*=[ \t]*(?P<name>{_TEXT})"""
+)
+_MAKE = {
+    "table": Element.from_table,
+    "points": Element.from_points,
+    "curve": Element.from_curve,
+}
+
+
+def load_element(
+    file: str | os.PathLike[str],
+    name: str | None = None,
+    *,
+    form: str = "table",
+    half: str | None = None,
+    stops: bool | tuple[bool, bool] = False,
+    noise: float | None = None,
+    friction: float = 0.0,
+) -> Element:
+    """An element whose force curve is in a file.
+
+    Args:
+        file: text whose header names columns and units, such as "travel_mm,force_N", "Displacement
+            [mm];Force [N]", "volume_mL,pressure_kPa" or "Angle (deg), Torque (N mm)", then rows of
+            numbers; other columns may stand beside them.
+        name: what messages and figures call it; the file's by default.
+        form: "table" for a smooth curve through the points, "points" for straight lines between
+            them, "curve" for one that folds back, its points along the arc.
+        half: "loading" or "unloading", to take that half of a recording which holds both.
+        stops: whether it is stopped at the low and at the high end of its curve.
+        noise: standard deviation of the forces of a table [N], to be smoothed.
+        friction: Coulomb friction against travel [N], >= 0.
+
+    Returns:
+        The element; its measure is what the units say.
+
+    Raises:
+        LabError: the file is missing or broken, its units are not known or do not belong together,
+            or it holds loading and unloading and no half is asked for.
+        ValueError: the curve is none that an element can have.
+    """
+    from stepwell import lab
+
+    if form not in _MAKE:
+        raise InputError(f"form = {form!r}: must be one of {', '.join(map(repr, _MAKE))}.")
+    if noise is not None and form != "table":
+        raise InputError(f"noise goes with form='table' alone, which is smoothed; form = {form!r}.")
+    curve = lab.read_curve(file)
+    options: dict[str, Any] = {"stops": stops, "friction": friction, "measure": curve.measure}
+    if form == "table":
+        options["noise"] = noise
+    x, y = _columns(curve, form, half)
+    try:
+        return _MAKE[form](x, y, Path(file).stem if name is None else name, **options)
+    except InputError as error:
+        raise lab.LabError(os.fspath(file), str(error)) from None
+
+
+def with_curves(text: str, name: str) -> str:
+    """The text of a design file with the numbers in place of the CSV files that it names.
+
+    All else stays as it was, comments included. So a text says all of a design, wherever it is
+    copied to, and its hash tells when a curve has changed.
+
+    Args:
+        text: of the file.
+        name: the file's path: a CSV file lies in the same folder or below it.
+
+    Raises:
+        DesignError: a CSV file that cannot be used; one line for each.
+    """
+    if "_csv" not in text:
+        return text
+    tables = _tables(text)
+    if not tables:
+        return text
+    named = list(_names((), tables))
+    found = [match for match in _NAMED.finditer(text) if match["key"]]
+    if [(path[-1], value) for path, value in named] != [_said(match) for match in found]:
+        raise DesignError(name, [_ODD])
+    curves = _Curves(Path(name).parent)
+    problems: list[str] = []
+    pieces: list[str] = []
+    end = 0
+    for (path, value), match in zip(named, found, strict=True):
+        try:
+            key, numbers = curves.of(path, value)
+            _put(tables, path, key, numbers)
+        except ValueError as error:
+            problems.append(f"{key_path(path)} = {value_text(value)}: {error}")
+            continue
+        pieces += [text[end : match.start()], f"{key} = {numbers}"]
+        end = match.end()
+    if problems:
+        raise DesignError(name, problems)
+    changed = "".join([*pieces, text[end:]])
+    if _tables(changed) != tables:
+        raise DesignError(name, [_ODD])
+    return changed
+
+
+_ODD = (
+    "names CSV files in a way that is not understood: write each such key in the table of its cell "
+    'or band, as in table_csv = "dome.csv", once, and not inside other text.'
+)
+_Path = tuple[str | int, ...]
+
+
+class _Curves:
+    """The CSV files of one folder, each read once."""
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        self._read: dict[str, MeasuredCurve] = {}
+        self._bytes = 0
+
+    def of(self, path: _Path, name: str) -> tuple[str, str]:
+        """The key and the value to be written in place of a file's name.
+
+        Raises:
+            ValueError: no such key, or a file that cannot be used.
+        """
+        form = str(path[-1]).removesuffix("_csv")
+        home = next(step for step in reversed(path[:-1]) if isinstance(step, str))
+        of_band = home in ("band", "bands")
+        if home not in ("cell", "beside", "inside") and not (of_band and form == "table"):
+            raise InputError("stands in the table of a cell, or table_csv in that of a band.")
+        curve = self._curve(name)
+        x, y = _columns(curve, form, None)
+        require("rows", len(x), "the file has")
+        if of_band:
+            if curve.measure is not Measure.TRAVEL:
+                raise InputError(
+                    f"has {curve.measure.travel} and {curve.measure.force}: a band has extension "
+                    f"and tension, as in extension_mm,tension_N."
+                )
+            key, numbers = "table_mm_N", written("table_mm_N", tuple(zip(x, y, strict=True)))
+        else:
+            keys = schema.COLUMNS[curve.measure]
+            columns = (written(key, column) for key, column in zip(keys, (x, y), strict=True))
+            key, numbers = form, inline(dict(zip(keys, columns, strict=True)))
+        self._bytes += len(numbers)
+        require("design_bytes", self._bytes, "with its curves it has")
+        return key, numbers
+
+    def _curve(self, name: str) -> MeasuredCurve:
+        from stepwell import lab
+
+        if name not in self._read:
+            try:
+                self._read[name] = lab.read_curve(self._place(name))
+            except lab.LabError as error:
+                raise InputError(error.problem) from None
+        return self._read[name]
+
+    def _place(self, name: str) -> Path:
+        """Where the file lies; ValueError where that is not beside the design or below."""
+        place = self._folder / name
+        try:
+            inside = Path(os.path.realpath(place)).is_relative_to(os.path.realpath(self._folder))
+        except ValueError:  # a name with a zero byte in it
+            inside = False
+        if not name or Path(name).is_absolute() or ".." in Path(name).parts or not inside:
+            raise InputError(
+                "must be the name of a file in the folder of the design, or in a folder below it."
+            )
+        return place
+
+
+def _columns(
+    curve: MeasuredCurve, form: str, half: str | None
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Travels and forces: along the arc for what folds back, else rising."""
+    if form == "curve" and half is None:
+        x, y = curve.travel, curve.force
+    else:
+        x, y = curve.rising(half)
+    return tuple(x.tolist()), tuple(y.tolist())
+
+
+def _tables(text: str) -> dict[str, Any]:
+    """What the text says; nothing where it is no TOML, which is told where it is read."""
+    try:
+        return parsed(text, "", "")
+    except DesignError:
+        return {}
+
+
+def _names(path: _Path, value: Any) -> Iterator[tuple[_Path, str]]:
+    """Every key that names a file, and the name, in the order of the text."""
+    if isinstance(value, dict):
+        for key, below in value.items():
+            if re.fullmatch(_KEYS, key) and isinstance(below, str):
+                yield (*path, key), below
+            else:
+                yield from _names((*path, key), below)
+    elif isinstance(value, list):
+        for i, below in enumerate(value):
+            yield from _names((*path, i), below)
+
+
+def _said(match: re.Match[str]) -> tuple[str, str]:
+    return match["key"], _tables(f"x = {match['name']}").get("x", "")
+
+
+def _put(tables: Any, path: _Path, key: str, numbers: str) -> None:
+    """Put the numbers in place of the name, in what the text says."""
+    place = tables
+    for step in path[:-1]:
+        place = place[step]
+    if key in place:
+        raise InputError(f"cannot stand with {key}: keep one of them.")
+    del place[path[-1]]
+    place[key] = parsed(f"x = {numbers}", "", "")["x"]

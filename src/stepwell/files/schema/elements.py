@@ -1,0 +1,264 @@
+"""The keys of an element: its curve in one of several forms, and what goes with it."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from itertools import pairwise
+from typing import Annotated, Any, NoReturn
+
+from pydantic import Field, PlainValidator, model_validator
+
+from stepwell.base import Measure, told_in
+from stepwell.files.schema.checks import (
+    Keys,
+    Line,
+    above_zero,
+    at_most,
+    bounded,
+    decimal_of,
+    few,
+    refuse,
+)
+from stepwell.files.schema.library import LibraryKeys
+
+# Beyond every mechanism, and far from overflow.
+MOST = "1e9"
+_FINEST = Decimal("1e-6")
+_LEAST_FORCE = Decimal("1e-9")
+# Coefficients of cubics in SI: a pressure over the third power of a microlitre among them.
+_MOST_SI = "1e60"
+
+
+def key_in(word: str, unit: str) -> str:
+    """The key of a quantity in the unit in which files tell it: force and N as force_N."""
+    return f"{word}_{told_in(unit)[0]}"
+
+
+# The columns of a curve, travel first, by what they are.
+COLUMNS = {
+    measure: (
+        key_in(measure.travel, measure.travel_unit),
+        key_in(measure.force, measure.force_unit),
+    )
+    for measure in Measure
+}
+# The joints of a sheet, in SI, by what they are.
+JOINTS = {
+    Measure.TRAVEL: "travel_m",
+    Measure.VOLUME: "volume_m3",
+    Measure.ANGLE: "angle_rad",
+}
+_PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
+
+
+def _numbers(value: Any, most: str = MOST, example: str = "[0, 1.5, 4]") -> tuple[Decimal, ...]:
+    if not isinstance(value, list) or not value:
+        refuse(f"must be a list of numbers, as in {example}.")
+    few("rows", value)
+    allowed = f"from -{most} to {most}, as in {example}"
+    found: list[Decimal] = []
+    for i, one in enumerate(value):
+        try:
+            found.append(decimal_of(one, -Decimal(most), Decimal(most), ""))
+        except ValueError:
+            refuse(f"number {i + 1} must be {allowed}.")
+    return tuple(found)
+
+
+def _cubics(value: Any) -> tuple[tuple[Decimal, ...], ...]:
+    example = "[[0, 250, 0, 0, 0]]"
+    if not isinstance(value, list) or not value:
+        refuse(f"must be one or more rows of five numbers, as in {example}.")
+    few("rows", value)
+    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in value)
+    for i, row in enumerate(rows):
+        if len(row) != 5:
+            refuse(f"row {i + 1} must be five numbers, as in {example}.")
+    return rows
+
+
+def _stops(value: Any) -> bool | tuple[bool, bool]:
+    if isinstance(value, bool):
+        return value
+    if not isinstance(value, list) or len(value) != 2 or any(type(v) is not bool for v in value):
+        refuse("must be true or false, or two of them for the low and the high end.")
+    low, high = value
+    return low, high
+
+
+def _sheet(value: Any) -> int:
+    if type(value) is not int or not 1 <= value <= 10_000:
+        refuse("must be the number of a sheet, from 1 on.")
+    return value
+
+
+def _csv(_: Any) -> NoReturn:
+    refuse(
+        "names a file, which is read where a design file is loaded by its own name; in a text "
+        "give the numbers themselves."
+    )
+
+
+Numbers = Annotated[tuple[Decimal, ...], PlainValidator(_numbers)]
+JointsSI = Annotated[tuple[Decimal, ...], PlainValidator(lambda value: _numbers(value, _MOST_SI))]
+Cubics = Annotated[tuple[tuple[Decimal, ...], ...], PlainValidator(_cubics)]
+Stops = Annotated[bool | tuple[bool, bool], PlainValidator(_stops)]
+SheetNumber = Annotated[int, PlainValidator(_sheet)]
+CsvName = Annotated[str, PlainValidator(_csv)]
+Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Noise = Annotated[Decimal, above_zero("1e-9", MOST)]
+Scale = Annotated[Decimal, above_zero("1e-6", "1e6")]
+
+
+class ColumnKeys(Keys):
+    """A curve by two columns of numbers, which belong together and are as long as each other."""
+
+    travel_mm: Numbers | None = None
+    force_N: Numbers | None = None
+    volume_mL: Numbers | None = None
+    pressure_kPa: Numbers | None = None
+    angle_deg: Numbers | None = None
+    torque_mNm: Numbers | None = None
+
+    @property
+    def measure(self) -> Measure:
+        """What the columns are."""
+        given = self.model_fields_set
+        return next(measure for measure, pair in COLUMNS.items() if given & set(pair))
+
+    @property
+    def pair(self) -> tuple[tuple[Decimal, ...], tuple[Decimal, ...]]:
+        """Both columns, travel first."""
+        x, y = COLUMNS[self.measure]
+        return getattr(self, x), getattr(self, y)
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> ColumnKeys:
+        given = self.model_fields_set
+        if not given:
+            refuse(f"has no columns: must hold {_PAIRS}.")
+        keys = COLUMNS[self.measure]
+        if given != set(keys):
+            came = " and ".join(key for key in type(self).names() if key in given)
+            refuse(f"gives {came}: must hold {_PAIRS}.")
+        x, y = self.pair
+        if len(x) != len(y):
+            refuse(f"has {len(x)} numbers, {keys[1]} {len(y)}: must be as many.", keys[0])
+        if max(map(abs, y)) < _LEAST_FORCE:
+            refuse(f"must hold a force of {_LEAST_FORCE} or more in size.", keys[1])
+        for i, (a, b) in enumerate(pairwise(x), 1):
+            self._refuse_step(keys[0], i, a, b)
+        return self
+
+    def _refuse_step(self, key: str, i: int, a: Decimal, b: Decimal) -> None:
+        if abs(b - a) < _FINEST:
+            refuse(f"number {i + 1}, {b}, must differ from the one before by {_FINEST}.", key)
+
+
+class RisingKeys(ColumnKeys):
+    """Two columns, of which the first rises."""
+
+    def _refuse_step(self, key: str, i: int, a: Decimal, b: Decimal) -> None:
+        if b - a < _FINEST:
+            refuse(
+                f"number {i + 1}, {b}, must lie {_FINEST} or more above the one before, {a}. Sort "
+                f"the rows and drop repeated ones; give loading or unloading alone; or, if the "
+                f"curve truly folds back, give it as curve.",
+                key,
+            )
+
+
+class SheetKeys(Keys):
+    """A stable stretch of a curve as cubics in SI: what is written where no table gives it back."""
+
+    travel_m: JointsSI | None = None
+    volume_m3: JointsSI | None = None
+    angle_rad: JointsSI | None = None
+    cubics_SI: Cubics
+    below: SheetNumber | None = None
+    above: SheetNumber | None = None
+
+    @property
+    def measure(self) -> Measure:
+        """What its travel is."""
+        return next(one for one, key in JOINTS.items() if key in self.model_fields_set)
+
+    @model_validator(mode="after")
+    def _joined(self) -> SheetKeys:
+        given = [key for key in JOINTS.values() if key in self.model_fields_set]
+        if len(given) != 1:
+            refuse(f"must hold one of {', '.join(JOINTS.values())}.")
+        joints = getattr(self, given[0])
+        if len(joints) != len(self.cubics_SI) + 1:
+            refuse(
+                f"has {len(joints)} numbers for {len(self.cubics_SI)} rows of cubics_SI: must be "
+                f"one more, where each begins and where the last ends.",
+                given[0],
+            )
+        if any(b <= a for a, b in pairwise(map(float, joints))):
+            refuse("must rise.", given[0])
+        return self
+
+
+class NumberKeys(Keys):
+    """The curve of an element in numbers, in one of these forms."""
+
+    table: RisingKeys | None = None
+    points: RisingKeys | None = None
+    curve: ColumnKeys | None = None
+    table_csv: CsvName | None = None
+    points_csv: CsvName | None = None
+    curve_csv: CsvName | None = None
+    sheets: Annotated[tuple[SheetKeys, ...], Field(strict=False), at_most("rows")] | None = None
+
+
+class CurveKeys(LibraryKeys, NumberKeys):
+    """The curve of an element, in numbers or by its name in the library."""
+
+
+class ElementKeys(CurveKeys):
+    """An element: its curve, and what goes with it."""
+
+    name: Line = ""
+    stops: Stops | None = None
+    friction_N: Friction | None = None
+    friction_kPa: Friction | None = None
+    friction_mNm: Friction | None = None
+    noise_N: Noise | None = None
+    noise_kPa: Noise | None = None
+    noise_mNm: Noise | None = None
+    error_band_N: Friction | None = None
+    error_band_kPa: Friction | None = None
+    error_band_mNm: Friction | None = None
+    force_scale: Scale | None = None
+    travel_scale: Scale | None = None
+
+    @property
+    def forms(self) -> list[str]:
+        """The keys that give a curve; one of them, where all is well."""
+        return [key for key in self.model_fields_set if key not in _RATHER]
+
+    @model_validator(mode="after")
+    def _at_most_one_curve(self) -> ElementKeys:
+        forms = self.forms
+        if len(forms) > 1:
+            refuse(f"gives {' and '.join(sorted(forms))}: an element has one curve, keep one.")
+        for word, form in (("noise", "table"), ("error_band", "sheets")):
+            for key in self.model_fields_set:
+                if key.startswith(f"{word}_") and forms not in ([form], [f"{form}_csv"]):
+                    refuse(f"goes with {form} alone; leave it out.", key)
+        return self
+
+
+# What goes with a curve and is none.
+_RATHER = ElementKeys.model_fields.keys() - CurveKeys.model_fields.keys()
+
+
+class PartKeys(ElementKeys):
+    """One of several elements side by side."""
+
+    @model_validator(mode="after")
+    def _some_curve(self) -> PartKeys:
+        if not self.forms:
+            refuse(f"is no element: give it one of {', '.join(CurveKeys.names())}.")
+        return self

@@ -1,0 +1,239 @@
+"""The tables of a design file about one element, as an element, and back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from stepwell.base import Floats, InputError, Measure, told_in
+from stepwell.elements import LIBRARY
+from stepwell.files.schema import elements as schema, fields, si, written
+from stepwell.files.text import Written, array, inline, lines, parsed
+from stepwell.mechanism import Element, Sheet, value
+
+# Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
+_NEAR = 1e-9
+# A turn as near to a joint as this share of the travel is the one that was cut there.
+_BESIDE = 1e-6
+
+
+def element_of(keys: schema.ElementKeys) -> Element:
+    """The element that a table describes.
+
+    Raises:
+        ValueError: no element is like that; the text says why.
+    """
+    (form,) = keys.forms
+    given = getattr(keys, form)
+    stops = False if keys.stops is None else keys.stops
+    if isinstance(given, schema.ColumnKeys):
+        x, y = (
+            si(key, column)
+            for key, column in zip(schema.COLUMNS[given.measure], given.pair, strict=True)
+        )
+        options: dict[str, Any] = {"stops": stops, "measure": given.measure}
+        if form == "table":
+            options["noise"] = _of_measure(keys, "noise", given.measure)
+        make = {
+            "table": Element.from_table,
+            "points": Element.from_points,
+            "curve": Element.from_curve,
+        }
+        element = make[form](x, y, **options)
+    elif form in schema.LibraryKeys.model_fields:
+        element = LIBRARY[form.replace("_", "-")].make(**fields(given))
+    elif form == "sheets":
+        element = Element(_sheets(given), stops, measure=given[0].measure)
+        _refuse_lost(element)
+    else:
+        element = Element.side_by_side([element_of(part) for part in given])
+    return with_options(element, keys)
+
+
+def with_options(element: Element, keys: schema.ElementKeys) -> Element:
+    """An element with what the table says beside its curve."""
+    measure = element.measure
+    options: dict[str, Any] = {"name": keys.name}
+    if keys.stops is not None:
+        options["stops"] = keys.stops
+    for word in ("friction", "error_band"):
+        number = _of_measure(keys, word, measure)
+        if number is not None:
+            options[word] = number
+    for key in ("force_scale", "travel_scale"):
+        if getattr(keys, key) is not None:
+            options[key] = si(key, getattr(keys, key))
+    return replace(element, **options)
+
+
+def _of_measure(keys: schema.ElementKeys, word: str, measure: Measure) -> float | None:
+    """A force under the key that names its unit; ValueError where it names another one's."""
+    right = schema.key_in(word, measure.force_unit)
+    for key in sorted(keys.model_fields_set):
+        if key.startswith(f"{word}_") and key != right:
+            raise InputError(
+                f"{key}: this curve is of {measure.travel} and {measure.force}, so it must be "
+                f"{right}."
+            )
+    number = getattr(keys, right)
+    return None if number is None else si(right, number)
+
+
+def _sheets(tables: tuple[schema.SheetKeys, ...]) -> tuple[Sheet, ...]:
+    measure = tables[0].measure
+    if any(one.measure is not measure for one in tables):
+        raise InputError("sheets: all must be of one kind of travel.")
+    found: list[Sheet] = []
+    for k, one in enumerate(tables):
+        joints = np.array([float(x) for x in getattr(one, schema.JOINTS[measure])])
+        cubics = np.array([[float(c) for c in row] for row in one.cubics_SI])
+        rows = np.column_stack([joints[:-1], cubics])
+        rows.setflags(write=False)
+        _refuse_gaps(rows, joints, f"sheets[{k}].cubics_SI")
+        below, above = (None if n is None else n - 1 for n in (one.below, one.above))
+        sheet = Sheet(rows, float(joints[-1]), below, above)
+        _refuse_turns(sheet, joints, f"sheets[{k}].cubics_SI")
+        found.append(sheet)
+    return tuple(found)
+
+
+def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
+    """Raise ValueError where force or energy jump between two cubics, or there is no force."""
+    steps = np.diff(joints)[:, None] ** np.arange(5)
+    force = np.sum(rows[:, 1:5] * steps[:, :4], axis=1)
+    energy = rows[:, 5] + np.sum(rows[:, 1:5] * steps[:, 1:] / np.arange(1, 5), axis=1)
+    size = float(np.max(np.abs([rows[:, 1], force])))
+    if not 1e-12 <= size <= 1e15:
+        raise InputError(f"{where}: forces up to {size:.3g}: must be from 1e-12 to 1e15.")
+    for ends, begins, scale, what in (
+        (force, rows[:, 1], size, "force"),
+        (energy, rows[:, 5], size * (joints[-1] - joints[0]), "energy"),
+    ):
+        off = np.abs(ends[:-1] - begins[1:])
+        if not np.all(off <= _NEAR * scale):
+            k = int(np.argmax(off))
+            raise InputError(
+                f"{where}: row {k + 2} begins with the {what} {begins[k + 1]:.9g}, where row "
+                f"{k + 1} ends with {ends[k]:.9g}: a curve has no gaps."
+            )
+
+
+def _refuse_turns(sheet: Sheet, joints: Floats, where: str) -> None:
+    """Raise ValueError where force or stiffness turn within a cubic: the engine needs it cut."""
+    cut = Sheet.of(sheet.rows, sheet.end).rows[:, 0]
+    # A cut may come out a little beside the joint where it was made.
+    after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
+    off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
+    beside = off > _BESIDE * (joints[-1] - joints[0])
+    if beside.any():
+        raise InputError(
+            f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row: must begin a "
+            f"new row there."
+        )
+
+
+def _refuse_lost(element: Element) -> None:
+    """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
+    unit, factor = told_in(element.measure.travel_unit)
+    for k, sheet in enumerate(element.sheets):
+        for side, at, to in (
+            ("below", sheet.begin, sheet.below),
+            ("above", sheet.end, sheet.above),
+        ):
+            if to is None:
+                continue
+            held = to < len(element.sheets)
+            held = held and element.sheets[to].begin <= at <= element.sheets[to].end
+            if not held or not element.energy_at(at, to) < element.energy_at(at, k):
+                raise InputError(
+                    f"sheets[{k}].{side} = {to + 1}: must be the number of a sheet of less energy "
+                    f"at {at * factor:.6g} {unit}, where this one ends."
+                )
+
+
+def element_lines(element: Element) -> list[str]:
+    """The keys of a [[chain.cell]] table, without its name."""
+    return lines(_written(element))
+
+
+def _written(element: Element) -> Written:
+    """A table or points where they give this very element again, else its cubics."""
+    options = _options(element)
+    wanted = element.renamed("")
+    for curve in _as_columns(element):
+        keys = curve | options
+        if _reads_as(keys, wanted):
+            return keys
+    sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
+    keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"} | options
+    if element.error_band:
+        key = schema.key_in("error_band", element.measure.force_unit)
+        keys[key] = written(key, element.error_band)
+    return keys
+
+
+def _options(element: Element) -> Written:
+    low, high = element.stopped
+    keys: Written = {}
+    if low or high:
+        keys["stops"] = "true" if low and high else array(written("", one) for one in (low, high))
+    if element.friction:
+        key = schema.key_in("friction", element.measure.force_unit)
+        keys[key] = written(key, element.friction)
+    for key in ("force_scale", "travel_scale"):
+        if getattr(element, key) != 1.0:
+            keys[key] = written(key, getattr(element, key))
+    return keys
+
+
+def _as_columns(element: Element) -> Iterator[Written]:
+    """Tables and points that may give the element's curve; the roundest numbers first."""
+    sheet, *others = element.sheets
+    if others or element.error_band:
+        return
+    rows = sheet.rows
+    bent = bool(np.any(rows[:, 3:5]))
+    # Where one cubic goes on past a cut, no point was given.
+    new = np.append(True, np.any(np.diff(rows[:, 4:5], axis=0) != 0.0, axis=1))
+    every = np.ones(len(rows), bool)
+    for form, chosen in (("points", every), ("table", new), ("table", every)):
+        if bent is (form == "table"):
+            x = np.append(rows[chosen, 0], sheet.end)
+            y = np.append(rows[chosen, 1], value(rows, np.array(sheet.end)))
+            # The last force is computed: with fewer digits it may be the one that was given.
+            largest = math.floor(math.log10(element.largest_force / element.force_scale))
+            for digits in (12, 14, 15, 16, 17):
+                last = round(float(y[-1]), digits - 1 - largest)
+                yield {form: inline(_columns(element.measure, x, np.append(y[:-1], last)))}
+
+
+def _columns(measure: Measure, x: Floats, y: Floats) -> Written:
+    return {
+        key: written(key, tuple(column.tolist()))
+        for key, column in zip(schema.COLUMNS[measure], (x, y), strict=True)
+    }
+
+
+def _sheet(sheet: Sheet, measure: Measure) -> Written:
+    key = schema.JOINTS[measure]
+    keys = {
+        key: written(key, (*sheet.rows[:, 0].tolist(), sheet.end)),
+        "cubics_SI": written("cubics_SI", tuple(map(tuple, sheet.rows[:, 1:].tolist()))),
+    }
+    for side, other in (("below", sheet.below), ("above", sheet.above)):
+        if other is not None:
+            keys[side] = str(other + 1)
+    return keys
+
+
+def _reads_as(keys: Written, wanted: Element) -> bool:
+    try:
+        tables = parsed("\n".join(lines(keys)), "", "")
+        return element_of(schema.ElementKeys.model_validate(tables)) == wanted
+    except (ValidationError, InputError):
+        return False
