@@ -13,6 +13,7 @@ import cycles
 import graphs
 import inverse
 import maps
+import peers
 import programs
 import robot
 import yields
@@ -21,7 +22,7 @@ import yields
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    for module in (maps, cycles, graphs, programs, yields, inverse, commands, robot):
+    for module in (maps, cycles, graphs, programs, yields, inverse, peers, commands, robot):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

@@ -1,13 +1,19 @@
 """The verdicts of docs/claims.json, which tests/paper holds against those computed anew."""
 
 import json
+import re
 from pathlib import Path
+
+import pytest
 
 from stepwell import paper
 from stepwell.paper import Judgement, Verdict
 
 ROOT = Path(__file__).resolve().parents[1]
 CLAIMS = ROOT / "docs" / "claims.json"
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
+# Texts round to three or four digits; another processor may round the last one otherwise.
+ONE_DIGIT = 2e-3
 
 
 def committed() -> tuple[Verdict, ...]:
@@ -19,4 +25,12 @@ def committed() -> tuple[Verdict, ...]:
     told = [(claim, found[claim.id]) for claim in claims]
     return tuple(
         Verdict(claim, one["ours"], Judgement(one["verdict"]), one["reason"]) for claim, one in told
+    )
+
+
+def same(a: str, b: str) -> bool:
+    """Whether two texts have the same words, and the same numbers but for the last digit."""
+    numbers = [[float(n) for n in NUMBER.findall(text)] for text in (a, b)]
+    return NUMBER.sub("#", a) == NUMBER.sub("#", b) and numbers[0] == pytest.approx(
+        numbers[1], rel=ONE_DIGIT
     )

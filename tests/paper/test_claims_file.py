@@ -10,37 +10,26 @@ import sys
 
 import pytest
 
-from claims import CLAIMS, ROOT
+from claims import CLAIMS, ROOT, same
 from stepwell import paper
 from stepwell.paper import Judgement
 from stepwell.paper.claims import table
 from stepwell.paper.mechanisms import measured as _measured
 from stepwell.paper.robots import ROBOT, steering
 
-# Written by commands of their own: from recordings, and from many simulated runs.
-APART = ("measured.md", "many-runs.md")
+# Written by commands of their own: from recordings, from many simulated runs, of others.
+APART = ("measured.md", "many-runs.md", "others.md")
 PAGES = [
     page
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
     if table.BEGIN in page.read_text("utf-8") and page.name not in APART
 ]
-NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
-# Texts round to three or four digits; another processor may round the last one otherwise.
-ONE_DIGIT = 2e-3
 
 
 @pytest.fixture(scope="module")
 def computed() -> dict[str, paper.Verdict]:
     """Every claim judged anew: half a minute, so this file's tests of it are the only ones."""
     return {verdict.claim.id: verdict for verdict in paper.run()}
-
-
-def same(a: str, b: str) -> bool:
-    """Whether two texts have the same words, and the same numbers but for the last digit."""
-    numbers = [[float(n) for n in NUMBER.findall(text)] for text in (a, b)]
-    return NUMBER.sub("#", a) == NUMBER.sub("#", b) and numbers[0] == pytest.approx(
-        numbers[1], rel=ONE_DIGIT
-    )
 
 
 def test_the_comparison_sees_a_changed_number_and_a_changed_word():

@@ -35,6 +35,7 @@ for command in (
     presets.presets,
     motion.animate,
     paper.paper,
+    paper.validate,
 ):
     app.command(name=command.__name__.rstrip("_"), epilog=EXIT_CODES)(command)
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)

@@ -1,4 +1,4 @@
-"""`stepwell paper`: what the paper claims, computed anew."""
+"""`stepwell paper` and `stepwell validate`: what the paper and others claim, computed anew."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -44,11 +44,31 @@ def paper(
     )
 
 
+def validate(as_json: Json = False) -> None:
+    """Check results of others about chains of bistable elements.
+
+    Closed forms, transition graphs and sequences that others have published are computed anew; the
+    verdict says where we agree, where not, and why.
+    """
+    import stepwell.paper as claims
+
+    with progress("claims") as tell:
+        verdicts = claims.validate(tell)
+    finish(claims.record(verdicts), _show_others, as_json)
+
+
 def _show(record: dict[str, Any]) -> None:
+    _tell(record, "What the paper claims, and what Stepwell computes")
+
+
+def _show_others(record: dict[str, Any]) -> None:
+    _tell(record, "What others found, and what Stepwell computes")
+
+
+def _tell(record: dict[str, Any], title: str) -> None:
     claims = record["claims"]
     columns = ["claim", "where", "paper", "ours", "verdict"]
     rows = [[claim[key] for key in ("id", "where", "paper", "ours", "verdict")] for claim in claims]
-    title = "What the paper claims, and what Stepwell computes"
     show_table(title, columns, rows, left=range(len(columns)))
     reasons = [f"{claim['id']}: {claim['reason']}" for claim in claims if claim["reason"]]
     if reasons:

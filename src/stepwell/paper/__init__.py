@@ -1,7 +1,7 @@
-"""The claims of the paper as data, each with a function that computes ours."""
+"""Claims of the paper and of others as data, each with a function that computes ours."""
 
 from stepwell.paper.claims import Claim, Finding, Judgement, Verdict, markdown
-from stepwell.paper.run import claims, outputs, record, run
+from stepwell.paper.run import claims, others, outputs, record, run, validate
 
 __all__ = [
     "Claim",
@@ -10,7 +10,9 @@ __all__ = [
     "Verdict",
     "claims",
     "markdown",
+    "others",
     "outputs",
     "record",
     "run",
+    "validate",
 ]

@@ -8,19 +8,19 @@ from stepwell.base import write_atomic
 from stepwell.paper.claims import markdown, replaced
 from stepwell.paper.mechanisms import IDS
 from stepwell.paper.robots import MANY_RUNS
-from stepwell.paper.run import record, run
+from stepwell.paper.run import record, run, validate
 
-USAGE = """usage: python -m stepwell.paper [--data PATH | --all] claims.json [PAGE.md ...]
+USAGE = """usage: python -m stepwell.paper [--data PATH | --all | --others] FILE.json [PAGE.md ...]
 
 Without an option all claims are written but those that take many simulated runs; those that
-recordings decide say that they need data. With the recordings only those are written, and with
---all only those of many runs."""
+recordings decide say that they need data. With the recordings only those are written, with --all
+only those of many runs, and with --others those of other papers."""
 
 
 def main(given: list[str]) -> None:
     """Write the claims into a JSON file, and their table between the markers of each page."""
-    data, many = None, given[:1] == ["--all"]
-    if many:
+    data, many, theirs = None, given[:1] == ["--all"], given[:1] == ["--others"]
+    if many or theirs:
         given = given[1:]
     if given[:1] == ["--data"] and len(given) > 1:
         data, given = given[1], given[2:]
@@ -28,7 +28,10 @@ def main(given: list[str]) -> None:
         raise SystemExit(USAGE)
     target, *pages = map(Path, given)
     texts = [page.read_text("utf-8") for page in pages]
-    verdicts = tuple(claim.judge() for claim in MANY_RUNS) if many else run(data=data)
+    if theirs:
+        verdicts = validate()
+    else:
+        verdicts = tuple(claim.judge() for claim in MANY_RUNS) if many else run(data=data)
     if data is not None:
         verdicts = tuple(verdict for verdict in verdicts if verdict.claim.id in IDS)
     table = markdown(verdicts)

@@ -1,4 +1,4 @@
-"""Every claim in the order of the paper, judged, and the figures drawn from the model."""
+"""Every claim, of the paper in its order and of others, judged; and the paper's figures."""
 
 from __future__ import annotations
 
@@ -19,6 +19,13 @@ from stepwell.paper.mechanisms import (
     PATHWAYS,
     WELLS,
     measured_claims,
+)
+from stepwell.paper.others import (
+    BALLOONS,
+    COUNTERSNAPPING,
+    KRESLING,
+    PAIRS,
+    TRILINEAR,
 )
 from stepwell.paper.robots import ANTENNAS, LOSS, MANY_RUNS, ROBOT, STEERING
 from stepwell.results import head
@@ -55,6 +62,33 @@ def claims(
         *MORE_CELLS,
         *(MANY_RUNS if everything else ()),
     )
+
+
+def others() -> tuple[Claim, ...]:
+    """The claims of others about chains of bistable elements; nothing is computed yet.
+
+    Source: Puglisi and Truskinovsky 2000, J. Mech. Phys. Solids 48, 1; Muhaxheri and Santangelo
+    2024, arXiv 2403.10721; Teunisse and van Hecke 2025, R. Soc. Open Sci. 12, 250753; Bhovad,
+    Kaufmann and Li 2019, arXiv 1906.04091; Ducarme et al. 2025, PNAS 122, e2423301122.
+    """
+    return (*TRILINEAR, *BALLOONS, *PAIRS, *KRESLING, *COUNTERSNAPPING)
+
+
+def validate(progress: Callable[[int, int], None] | None = None) -> tuple[Verdict, ...]:
+    """Compute every claim of others anew.
+
+    Args:
+        progress: called with (done, total) claims.
+
+    Returns:
+        A verdict for each claim, in the order of `others()`.
+    """
+    asked, found = others(), list[Verdict]()
+    for claim in asked:
+        found.append(claim.judge())
+        if progress is not None:
+            progress(len(found), len(asked))
+    return tuple(found)
 
 
 def run(

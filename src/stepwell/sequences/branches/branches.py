@@ -88,10 +88,13 @@ class Branch:
 def reach(chain: Chain) -> tuple[float, float]:
     """The drives between which a chain is looked at [m], or [N] under force control.
 
-    A rigid actuator ends at the stops; any other can pull further and nothing changes.
+    A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that
+    fold back may be longer in an earlier phase than in a later one.
     """
     low, high = drive_range(chain)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
+    if chain.actuator_stiffness > 0 and any(len(cell.laws) > 1 for cell in chain.elements):
+        more += sum(cell.full_travel for cell in chain.elements if len(cell.laws) > 1) / 2.0
     return low - more, high + more
 
 

@@ -1,0 +1,41 @@
+"""`stepwell validate`: what others found beside what we compute."""
+
+import json
+
+import pytest
+
+from claims import ROOT
+from stepwell import paper
+from stepwell.paper import Verdict
+from stepwell.paper.claims.claim import Claim
+
+KNOWN = json.loads((ROOT / "docs" / "others.json").read_text("utf-8"))["claims"]
+
+
+@pytest.fixture(autouse=True)
+def known(monkeypatch):
+    """The committed verdicts, in the place of those computed anew."""
+    told = {one["id"]: one for one in KNOWN}
+
+    def judge(claim: Claim) -> Verdict:
+        one = told[claim.id]
+        return Verdict(claim, one["ours"], paper.Judgement(one["verdict"]), one["reason"])
+
+    monkeypatch.setattr(Claim, "judge", judge)
+
+
+def test_every_result_of_others_is_a_line_with_both_values_and_the_verdict(stepwell):
+    result = stepwell("validate")
+    assert result.exit_code == 0
+    lines = result.stdout.splitlines()
+    for one in KNOWN:
+        (line,) = (line for line in lines if line.startswith(f"{one['id']} "))
+        assert f"  {one['where']}  " in line and f"  {one['ours']}  " in line
+        assert line.endswith(f"  {one['verdict']}")
+    assert f"{len(KNOWN)} of {len(KNOWN)} claims agree." in result.stdout
+
+
+def test_json_is_that_of_the_paper(stepwell):
+    record = json.loads(stepwell("validate", "--json").stdout)
+    assert record["schema"] == "stepwell.paper/1"
+    assert record["claims"] == KNOWN

@@ -1,0 +1,67 @@
+"""The committed results of others say what the model computes today; all computed once, here."""
+
+import json
+
+import pytest
+
+from claims import ROOT, same
+from stepwell import paper
+from stepwell.paper import Judgement
+from stepwell.paper.claims import table
+
+FILE, PAGE = ROOT / "docs" / "others.json", ROOT / "docs" / "others.md"
+
+
+@pytest.fixture(scope="module")
+def computed() -> dict[str, paper.Verdict]:
+    """Every claim of others judged anew."""
+    return {verdict.claim.id: verdict for verdict in paper.validate()}
+
+
+@pytest.mark.slow
+@pytest.mark.shown
+def test_the_committed_results_of_others_are_those_computed_now(computed):
+    committed = json.loads(FILE.read_text("utf-8"))["claims"]
+    now = json.loads(json.dumps(paper.record(computed.values())["claims"]))
+    assert [claim["id"] for claim in committed] == [claim["id"] for claim in now]
+    for old, new in zip(committed, now, strict=True):
+        assert set(old) == set(new)
+        for name, text in new.items():
+            assert same(old[name], text), (new["id"], name, old[name], text)
+
+
+@pytest.mark.slow
+@pytest.mark.shown
+def test_the_page_of_others_shows_what_is_computed_now(computed):
+    text = PAGE.read_text("utf-8")
+    assert same(text, table.replaced(text, paper.markdown(computed.values())))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("claim", paper.others(), ids=lambda claim: claim.id)
+def test_a_result_of_others_agrees(claim, computed):
+    assert computed[claim.id].verdict is Judgement.AGREES
+
+
+@pytest.mark.slow
+def test_what_decides_between_the_graphs_of_pairs_is_said(computed):
+    told = computed["pairs-that-fold"]
+    assert told.ours == "18 of 35, 13 of 13"
+    assert "6 of the 35 are impossible" in told.reason and "11 are undecided" in told.reason
+
+
+def test_every_result_of_others_names_its_source_and_has_a_short_name_of_its_own():
+    names = [claim.id for claim in paper.others()]
+    assert len(set(names)) == len(names)
+    assert not set(names) & {claim.id for claim in paper.claims(everything=True)}
+    # A year stands in every source.
+    assert all(any(year in claim.where for year in ("20", "ours")) for claim in paper.others())
+
+
+def test_progress_is_told_claim_by_claim(monkeypatch):
+    monkeypatch.setattr(paper.Claim, "judge", lambda claim: claim.id)
+    told: list[tuple[int, int]] = []
+    found = paper.validate(lambda *step: told.append(step))
+    count = len(paper.others())
+    assert len(found) == count
+    assert told == [(k + 1, count) for k in range(count)]
