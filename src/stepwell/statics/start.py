@@ -12,11 +12,11 @@ from stepwell.statics.following import (
     NO_FORCE,
     Problem,
     State,
-    find_piece,
     held_range,
     hold,
     inverse_slope,
     log as logged,
+    resting_piece,
     stand_all_on,
 )
 from stepwell.statics.places import Configuration, place_at
@@ -106,7 +106,7 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     )
     for i in range(n):
         hold(problem, state, i)
-        state.piece[i] = find_piece(pieces, i, travels[i], 0)
+        state.piece[i] = resting_piece(pieces, i, travels[i])
         inside = ends[i, BEFORE] < travels[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0:
             state.mode[i] = FREE

@@ -21,6 +21,7 @@ from stepwell.statics.following.pieces import (
     force_scale,
     invert,
     of_curve,
+    resting_piece,
     sheets_of,
     stand_all_on,
 )

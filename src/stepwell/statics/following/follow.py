@@ -10,6 +10,7 @@ from stepwell.base import Floats
 from stepwell.kernels import SPENT, STROKES, entry, kernel, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD
+from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.smooth import (
     FLAT,
     LOST,
@@ -24,6 +25,7 @@ from stepwell.statics.following.snap import note_saddle, snap
 from stepwell.statics.following.state import (
     DONE,
     DUE,
+    FREE,
     GAVE_UP,
     GOES_ON,
     LETS_GO,
@@ -98,10 +100,15 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
 
 @kernel
 def _come_to_rest(problem: Problem, state: State, direction: int) -> None:
-    """The actuator turns: what slid rests, and nothing is known of what comes next."""
+    """The actuator turns: what slid rests, and nothing is known of what comes next.
+
+    What stands where its force turns may have been about to go on down the other side.
+    """
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
     state.tie[:] = -1
     for i in range(len(state.mode)):
         if state.mode[i] == SLIDES or state.mode[i] == LETS_GO:
             hold(problem, state, i)
+        elif state.mode[i] == FREE and problem.pieces.sign[state.piece[i]] < 0:
+            state.piece[i] = resting_piece(problem.pieces, i, state.travel[i])

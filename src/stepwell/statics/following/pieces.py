@@ -329,6 +329,8 @@ def _cut_sheet(
 
 def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
     """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
+    if np.array_equal(sheets.table[:, LOW:CURVE_LOW], sheets.table[:, CURVE_LOW : CURVE_HIGH + 1]):
+        return np.ones(len(pieces.left), bool)
     own = np.repeat(np.arange(len(sheets.table)), np.diff(pieces.of_sheet))
     begin, end = sheets.table[own, CURVE_LOW : CURVE_HIGH + 1].T
     return (pieces.right > begin) & (pieces.left < end)
@@ -385,6 +387,14 @@ def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
         else:
             last = middle
     return first
+
+
+@kernel
+def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
+    """The piece on which `cell` rests at `travel`; where its force turns, the one that rises."""
+    piece = find_piece(pieces, cell, travel, 0)
+    after = find_piece(pieces, cell, travel, 1)
+    return after if pieces.sign[piece] < 0 and pieces.sign[after] >= 0 else piece
 
 
 @kernel

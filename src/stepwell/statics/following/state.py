@@ -30,7 +30,14 @@ from stepwell.statics.following.log import (
     TRAVEL_1,
     Log,
 )
-from stepwell.statics.following.pieces import Pieces, find_piece, sheet_of, sheets_of, stand_on
+from stepwell.statics.following.pieces import (
+    Pieces,
+    find_piece,
+    resting_piece,
+    sheet_of,
+    sheets_of,
+    stand_on,
+)
 
 # What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
 # friction; has just reached the force at which it lets go.
@@ -214,7 +221,7 @@ def settle(problem: Problem, state: State) -> None:
         inside = ends[i, BEFORE] < state.travel[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
             state.mode[i], state.sense[i] = FREE, 0
-            piece = find_piece(pieces, i, state.travel[i], 0)
+            piece = resting_piece(pieces, i, state.travel[i])
             state.piece[i] = piece
             total += law(laws, i, pieces.picked[piece], state.travel[i])[0]
             free += 1
