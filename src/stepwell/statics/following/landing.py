@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepwell.base import Ints
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import HIGH, LOW, law
+from stepwell.mechanism import HIGH, LOW, Laws, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import Problem
 
@@ -35,10 +36,9 @@ class Line(NamedTuple):
 
 @kernel
 def _ends(
-    problem: Problem, line: Line, on_forth: int, on_back: int, bias: float, x: float
+    laws: Laws, picked: Ints, line: Line, on_forth: int, on_back: int, bias: float, x: float
 ) -> tuple[float, float, float, float]:
     """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
-    laws, picked = problem.laws, problem.pieces.picked
     if line.back >= 0:
         value, slope, _ = law(laws, line.back, picked[on_back], line.from_back - x)
         pull, pull_slope = value - laws.friction[line.back] + bias, -slope
@@ -55,7 +55,8 @@ def _ends(
 @kernel
 def pull_at(problem: Problem, line: Line, x: float) -> float:
     """What pulls less what resists after a shift x, as far as the line goes [N]."""
-    ends, pieces, on_forth, on_back = problem.sheets.ends, problem.pieces, 0, 0
+    laws, picked, ends = problem.laws, problem.pieces.picked, problem.sheets.ends
+    pieces, on_forth, on_back = problem.pieces, 0, 0
     if line.forth >= 0:
         x = min(x, ends[line.forth, HIGH] - line.from_forth)
     if line.back >= 0:
@@ -64,7 +65,7 @@ def pull_at(problem: Problem, line: Line, x: float) -> float:
         on_forth = find_piece(pieces, line.forth, line.from_forth + x, -1)
     if line.back >= 0:
         on_back = find_piece(pieces, line.back, line.from_back - x, 1)
-    pull, _, resist, _ = _ends(problem, line, on_forth, on_back, 0.0, x)
+    pull, _, resist, _ = _ends(laws, picked, line, on_forth, on_back, 0.0, x)
     return float(pull - resist)
 
 
@@ -84,15 +85,17 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     No landing is looked for within `start`, a share of the travel; `bias` is a force that helps
     the motion.
     """
-    laws, pieces = problem.laws, problem.pieces
+    # Taken out once, here: compiled, every later look into a record would count references.
+    laws, pieces, ends, effort = problem.laws, problem.pieces, problem.sheets.ends, problem.effort
+    picked = pieces.picked
     forth, back, from_forth, from_back = line.forth, line.back, line.from_forth, line.from_back
     tolerance = 1e-12 * problem.scale
     lowest, highest = line.lowest - tolerance, line.highest + tolerance
     limit = np.inf
     if forth >= 0:
-        limit = min(limit, problem.sheets.ends[forth, HIGH] - from_forth)
+        limit = min(limit, ends[forth, HIGH] - from_forth)
     if back >= 0:
-        limit = min(limit, from_back - problem.sheets.ends[back, LOW])
+        limit = min(limit, from_back - ends[back, LOW])
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     near = 1e-12 * size
     start *= size
@@ -114,12 +117,12 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
         waiting = 1 if end > begin else 0
         while waiting > 0:
             looks += 1
-            if overspent(problem.effort, 4) or looks > 200_000:
+            if overspent(effort, 4) or looks > 200_000:
                 return UNDECIDED, begin, line.force
             waiting -= 1
             a, b = lefts[waiting], rights[waiting]
-            ga, dga, ha, dha = _ends(problem, line, on_forth, on_back, bias, a)
-            gb, dgb, hb, dhb = _ends(problem, line, on_forth, on_back, bias, b)
+            ga, dga, ha, dha = _ends(laws, picked, line, on_forth, on_back, bias, a)
+            gb, dgb, hb, dhb = _ends(laws, picked, line, on_forth, on_back, bias, b)
             if paired:
                 low = 0.5 * (min(ga, gb) + min(ha, hb))
                 high = 0.5 * (max(ga, gb) + max(ha, hb))
@@ -146,7 +149,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
                 if gb - hb <= 0.0:
                     share = (ga - ha) - (gb - hb)
                     x = b if share <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / share
-                    g, _, h, _ = _ends(problem, line, on_forth, on_back, bias, x)
+                    g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, x)
                     return LANDED, x, _level(line, g, h)
                 if at_b < lowest or at_b > highest:
                     return JOINED, b, at_b
@@ -156,7 +159,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
             lefts[waiting + 1], rights[waiting + 1] = a, middle
             waiting += 2
         if end >= limit:
-            g, _, h, _ = _ends(problem, line, on_forth, on_back, bias, limit)
+            g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, limit)
             return STOPPED, limit, _level(line, g, h)
         if forth >= 0 and pieces.right[on_forth] - from_forth <= end:
             on_forth += 1
