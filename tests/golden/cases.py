@@ -370,6 +370,7 @@ PAPER = [
         within=SIMULATED,
         slow=True,
     ),
+    Case("validate", ("validate --json",), within=SIMULATED, slow=True),
 ]
 
 HELP = [
