@@ -103,6 +103,14 @@ def test_the_units_say_what_is_measured(written, head, measure, high, largest):
         (CSV + "6,about 2\n", "line 6 is no row of 2 numbers ('6,about 2'): correct it or take"),
         (CSV + "6,nan\n", "line 6 is no row of 2 numbers ('6,nan')"),
         (
+            "travel_mm,force_N\n0,0,\n1,1\n2,1.5\n",
+            "the line before the first row of 2 numbers is none ('0,0,'): correct it or take it",
+        ),
+        (
+            "travel_mm,force_N\n0,nan\n1,1\n",
+            "the line before the first row of 2 numbers is none ('0,nan')",
+        ),
+        (
             CSV + "3,1\n1,0.2\n0,0\n",
             "row 4: the travel turns back at 5 mm, so the file holds loading and unloading: keep",
         ),

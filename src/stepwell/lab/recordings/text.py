@@ -60,6 +60,12 @@ def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
         ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
     """
     header, delimiter, count, body = _parts(data, "travel and force")
+    # What names columns has no number for a field: a row of which one cannot be read has.
+    if header and any(map(_NUMBER.fullmatch, split(header[-1], delimiter))):
+        raise InputError(
+            f"the line before the first row of {count} numbers is none ({header[-1][:_SHOWN]!r}): "
+            f"correct it or take it out."
+        )
     measure, (x, x_factor), (y, y_factor) = pair(header, delimiter, count)
     rows, bad = _rows(body, delimiter, count)
     if bad:
