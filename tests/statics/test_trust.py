@@ -16,7 +16,8 @@ from statics.test_against_oracle import brute_force
 from stepwell import statics
 from stepwell.mechanism.law import law
 from stepwell.statics import run
-from stepwell.statics.following import certificate as _certificate, find_piece, log as logged
+from stepwell.statics.following import certificate as _certificate, log as logged
+from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.smooth import BLUNT
 from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
