@@ -28,7 +28,7 @@ def brute_force(chain: sw.Chain, points) -> oracle.OracleRun:
     stiffness = chain.actuator_stiffness
     control = {math.inf: "stroke", 0.0: "force"}.get(stiffness, stiffness)
     return oracle.follow(
-        [as_oracle(c) for c in chain.cells], list(points), control=control, steps=STEPS
+        [as_oracle(c) for c in chain.levers], list(points), control=control, steps=STEPS
     )
 
 
@@ -58,7 +58,7 @@ def off_the_path(path: sw.Path, run: oracle.OracleRun) -> float:
 
 def close_call(chain: sw.Chain, run: oracle.OracleRun) -> bool:
     """Whether two cells let go so near to each other that a finite drive step can swap them."""
-    ends = np.array([(c.force_0, c.force_1) for c in chain.cells])
+    ends = np.array([(c.force_0, c.force_1) for c in chain.levers])
     step = float(np.max(np.abs(np.diff(run.drive))))
     force = 200.0 * step if chain.actuator_stiffness > 0 else 2 * step
     return any(np.min(np.diff(np.sort(ends[:, k]))) < force for k in (0, 1))

@@ -92,7 +92,7 @@ def nudged(chain: sw.Chain, rng: np.random.Generator, by: float) -> sw.Chain:
         return replace(band, q=(band.q[0] + dx, band.q[1] + dy))
 
     return replace(
-        chain, cells=[replace(c, band=tuple(moved(b) for b in c.bands)) for c in chain.cells]
+        chain, cells=[replace(c, band=tuple(moved(b) for b in c.bands)) for c in chain.levers]
     )
 
 
@@ -140,7 +140,7 @@ def test_where_a_picometre_changes_what_is_lost_a_tie_is_told_with_friction_too(
 
 def _edge_of_an_outcome(chain: sw.Chain) -> list[sw.Chain]:
     """Two designs a picometre apart of which one loses more by 0.01 mJ, or none."""
-    cell = chain.cells[0]
+    cell = chain.levers[0]
     x, y = cell.bands[0].q
 
     def at(dx: float) -> sw.Chain:
