@@ -89,7 +89,7 @@ def phase_changes(
             own[(own == TRANSIT) & (sheet == on) & (low <= travel) & (travel <= high)] = number
         phases[rows] = own
         before[rows] = [begin[cell], *own[:-1].tolist()]
-    segment = np.repeat(np.arange(log.used[0]), np.diff(log.first[: log.used[0] + 1]))
+    segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first[: log.used[0] + 1]))
     changes: dict[int, list[tuple[int, int]]] = {}
     for row in np.flatnonzero(phases != before).tolist():
         changes.setdefault(int(segment[row]), []).append((int(cells[row]), int(phases[row])))
