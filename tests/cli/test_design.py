@@ -164,6 +164,22 @@ def test_elements_of_one_shape_cannot_do_everything_and_that_is_proved(stepwell)
     assert "all forces of an element grow together" in " ".join(result.stdout.split())
 
 
+def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
+    result = stepwell("design", BACK, "--element", "balloon", "--drive", "force", "--json")
+    record = json.loads(result.stdout)
+    assert record["gap_needed_kPa"] == pytest.approx(1e-5, rel=0.1)
+    assert "largest_gap_N" not in record
+
+
+def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
+    options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
+    found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
+    assert 0.0 < found["share"] < 1.0
+    assert "radius_mm" not in found
+    told = f"all forces may be off by {found['share'] * 100:.4g} % at once"
+    assert told in " ".join(stepwell("design", BACK, *options).stdout.split())
+
+
 def test_a_span_rises():
     assert span("-15:1.5") == Range(-15.0, 1.5)
     assert str(Range(-15, 15)) == "-15:15"

@@ -181,3 +181,25 @@ def test_equal_elements_of_the_library_snap_as_often_as_there_are_phases_to_leav
     assert len(cycle.sequence) == 5
     path = cycle.path
     assert path.work == pytest.approx(cycle.dissipated, abs=1e-9 * np.max(np.abs(path.energy)))
+
+
+@pytest.mark.parametrize("name", ["von-mises-truss", "kresling", "compliant-actuator"])
+def test_a_path_goes_on_from_the_very_drive_of_a_snap(name):
+    chain = sw.load(f"preset:{name}")
+    path = chain.cycle().path
+    low, high = path.turning_points[:2]
+    for event in path.events:
+        if event.kind is sw.EventKind.SNAP and event.direction > 0:
+            there = chain.path([low, event.drive]).end_configuration
+            for to in (low, high):
+                on = chain.path([event.drive, to], start=there)
+                expected = chain.path([low, event.drive, to])
+                assert on.end == pytest.approx(expected.end, abs=1e-9 * chain.full_stroke)
+
+
+def test_a_start_that_could_not_stand_there_is_refused_in_the_units_of_the_measure():
+    balloons = sw.load("preset:balloon")
+    with pytest.raises(ValueError, match=r"thin at 2000 mL stands for 4\.\d+\.\.4\.\d+ kPa"):
+        balloons.path([3e-3], start=[2e-3, 1e-3])
+    with pytest.raises(ValueError, match="3000 mL: the start has its cells at a volume of 2000 mL"):
+        balloons.path([3e-3], start=[1e-3, 1e-3])

@@ -156,7 +156,8 @@ def design_record(found: Design) -> dict[str, Any]:
 def impossible_record(why: Impossible) -> dict[str, Any]:
     """That nothing allowed does what is wanted, as `design.design` raised it."""
     gaps = Quantity("largest_gap", "N"), Quantity("gap_needed", "N")
-    return {**_head(None, None, proved=why.proved), "reason": str(why), **record(gaps, why)}
+    told = record(in_measure(gaps, why.measure), why)
+    return {**_head(None, None, proved=why.proved), "reason": str(why), **told}
 
 
 def reprogramming_schema(unit: str) -> Schema:
@@ -211,8 +212,9 @@ def _head(chain: Chain | None, seed: int | None, *, proved: bool) -> dict[str, A
 
 def _robustness(found: Robustness) -> dict[str, Any]:
     meeting = found.meeting
+    most = Quantity("radius", "mm") if math.isnan(found.share) else Quantity("share")
     return {
-        **record([Quantity("radius", "mm"), Quantity("limit")], found),
+        **record([most, Quantity("limit")], found),
         "meet": meeting and [meeting.first, meeting.second],
         "while": meeting and meeting.way,
     }

@@ -24,6 +24,8 @@ from stepwell.statics.places import Configuration, place_at
 EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.
 _BLUNT = 1e-2
+# A sum of compliances below this share of them is that of a fold.
+_FOLD = 1e-7
 
 
 def starting_configuration(
@@ -116,9 +118,11 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
     stroke = float(np.sum(travels))
     if beta == 0:
         if abs(stroke - drive) > 1e-9 * chain.full_stroke:
+            unit, factor = told_in(chain.measure.travel_unit)
             raise InputError(
-                f"turning_points[0] = {drive * 1e3:.9g} mm: the start has its cells at a stroke of "
-                f"{stroke * 1e3:.9g} mm; begin there, or pass another start."
+                f"turning_points[0] = {drive * factor:.9g} {unit}: the start has its cells at a "
+                f"{chain.measure.stroke} of {stroke * factor:.9g} {unit}; begin there, or pass "
+                f"another start."
             )
         force = float(np.mean(forces[free])) if free.any() else min(max(0.0, low), high)
     else:
@@ -138,13 +142,18 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
 
 def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, force: float) -> str:
     laws, ends = problem.laws, problem.sheets.ends
+    unit, factor = told_in(chain.measure.travel_unit)
+    of_force, size = told_in(chain.measure.force_unit)
     parts: list[str] = []
     for i, name in enumerate(chain.names):
         rub = laws.friction[i]
         low = forces[i] - rub if state.travel[i] > ends[i, BEFORE] else -math.inf
         high = forces[i] + rub if state.travel[i] < ends[i, BEYOND] else math.inf
-        parts.append(f"{name} at {state.travel[i] * 1e3:.6g} mm stands for {low:.4g}..{high:.4g} N")
-    given = f" and the actuator gives {force:.4g} N" if problem.beta > 0 else ""
+        parts.append(
+            f"{name} at {state.travel[i] * factor:.6g} {unit} stands for {low * size:.4g}.."
+            f"{high * size:.4g} {of_force}"
+        )
+    given = f" and the actuator gives {force * size:.4g} {of_force}" if problem.beta > 0 else ""
     return (
         f"start is no equilibrium: {'; '.join(parts)}{given}; one force must suit all. Start from "
         f"all cells at 0 and drive to the state that you mean."
@@ -153,11 +162,13 @@ def _unbalanced(chain: Chain, problem: Problem, state: State, forces: Floats, fo
 
 def _refuse_unstable(problem: Problem, state: State) -> None:
     laws, _, pieces, alpha, beta, *_ = problem
-    total, falling = beta, 0
+    total, size, falling = beta, beta, 0
     for i in np.flatnonzero(state.mode == FREE).tolist():
         falling += int(pieces.sign[state.piece[i]] < 0)
-        total += alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
-    if falling > 1 or (falling == 1 and total >= 0):
+        share = alpha * inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+        total, size = total + share, size + abs(share)
+    # A path may have ended just where it would have snapped: there the sum is rounding.
+    if falling > 1 or (falling == 1 and total >= _FOLD * size):
         raise InputError(
             f"start is an unstable equilibrium: {falling} cells between their stops push back less "
             f"the further they go (theory page, 'Stability'); the chain would leave it by itself."

@@ -241,9 +241,8 @@ def design(record: dict[str, Any], chain: Chain | None) -> None:
     if chain is None:
         show_lines(*wrapped(record["reason"]))
         return
-    names = [cell["name"] for cell in record["cells"]]
     shares = _shares(record["yield"], chain) | {"Wanted": ""}
-    found = _states(record) | shares | {"Worst": _robustness(record["robustness"], names)}
+    found = _states(record) | shares | {"Worst": _robustness(record["robustness"], chain)}
     show_facts({"title": ""}, found, 10)
     schema = built_schema(chain)
     if not chain.elements:
@@ -265,12 +264,15 @@ def _states(record: dict[str, Any]) -> dict[str, str]:
     return {"Sequence": record["sequence"], "In reach": listed}
 
 
-def _robustness(found: dict[str, Any] | None, names: list[str]) -> str:
+def _robustness(found: dict[str, Any] | None, chain: Chain) -> str:
     if found is None:
         return ""
-    text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
+    if "share" in found:
+        text = f"all {chain.measure.force}s may be off by {number(found['share'] * 100)} % at once"
+    else:
+        text = f"all anchors may be off by {number(found['radius_mm'])} mm at once"
     if found["meet"] is not None:
-        first, second = (names[cell] for cell in found["meet"])
+        first, second = (chain.names[cell] for cell in found["meet"])
         text += f"; then {first} and {second} change places while {found['while']}"
     return text
 

@@ -88,7 +88,7 @@ class Robustness(ByValue):
         names = self.chain.names
         text = f"all anchors may be off by {self.radius * 1e3:.4g} mm at once"
         if not math.isnan(self.share):
-            text = f"all forces may be off by {self.share * 100:.4g} % at once"
+            text = f"all {self.chain.measure.force}s may be off by {self.share * 100:.4g} % at once"
         if self.meeting is not None:
             first, second = names[self.meeting.first], names[self.meeting.second]
             text += f"; then {first} and {second} change places in {self.meeting.way}"

@@ -328,7 +328,8 @@ def _impossible(
     if not proved:
         why += "; random choices of elements and scales were followed by the engine, and none does"
     advice = "give elements of other shapes, or a wider range of scales"
-    unit, factor = told_in(elements[0].measure.force_unit)
+    measure = elements[0].measure
+    unit, factor = told_in(measure.force_unit)
     largest = max(one.largest_force for one in elements) * scale[1]
     needed = LEAST * largest
     gap = closest * largest + 0.0 if math.isfinite(closest) else math.nan  # no -0
@@ -338,7 +339,12 @@ def _impossible(
             f"{unit} is needed)"
         )
     return Impossible(
-        goal.text, f"{why}: {advice}", proved=proved, largest_gap=gap, gap_needed=needed
+        goal.text,
+        f"{why}: {advice}",
+        proved=proved,
+        largest_gap=gap,
+        gap_needed=needed,
+        measure=measure,
     )
 
 

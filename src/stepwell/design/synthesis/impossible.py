@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import Floats, StepwellError
+from stepwell.base import Floats, Measure, StepwellError
 from stepwell.concave import TIED
 from stepwell.design.orders import Target, short
 from stepwell.design.synthesis.attempt import Attempt
@@ -24,6 +24,7 @@ class Impossible(StepwellError, ValueError):
             F1 that can be had, or was found where nothing is proved [N]: zero where two cells
             tie, less where they change places; NaN where there are no cells to compare.
         gap_needed: it would have to be more than this, or the engine finds a tie [N].
+        measure: what the forces are.
     """
 
     def __init__(
@@ -36,8 +37,9 @@ class Impossible(StepwellError, ValueError):
         region: Sequence[Floats] = (),
         largest_gap: float = math.nan,
         gap_needed: float = math.nan,
+        measure: Measure = Measure.TRAVEL,
     ):
-        self.wanted, self.proved = wanted, proved
+        self.wanted, self.proved, self.measure = wanted, proved, measure
         self.region = tuple(region)
         self.largest_gap, self.gap_needed = largest_gap, gap_needed
         verdict = ("impossible" if proved else "not found") + (allowed and f" with {allowed}")
