@@ -25,7 +25,7 @@ EPSILON = float(np.finfo(float).eps)
 # A spring whose force is known to no better than this share of the cells' tells nothing.
 _BLUNT = 1e-2
 # A sum of compliances below this share of them is that of a fold.
-_FOLD = 1e-7
+_FOLD = 1e-5
 
 
 def starting_configuration(
