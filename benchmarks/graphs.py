@@ -72,7 +72,7 @@ def given(chain: sw.Chain) -> Any:
     from hysteron_tgraphs.model import SwitchingFields  # pyright: ignore[reportMissingImports]
 
     fields = SwitchingFields(len(chain))
-    forces = np.array([(cell.force_0, cell.force_1) for cell in chain.cells])
+    forces = np.array([(cell.force_0, cell.force_1) for cell in chain.levers])
     for state in fields:
         fields[state] = np.where(np.array(state) == 1, forces[:, 1], forces[:, 0])
     return fields

@@ -7,7 +7,7 @@ outer = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.020, 0.0)), name="outer")
 leg = sw.Chain((inner, outer))
 
 # Cells load in ascending order of F0, and unload in descending order of F1.
-for cell in leg.cells:
+for cell in leg.levers:
     print(f"{cell.name}: F0 = {cell.force_0:+.4f} N, F1 = {cell.force_1:+.4f} N")
 
 cycle = leg.cycle()

@@ -9,8 +9,8 @@ spread = [(0.002 + 0.018 * i / 9, 0.020 * ((0.618034 * i) % 1.0 - 0.5)) for i in
 chain = sw.Chain(tuple(sw.Cell(sw.Band(p=(-0.010, 0.0), q=q)) for q in spread))
 
 cycle = chain.cycle()
-by_force_0 = np.argsort([cell.force_0 for cell in chain.cells])
-by_force_1 = np.argsort([-cell.force_1 for cell in chain.cells])
+by_force_0 = np.argsort([cell.force_0 for cell in chain.levers])
+by_force_1 = np.argsort([-cell.force_1 for cell in chain.levers])
 print("loads  ", cycle.loading_order, "ascending F0: ", tuple(by_force_0.tolist()))
 print("unloads", cycle.unloading_order, "descending F1:", tuple(by_force_1.tolist()))
 print(f"{len(cycle.snaps)} snaps turn {cycle.dissipated * 1e3:.3f} mJ into heat")

@@ -55,7 +55,7 @@ CASES = {
     "the chain of a leg": ("cells", lambda: files.loads_robot(ROBOT), 2),
     "a chain": ("cells", lambda: sw.Chain([*leg().cells, *leg().cells]), 4),
     "a file's bands": ("bands", lambda: files.loads_chain(BANDS), 2),
-    "a cell's bands": ("bands", lambda: sw.Cell(2 * leg().cells[0].bands), 2),
+    "a cell's bands": ("bands", lambda: sw.Cell(2 * leg().levers[0].bands), 2),
     "a load": (
         "rows",
         lambda: files.loads_chain(f"[chain]\n{CELL}load_mm_N = [[0, 1], [5, 1], [9, 1]]"),

@@ -36,7 +36,7 @@ def test_a_number_that_no_cell_has_is_answered_with_those_there_are(stepwell, nu
 
 def test_the_number_of_a_cell_without_a_name_is_the_number_that_means_it():
     chain = sw.Chain(sw.preset("paper-forward").cells[:1] * 3)
-    for place, name in enumerate(sw.Chain([sw.Cell(c.band) for c in chain.cells]).names):
+    for place, name in enumerate(sw.Chain([sw.Cell(c.band) for c in chain.levers]).names):
         assert name == f"cell {place + 1}"
     for one in parameters(chain)[:-1]:
         assert one.cell is not None

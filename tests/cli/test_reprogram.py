@@ -32,7 +32,7 @@ def test_json_alone_says_everything(stepwell):
     found = reprogram(sw.load("forward.toml"), None, "outer.q", along=(0, 1), one_way=True)
     assert record["schema"] == "stepwell.reprogram/1"
     assert record["possible"]
-    assert record["displacement_mm"] == [part * 1e3 for part in found.displacement]
+    assert record["displacement_mm"] == [part * 1e3 for part in found.move]
     assert record["after"] == found.after
     assert record["way"][-1]["at_mm"] == pytest.approx(record["displacement_mm"])
     assert record["way"][-1]["force_at_0_N"] == found.resistance.force_0[-1]

@@ -23,7 +23,7 @@ SHORT_X, SHORT_Y = (-0.009, 0.006), (-0.012, 0.012)
 
 
 def design(chain: sw.Chain, moving: int, q: np.ndarray) -> sw.Chain:
-    cells = list(chain.cells)
+    cells = list(chain.levers)
     cells[moving] = cells[moving].with_anchors(q=(float(q[0]), float(q[1])))
     return replace(chain, cells=tuple(cells))
 
@@ -97,11 +97,11 @@ def test_exact_boundaries_run_from_rim_to_crossing_and_stay_in_the_box():
 
 def test_chords_of_an_exact_boundary_stay_close_to_the_curve():
     diagonal = math.hypot(0.020, 0.030)
-    stays = PAPER.cells[0]
+    stays = PAPER.levers[0]
     for boundary in orders(boundaries(PAPER, x=X, y=Y)):
         middle = (boundary.points[1:] + boundary.points[:-1]) / 2
         for q in middle[::10]:
-            moved = design(PAPER, 1, q).cells[1]
+            moved = design(PAPER, 1, q).levers[1]
             gap = (
                 moved.force_0 - stays.force_0
                 if boundary.kind is BoundaryKind.LOADING_ORDER
@@ -144,9 +144,9 @@ def test_past_the_proof_the_engine_is_asked_and_the_boundary_says_so():
             assert len(sequences_around(SHORT, 1, q, 3e-9)) >= 2
     # What the search finds is not what F0 and F1 would have said.
     gaps = [
-        min(abs(c.force_0 - SHORT.cells[0].force_0), abs(c.force_1 - SHORT.cells[0].force_1))
+        min(abs(c.force_0 - SHORT.levers[0].force_0), abs(c.force_1 - SHORT.levers[0].force_1))
         for b in searched
-        for c in [design(SHORT, 1, q).cells[1] for q in some(b, 3)]
+        for c in [design(SHORT, 1, q).levers[1] for q in some(b, 3)]
     ]
     assert max(gaps) > 1e-6
 
@@ -203,7 +203,7 @@ def test_on_the_limits_of_bistability_an_end_force_is_zero():
     for state, boundary in enumerate(boundaries(PAPER, x=X, y=Y)[4:]):
         assert f"F{state} = 0" in boundary.changes
         for q in boundary.points:
-            moved = design(PAPER, 1, q).cells[1]
+            moved = design(PAPER, 1, q).levers[1]
             force = moved.force_1 if state else moved.force_0
             assert abs(force) < 1e-12 * 28.5 * moved.lever
 

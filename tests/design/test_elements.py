@@ -272,6 +272,8 @@ def test_the_nearest_scale_that_reprograms_is_found(drive):
     assert found.displacement == pytest.approx(0.3, abs=2e-6)
     assert (found.method == "exact") == (drive == FORCE)
     assert "a.force_scale" in str(found)
+    # A number is no place in the plane.
+    assert np.all(np.isnan([found.move, found.anchor_at]))
     # Nothing nearer does it.
     for scale in np.linspace(0.72, 1.28, 15):
         made = parameter(chain, "a.force_scale").changed(chain, float(scale))

@@ -103,7 +103,7 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
         else:
             found += 1
             assert doing
-            assert sequence(made.chain.cells) == wanted
+            assert sequence(made.chain.levers) == wanted
     assert proved > 0 and found > 0 and tried > 0
 
 
@@ -201,7 +201,7 @@ def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
         if isinstance(made, Impossible):
             assert wanted not in does or not made.proved
         else:
-            assert sequence(made.chain.cells) == wanted
+            assert sequence(made.chain.levers) == wanted
 
 
 def test_a_lever_gets_a_box_of_its_own_size_unless_one_is_named():

@@ -63,7 +63,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
     made = design(wanted, n=FEW)
     refuses_nothing(made, wanted)
     assert np.all(PAPER_BOX.holds(made.anchors))
-    for cell in made.chain.cells:
+    for cell in made.chain.levers:
         (band,) = cell.bands
         assert (band.stiffness, band.rest_length, band.p) == (28.5, 0.010, (-0.010, 0.0))
         assert (cell.lever, cell.limit) == (PAPER_LEVER, math.pi / 4)
@@ -597,13 +597,13 @@ def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
     one = design(nested, bands=(Stock(),), tolerances=ROUGH, n=5000)
     three = tuple(Stock(k) for k in (15.0, 28.5, 60.0))
     several = design(nested, bands=three, tolerances=ROUGH, n=5000)
-    assert {cell.bands[0].stiffness for cell in several.chain.cells} <= {15.0, 28.5, 60.0}
+    assert {cell.bands[0].stiffness for cell in several.chain.levers} <= {15.0, 28.5, 60.0}
     assert several.yield_.share > one.yield_.share + 0.1
 
 
 def test_of_several_levers_one_is_chosen_for_all():
     made = design(NESTED, lever=(0.010, 0.018), within=PAPER_BOX, n=FEW)
-    assert len({cell.lever for cell in made.chain.cells}) == 1
+    assert len({cell.lever for cell in made.chain.levers}) == 1
     each = [design(NESTED, lever=r, within=PAPER_BOX, n=FEW) for r in (0.010, 0.018)]
     assert any(np.array_equal(made.anchors, one.anchors) for one in each)
     assert "2 combinations" in made.method
@@ -612,7 +612,7 @@ def test_of_several_levers_one_is_chosen_for_all():
 def test_unequal_levers_are_taken_only_if_the_engine_agrees():
     mixed = design(NESTED, lever=(0.012, 0.018), equal_levers=False, n=FEW)
     refuses_nothing(mixed, NESTED)
-    assert len({cell.lever for cell in mixed.chain.cells}) == 2
+    assert len({cell.lever for cell in mixed.chain.levers}) == 2
     assert mixed.robustness is None
     # A lever five times as long empties the short one in a snap; the next best is taken.
     made = design("00>10>11>01>00", lever=(0.004, 0.020), equal_levers=False, n=FEW)

@@ -91,7 +91,7 @@ def test_the_closed_form_is_used_only_where_it_is_proved():
     proved = np.zeros((12, 12), bool)
     for row in range(12):
         for column in range(12):
-            numbers = simple(chain.cells[1].with_anchors(q=(x[column], y[row])))
+            numbers = simple(chain.levers[1].with_anchors(q=(x[column], y[row])))
             assert numbers is not None
             proved[row, column] = certify(numbers, 0.0)
     assert 0 < proved.sum() < proved.size
@@ -102,7 +102,7 @@ def test_the_closed_form_is_used_only_where_it_is_proved():
 
 def in_closed_form(chain: sw.Chain) -> xr.Dataset | None:
     """The map of one design, or None where the closed form is not proved."""
-    x, y = chain.cells[-1].bands[0].q
+    x, y = chain.levers[-1].bands[0].q
     data = sw.transition_map(chain, len(chain) - 1, x=[x], y=[y])
     return data.isel(x=0, y=0) if data.attrs["closed_form_designs"] else None
 

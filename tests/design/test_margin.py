@@ -77,15 +77,15 @@ def test_past_the_margin_the_sequence_is_the_one_foretold():
 def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
     exact = 0
     for chain, margin in concave_margins(3, examples(10)):
-        scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
+        scale = chain.levers[0].bands[0].stiffness * chain.levers[0].lever
         for change in anchors(margin):
             if change.method != "exact" or math.isinf(change.distance):
                 continue
             exact += 1
 
             def gaps(x: float, y: float, chain=chain, number=change.cell) -> np.ndarray:
-                moved = shifted(chain, number, (x, y)).cells[number]
-                others = [c for i, c in enumerate(chain.cells) if i != number]
+                moved = shifted(chain, number, (x, y)).levers[number]
+                others = [c for i, c in enumerate(chain.levers) if i != number]
                 return np.array(
                     [moved.force_0 - c.force_0 for c in others]
                     + [moved.force_1 - c.force_1 for c in others]
@@ -111,7 +111,7 @@ def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
         change = anchors(sw.margin(chain))[0]
         if change.method != "exact":
             continue
-        inner, outer = chain.cells
+        inner, outer = chain.levers
         distances = []
         for end in ("force_0", "force_1"):
             wanted = getattr(outer, end)
@@ -183,8 +183,8 @@ def test_two_equal_cells_have_no_margin_and_either_way_out_is_named():
 
 def test_the_gap_is_the_smallest_of_neighbouring_end_forces():
     for chain, margin in concave_margins(6, 5):
-        forces = np.array([(c.force_0, c.force_1) for c in chain.cells])
-        scale = chain.cells[0].bands[0].stiffness * chain.cells[0].lever
+        forces = np.array([(c.force_0, c.force_1) for c in chain.levers])
+        scale = chain.levers[0].bands[0].stiffness * chain.levers[0].lever
         gap = np.min(np.diff(np.sort(forces, axis=0), axis=0))
         assert margin.gap == pytest.approx(gap / scale, rel=1e-9)
 
@@ -193,9 +193,9 @@ def test_moving_the_inner_anchor_the_opposite_way_is_the_same_change():
     chain = sw.Chain((cell(10, 0), cell(15, 10)))
     change = anchors(sw.margin(chain))[1]
     assert isinstance(change.past, tuple)
-    band = chain.cells[1].bands[0]
+    band = chain.levers[1].bands[0]
     p = band.p[0] - change.past[0], band.p[1] - change.past[1]
-    moved = sw.Chain((chain.cells[0], chain.cells[1].with_anchors(p=p)))
+    moved = sw.Chain((chain.levers[0], chain.levers[1].with_anchors(p=p)))
     assert sequence(moved) == change.becomes
 
 
@@ -253,7 +253,7 @@ def test_friction_widens_the_gap_that_two_forces_must_cross():
 
 def test_all_bands_of_a_cell_move_together():
     double = replace(cell(10, 0), band=(cell(10, 0).bands[0], cell(12, 3).bands[0]))
-    moved = shifted(sw.Chain((double,)), 0, (0.001, -0.002)).cells[0]
+    moved = shifted(sw.Chain((double,)), 0, (0.001, -0.002)).levers[0]
     np.testing.assert_allclose([b.q for b in moved.bands], [(0.011, -0.002), (0.013, 0.001)])
 
 

@@ -33,7 +33,7 @@ def force(theta, dx, dy, k, rest):
 
 def made_at_random(made: Design, n: int, rng: np.random.Generator) -> np.ndarray:
     """(n, N, 4) d_x, d_y, k, ℓ0 of mechanisms within the tolerances of a design."""
-    t, cells = made.yield_.tolerances, made.chain.cells
+    t, cells = made.yield_.tolerances, made.chain.levers
     bands = np.array([(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in cells])
     found = np.tile(bands, (n, 1, 1))
     for _ in range(2):  # p and q, each anywhere in its disc
@@ -135,7 +135,7 @@ def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_inde
     assert abs(share - ours) < 4 * noise + left
     # The verified drawing, by both.
     bands = np.array(
-        [(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in made.chain.cells]
+        [(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in made.chain.levers]
     )
     assert sorted_sequence(bands) == wish["sequence"] == followed_sequence(bands)
 

@@ -214,14 +214,14 @@ def test_an_exact_curve_is_where_two_forces_are_equal_to_rounding():
     for curve in found:
         end = "force_0" if curve.kind is BoundaryKind.LOADING_ORDER else "force_1"
         for point in curve.points:
-            inner, outer = design(TILTED, names, tuple(point)).cells
+            inner, outer = design(TILTED, names, tuple(point)).levers
             scale = inner.bands[0].stiffness * inner.lever
             assert abs(getattr(inner, end) - getattr(outer, end)) < 1e-12 * scale
 
 
 def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
     # F = k × (a length): the sequence depends on the ratio of the two k.
-    inner, outer = PAPER.cells
+    inner, outer = PAPER.levers
     ratio = outer.force_0 / inner.force_0
     found = parameter_boundaries(
         PAPER, ("inner.stiffness", (20.0, 80.0)), ("outer.stiffness", (10.0, 40.0)), search=21
@@ -244,7 +244,7 @@ def test_friction_moves_the_curves_by_its_force_exactly():
     for kind, curve in kinds.items():
         assert curve.method == "search"
         for point in curve.points:
-            inner, outer = design(TILTED, names, tuple(point)).cells
+            inner, outer = design(TILTED, names, tuple(point)).levers
             gap = (
                 outer.force_0 - inner.force_0 - inner.friction
                 if kind is BoundaryKind.LOADING_ORDER

@@ -96,12 +96,12 @@ def test_several_bands_are_shifted_alike_and_scaled_alike():
         sw.Band((0.001, 0.0), (0.012, 0.003), stiffness=30.0, rest_length=0.006),
     )
     chain = sw.Chain((sw.Cell(bands),))
-    moved = parameter(chain, "1.q").changed(chain, (0.011, -0.002)).cells[0].bands
+    moved = parameter(chain, "1.q").changed(chain, (0.011, -0.002)).levers[0].bands
     np.testing.assert_allclose([band.q for band in moved], [(0.011, -0.002), (0.013, 0.001)])
     assert [band.p for band in moved] == [band.p for band in bands]
-    stiff = parameter(chain, "1.stiffness").changed(chain, 10.0).cells[0].bands
+    stiff = parameter(chain, "1.stiffness").changed(chain, 10.0).levers[0].bands
     assert [band.stiffness for band in stiff] == [10.0, 15.0]
-    long = parameter(chain, "1.rest_length").changed(chain, 0.002).cells[0].bands
+    long = parameter(chain, "1.rest_length").changed(chain, 0.002).levers[0].bands
     assert [band.rest_length for band in long] == pytest.approx([0.002, 0.003])
 
 

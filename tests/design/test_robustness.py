@@ -138,8 +138,8 @@ def test_two_equal_cells_may_be_off_by_nothing():
     "chain",
     [
         sw.Chain(row(0.0, 10.0).cells, actuator_stiffness=30.0),
-        sw.Chain((row(0.0).cells[0], sw.Cell(row(10.0).cells[0].band, limit=0.6))),
-        sw.Chain((row(0.0).cells[0], sw.Cell(row(10.0).cells[0].band, friction=0.01))),
+        sw.Chain((row(0.0).levers[0], sw.Cell(row(10.0).levers[0].band, limit=0.6))),
+        sw.Chain((row(0.0).levers[0], sw.Cell(row(10.0).levers[0].band, friction=0.01))),
     ],
     ids=["compliant", "unequal limits", "friction"],
 )

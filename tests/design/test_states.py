@@ -56,7 +56,7 @@ def in_reach(chain: sw.Chain) -> set[str]:
 def by_random_strokes(chain: sw.Chain, rng: np.random.Generator, strokes: int) -> set[str]:
     """Vertices that the independent follower passes on strokes that turn back anywhere."""
     cells = []
-    for cell in chain.cells:
+    for cell in chain.levers:
         (band,) = cell.bands
         dx, dy = band.d
         k, rest = band.stiffness, band.rest_length
@@ -200,5 +200,7 @@ def test_concave_chains_reach_their_ideals_at_least():
         for stiffness in (math.inf, 100.0):
             for _ in range(examples(2)):
                 chain = sw.Chain(concave_chain(rng, cells).cells, stiffness)
-                surely = ideals((c.force_0 for c in chain.cells), (c.force_1 for c in chain.cells))
+                surely = ideals(
+                    (c.force_0 for c in chain.levers), (c.force_1 for c in chain.levers)
+                )
                 assert surely <= set(reached(chain).states)

@@ -43,7 +43,7 @@ def judged(draws: Draws, n: int):
 
 
 def with_levers(chain: sw.Chain, rng: np.random.Generator) -> sw.Chain:
-    cells = [replace(c, lever=c.lever * rng.uniform(0.6, 1.6)) for c in chain.cells]
+    cells = [replace(c, lever=c.lever * rng.uniform(0.6, 1.6)) for c in chain.levers]
     return replace(chain, cells=tuple(cells))
 
 
@@ -141,11 +141,11 @@ def test_an_independent_formula_finds_the_same_orders():
             return ndtri(low + u[:, block * cells : (block + 1) * cells] * (1 - 2 * low))
 
         away_p, away_q = 0.001 * np.sqrt(area), 0.001 * np.sqrt(area_q)
-        d = np.array([c.bands[0].d for c in chain.cells])
+        d = np.array([c.bands[0].d for c in chain.levers])
         dx = d[:, 0] + away_q * np.cos(2 * np.pi * angle_q) - away_p * np.cos(2 * np.pi * angle)
         dy = d[:, 1] + away_q * np.sin(2 * np.pi * angle_q) - away_p * np.sin(2 * np.pi * angle)
-        k = np.array([c.bands[0].stiffness for c in chain.cells]) * (1 + 0.05 * z(4))
-        rest = np.array([c.bands[0].rest_length for c in chain.cells]) * (1 + 0.03 * z(5))
+        k = np.array([c.bands[0].stiffness for c in chain.levers]) * (1 + 0.05 * z(4))
+        rest = np.array([c.bands[0].rest_length for c in chain.levers]) * (1 + 0.03 * z(5))
         rub = 0.05 * u[:, 7 * cells :]
 
         def force(theta: float, dx=dx, dy=dy, k=k, rest=rest) -> np.ndarray:
@@ -191,7 +191,7 @@ def test_cells_in_another_order_change_nothing_but_their_names():
 def test_the_interval_covers_a_probability_known_on_paper():
     # Both bands straight: F1 = -F0 in each cell, so one comparison of two normal forces decides.
     chain = leg()
-    a, b = (c.force_0 for c in chain.cells)
+    a, b = (c.force_0 for c in chain.levers)
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     assert 0.8 < truth < 0.99
     found = yields(chain, Tolerances(stiffness=0.12), n=examples(200_000))
@@ -204,7 +204,7 @@ def test_the_interval_covers_a_probability_known_on_paper():
 @pytest.mark.slow
 def test_nineteen_intervals_in_twenty_cover_it():
     chain = leg()
-    a, b = (c.force_0 for c in chain.cells)
+    a, b = (c.force_0 for c in chain.levers)
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     covered = 0
     for seed in range(200):
@@ -262,17 +262,17 @@ def test_more_mechanisms_keep_the_first_ones_however_they_are_cut(monkeypatch):
 def test_a_part_keeps_its_numbers_whichever_tolerances_are_given():
     one = Draws(leg(), Tolerances(anchor=0.001), 2).sample(5)
     more = Draws(leg(), Tolerances(anchor=0.001, stiffness=0.05, friction=0.1), 2).sample(5)
-    assert [c.bands[0].q for c in one.cells] == [c.bands[0].q for c in more.cells]
-    assert [c.bands[0].stiffness for c in one.cells] != [c.bands[0].stiffness for c in more.cells]
+    assert [c.bands[0].q for c in one.levers] == [c.bands[0].q for c in more.levers]
+    assert [c.bands[0].stiffness for c in one.levers] != [c.bands[0].stiffness for c in more.levers]
 
 
 def test_parts_are_distributed_as_the_tolerances_say():
     chain = sw.Chain((sw.Cell((cell(10).bands[0], cell(12).bands[0])), cell(14)))
     draws = Draws(chain, ALL, 0)
     made = [draws.sample(i) for i in range(2000)]
-    drawn = [b for c in chain.cells for b in c.bands]
+    drawn = [b for c in chain.levers for b in c.bands]
     for number, band in enumerate(drawn):
-        bands = [[b for c in m.cells for b in c.bands][number] for m in made]
+        bands = [[b for c in m.levers for b in c.bands][number] for m in made]
         for end in ("p", "q"):
             off = np.array([getattr(b, end) for b in bands]) - getattr(band, end)
             away = np.hypot(*off.T)
@@ -284,8 +284,8 @@ def test_parts_are_distributed_as_the_tolerances_say():
             ratio = np.array([getattr(b, part) for b in bands]) / getattr(band, part) - 1
             assert np.std(ratio) == pytest.approx(spread, rel=0.06)
             assert np.max(np.abs(ratio)) <= 4 * spread * (1 + 1e-12)
-    for i, c in enumerate(chain.cells):
-        lever = np.array([m.cells[i].lever for m in made]) - c.lever
+    for i, c in enumerate(chain.levers):
+        lever = np.array([m.levers[i].lever for m in made]) - c.lever
         friction = np.array([m.cells[i].friction for m in made])
         assert np.max(np.abs(lever)) <= ALL.lever and abs(np.mean(lever)) < 0.06 * ALL.lever
         assert np.std(lever) == pytest.approx(ALL.lever / math.sqrt(3), rel=0.05)
@@ -425,7 +425,7 @@ def test_sensitivities_of_two_stiffnesses_are_those_on_paper():
     chain = leg()
     found = yields(chain, Tolerances(stiffness=0.05), n=10, sensitivity=True).sensitivities
     assert found is not None
-    a, b = (c.force_0 for c in chain.cells)
+    a, b = (c.force_0 for c in chain.levers)
     shares = np.array([a * a, b * b]) / (a * a + b * b)
     assert found.parameters == ("inner.stiffness", "outer.stiffness")
     np.testing.assert_allclose(found.first_order, shares, atol=0.01)
@@ -516,7 +516,7 @@ def test_clouds_are_the_forces_at_which_cells_let_go():
     cloud = found.end_forces(20)
     assert cloud.shape == (20, 2, 2)
     for i in (0, 7, 19):
-        for c, (up, down) in zip(found.mechanism(i).cells, cloud[i], strict=True):
+        for c, (up, down) in zip(found.mechanism(i).levers, cloud[i], strict=True):
             assert (up, down) == (c.force_0 + c.friction, c.force_1 - c.friction)
     assert found.end_forces(10_000).shape == (400, 2, 2)
 

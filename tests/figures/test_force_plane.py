@@ -15,7 +15,7 @@ OUTLINE = np.array([(-0.1, -0.37), (0.34, -0.97), (0.97, -0.34), (0.37, 0.1)])
 
 
 def forces(chain: Chain) -> np.ndarray:
-    return np.array([(cell.force_0, cell.force_1) for cell in chain.cells])
+    return np.array([(cell.force_0, cell.force_1) for cell in chain.levers])
 
 
 def cloud(chain: Chain, n: int = 400) -> np.ndarray:

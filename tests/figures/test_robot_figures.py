@@ -43,7 +43,7 @@ def test_parts_stand_where_the_simulation_has_them(name):
     for leg in robot.legs:
         parts = leg_parts(robot, leg, [0.0] * len(leg.chain))
         bands = iter(parts.bands)
-        for i, (cell, each) in enumerate(zip(leg.chain.names, leg.chain.cells, strict=True)):
+        for i, (cell, each) in enumerate(zip(leg.chain.names, leg.chain.levers, strict=True)):
             for end, joint in zip(("in", "out"), parts.levers[i], strict=True):
                 assert joint == pytest.approx(at(f"{leg.name}.{cell}.lever.{end}")[:2], abs=1e-9)
             for j in range(len(each.bands)):
@@ -63,7 +63,7 @@ def test_parts_stand_where_the_simulation_has_them(name):
 def test_levers_and_bands_keep_their_lengths_at_any_travel(shares):
     robot = ROBOTS["three cells"]
     for leg in robot.legs:
-        cells = leg.chain.cells
+        cells = leg.chain.levers
         travels = [c.full_travel * share for c, share in zip(cells, shares, strict=True)]
         parts = leg_parts(robot, leg, travels)
         assert np.hypot(*np.ptp(parts.levers, axis=1).T) == pytest.approx([c.lever for c in cells])

@@ -87,15 +87,15 @@ def test_a_path_without_names_means_all_legs_and_cells():
     for path in ("leg.*.chain.cell.outer.q_mm[0]", "chain.cell.outer.q_mm[0]",
                  "chain.cell[1].q_mm[0]", "leg[*].chain.cell[1].q_mm[0]"):  # fmt: skip
         robot = vary(FORWARD, {path: 14})
-        assert [leg.chain.cells[1].bands[0].q for leg in robot.legs] == [(0.014, 0.0)] * 2
+        assert [leg.chain.levers[1].bands[0].q for leg in robot.legs] == [(0.014, 0.0)] * 2
     robot = vary(FORWARD, {"leg.right.chain.band.stiffness_N_per_m": 47})
-    stiffness = [[c.bands[0].stiffness for c in leg.chain.cells] for leg in robot.legs]
+    stiffness = [[c.bands[0].stiffness for c in leg.chain.levers] for leg in robot.legs]
     assert stiffness == [[30.0, 30.0], [47.0, 47.0]]
 
 
 def test_a_list_takes_as_many_values_as_it_has():
     robot = vary(FORWARD, {"leg.left.chain.cell.inner.p_mm": (-9, 0.5)})
-    assert robot.leg("left").chain.cells[0].bands[0].p == (-0.009, 0.0005)
+    assert robot.leg("left").chain.levers[0].bands[0].p == (-0.009, 0.0005)
     corners = np.array([[-60.0, 0.0], [40.0, 50.0], [40.0, -50.0]])
     robot = vary(FORWARD, {"body.supports_mm": corners})
     assert robot.body.supports == ((-0.06, 0.0), (0.04, 0.05), (0.04, -0.05))
@@ -252,9 +252,9 @@ def test_several_bands_and_measured_laws_have_paths():
     assert {units[p] for p in rows} <= {"mm", "N"}
     assert rows
     stiff = vary(robot, {"leg.l.chain.cell.inner.bands[1].stiffness_N_per_m": 40})
-    assert [b.stiffness for b in stiff.leg("l").chain.cells[0].bands][1] == 40.0
+    assert [b.stiffness for b in stiff.leg("l").chain.levers[0].bands][1] == 40.0
     long = vary(robot, {"chain.band.rest_length_mm": 9})
-    bands = [b for leg in long.legs for cell in leg.chain.cells for b in cell.bands]
+    bands = [b for leg in long.legs for cell in leg.chain.levers for b in cell.bands]
     assert {band.rest_length for band in bands} == {0.009}
 
 

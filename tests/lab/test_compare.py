@@ -219,7 +219,7 @@ def test_pairs_with_other_inner_cells_are_compared_too():
     inner, outer = T.with_anchors(q=(0.010, 0.0)), T.with_anchors(q=(0.0, 0.0))
     data = pairs("TMTBM", Chain([inner, outer]), folder="2unit_2_00_11") + no_bands("2unit_2_00_11")
     (test,) = lab.compare(data).pairs
-    assert [c.bands[0].d[0] for c in test.series.chain.cells] == [0.010, 0.0]
+    assert [c.bands[0].d[0] for c in test.series.chain.levers] == [0.010, 0.0]
     assert test.right_order is not False
 
 

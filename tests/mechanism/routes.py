@@ -82,13 +82,13 @@ def sorted_many() -> SortedChain:
 
 @route("force of a cell", FORCE)
 def _():
-    rubber = [c.force(np.array([-0.5, 0.2])) for c in RUBBER.cells]
+    rubber = [c.force(np.array([-0.5, 0.2])) for c in RUBBER.levers]
     return [*INNER.force(np.array([-0.7, 0.1, 0.6])), *np.ravel(rubber)]
 
 
 @route("energy of a cell", FORCE)
 def _():
-    rubber = [c.energy(np.array([-0.5, 0.2])) for c in RUBBER.cells]
+    rubber = [c.energy(np.array([-0.5, 0.2])) for c in RUBBER.levers]
     return [*INNER.energy(np.array([-0.7, 0.1, 0.6])), *np.ravel(rubber)]
 
 
@@ -178,7 +178,7 @@ def _():
 @route("smallest displacement that reprograms", PLACE)
 def _():
     tilted = sw.Chain((INNER, cell(18, 6)))
-    return [tilted.reprogram(None, "outer.q", along=(1, 0)).displacement[0]]
+    return [tilted.reprogram(None, "outer.q", along=(1, 0)).move[0]]
 
 
 @route("pull against the displacement of an anchor", PLACE)

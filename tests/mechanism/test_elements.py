@@ -46,6 +46,14 @@ def test_a_table_of_a_lever_cells_force_is_that_cell():
     assert table.dissipated == pytest.approx(lever.dissipated, rel=1e-4)
 
 
+def test_levers_are_all_cells_of_a_chain_or_the_first_element_is_named():
+    lever = sw.Cell(sw.Band((-0.010, 0.0), (0.016, 0.004)), name="lever")
+    assert sw.Chain([lever, lever]).levers == (lever, lever)
+    dome, other = (sw.Element.from_points(*SNAP, name) for name in ("dome", "other"))
+    with pytest.raises(ValueError, match=r"cells\[1\] = Element\('dome', .*: must be a Cell"):
+        _ = sw.Chain([lever, dome, other]).levers
+
+
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 2**32 - 1))
 def test_force_is_the_slope_of_energy_and_phases_hold_where_it_rises(seed):

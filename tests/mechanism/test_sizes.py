@@ -136,7 +136,7 @@ def test_a_mechanism_of_any_ordinary_size_is_usual():
 def test_a_limit_of_stiffness_and_a_soft_spring_are_followed_unasked():
     soft = replace(LEG, actuator_stiffness=1e-3)
     assert str(soft.cycle().sequence) == str(replace(LEG, actuator_stiffness=0.0).cycle().sequence)
-    soft.path([0.0, 2 * soft.cells[1].force_0 / 1e-3])
+    soft.path([0.0, 2 * soft.levers[1].force_0 / 1e-3])
 
 
 def test_any_chain_of_the_tests_is_followed_without_a_word():

@@ -165,5 +165,5 @@ def test_the_module_says_how_to_be_called():
     )
     assert asked.returncode == 1
     assert asked.stderr.startswith(
-        "usage: python -m stepwell.paper [--data PATH | --all] claims.json"
+        "usage: python -m stepwell.paper [--data PATH | --all | --others] FILE.json"
     )

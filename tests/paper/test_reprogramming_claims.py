@@ -25,8 +25,8 @@ def verdict(q_mm: int):
 def test_the_place_that_turns_the_pair_round(q_mm, bands, p_mm):
     found = _antennas.turning(q_mm * 1e-3, bands)
     assert found.method == "exact"
-    assert found.place[0] * 1e3 == pytest.approx(p_mm, abs=1e-3)
-    assert found.place[1] == 0.0
+    assert found.anchor_at[0] * 1e3 == pytest.approx(p_mm, abs=1e-3)
+    assert found.anchor_at[1] == 0.0
     assert found.before == Pathway.CLOCKWISE.value
     assert found.after == Pathway.COUNTERCLOCKWISE.value
 
@@ -35,7 +35,7 @@ def test_the_place_that_turns_the_pair_round(q_mm, bands, p_mm):
 def test_the_outer_force_is_the_inner_one_there(bands):
     # F0 = k (1 - ℓ0/ℓ) d_x at 45° and d_y = 0; ℓ = |(10 + d_x, 10)| mm.
     found = _antennas.turning(0.020, bands)
-    dx = 10.0 - found.place[0] * 1e3
+    dx = 10.0 - found.anchor_at[0] * 1e3
     length = ((10.0 + dx) ** 2 + 100.0) ** 0.5
     outer = (1 - 22.0 / (40.0**2 + 100.0) ** 0.5) * 30.0
     assert bands * (1 - 22.0 / length) * dx == pytest.approx(outer, rel=1e-9)
@@ -70,7 +70,7 @@ def test_a_claim_is_decided_only_where_all_numbers_of_bands_say_the_same():
 
 def test_a_band_of_another_length_is_noticed(monkeypatch):
     real = _antennas.robot("antennas")
-    inner, outer = real.legs[0].chain.cells
+    inner, outer = real.legs[0].chain.levers
     longer = replace(outer, band=replace(outer.bands[0], rest_length=0.028))
     leg = replace(real.legs[0], chain=replace(real.legs[0].chain, cells=(inner, longer)))
     other = replace(real, legs=(leg, *real.legs[1:]))

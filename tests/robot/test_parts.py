@@ -108,7 +108,7 @@ def test_a_cell_of_a_leg_is_found_by_number_and_by_name():
     leg = Leg("left", CHAIN, (0.0, 0.05))
     assert leg.cell_index("outer") == leg.cell_index(1) == 1
     moved = leg.with_anchors("inner", p=(-0.011, 0.0))
-    assert moved.chain.cells[0].bands[0].p == (-0.011, 0.0)
+    assert moved.chain.levers[0].bands[0].p == (-0.011, 0.0)
     assert moved.chain.cells[1] == leg.chain.cells[1]
 
 

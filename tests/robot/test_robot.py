@@ -95,7 +95,7 @@ def test_two_antennas_cannot_move_one_anchor():
 def test_a_pressed_antenna_moves_the_anchor_in_proportion(share):
     one = explorer()
     pressed = one.pressed({"left": share * 1.2})
-    p = pressed.leg("right").chain.cells[0].bands[0].p
+    p = pressed.leg("right").chain.levers[0].bands[0].p
     assert p == pytest.approx((-0.007 - share * 0.010, 0.0))
     assert pressed.leg("left") == one.leg("left")
 

@@ -87,7 +87,7 @@ def test_a_body_leans_from_the_leg_that_would_lift_onto_the_one_that_would_step(
 
 def test_a_little_leaning_makes_what_the_last_cells_lack_equal():
     one = robot(0.0148, 0.0152)
-    lacks = [leg.chain.cells[1].force_0 - leg.chain.cells[0].force_0 for leg in one.legs]
+    lacks = [leg.chain.levers[1].force_0 - leg.chain.levers[0].force_0 for leg in one.legs]
     held = leaning(one) * float(one.foot.lever(0.0))
     assert lacks[0] - held[0] == pytest.approx(lacks[1] - held[1])
     assert held[0] != pytest.approx(held[1])

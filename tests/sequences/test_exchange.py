@@ -201,7 +201,7 @@ def test_fields_of_concave_cells_under_a_force_are_a_and_b_in_the_order_of_produ
     fields = switching_fields(graph(chain, "force"))
     assert fields.shape == (8, 3)
     for state, row in zip(states(3), fields, strict=True):
-        for at_1, value, cell in zip(state, row, chain.cells, strict=True):
+        for at_1, value, cell in zip(state, row, chain.levers, strict=True):
             assert value == (cell.force_1 if at_1 else cell.force_0)
 
 

@@ -161,7 +161,7 @@ def test_edges_are_what_a_brute_force_follower_does(seed, control):
     found = graph(chain, control)
     cells = [
         OracleCell(c.lever, c.limit, [(*b.d, b.stiffness, b.rest_length, 0.0, 0.0, False)])
-        for c in chain.cells
+        for c in chain.levers
         for b in c.bands
     ]
     for label in found.vertices:

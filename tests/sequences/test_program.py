@@ -54,7 +54,7 @@ def like_crossed(rng: np.random.Generator) -> sw.Chain:
     for (x, y), stiffness, rest in CROSSED:
         a, b, c, d = 1 + rng.normal(0, 0.03, 4)
         cells.append(sw.Cell(sw.Band((0, 0), (x * a, y * b), stiffness * c, rest * d)))
-    cells += concave_chain(rng, 1).cells if rng.random() < 0.5 else []
+    cells += concave_chain(rng, 1).levers if rng.random() < 0.5 else ()
     return sw.Chain([cells[i] for i in rng.permutation(len(cells))])
 
 
@@ -257,7 +257,7 @@ def test_curves_that_cross_let_a_chain_reach_more_than_the_order_of_its_forces_s
     # The independent follower goes there too.
     cells = [
         OracleCell(c.lever, c.limit, [(*b, k, rest, 0, 0, False)])
-        for c, (b, k, rest) in zip(chain.cells, CROSSED, strict=True)
+        for c, (b, k, rest) in zip(chain.levers, CROSSED, strict=True)
     ]
     run = follow(cells, program.turning_points)
     assert run.sequence.endswith("011")
@@ -395,7 +395,7 @@ def test_a_state_that_friction_alone_holds_is_a_start_and_one_that_it_does_not_i
         ends = ((0.020, 0.020), (0.020, -0.020))
         return sw.Chain([sw.Cell(sw.Band((0, 0), d), friction=friction) for d in ends])
 
-    needs = pair(0.0).cells[0].force_1 - pair(0.0).cells[1].force_0
+    needs = pair(0.0).levers[0].force_1 - pair(0.0).levers[1].force_0
     assert needs > 0
     held = pair(0.51 * needs)
     assert held.program("00", start="10").sequence[-1] == "00"
@@ -416,7 +416,9 @@ def test_four_cells_of_any_kind_are_searched_exhaustively():
     loaded = sw.Cell(sw.Band((0, 0), (0.025, 0.002)), load=sw.Load.constant(0.05))
     chain = sw.Chain([slack, stiffening, loaded, sw.Cell(sw.Band((0, 0), (0.012, 0.0)))])
     branches = Branches(chain)
-    numbers = branches.all_from([branches.at(*branches.vertex("0000"))])
+    start = branches.vertex("0000")
+    assert start is not None
+    numbers = branches.all_from([branches.at(*start)])
     reached = {state for number in numbers for state in branches[number].vertices}
     for to in states(4):
         if to in reached:

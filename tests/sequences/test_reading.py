@@ -212,7 +212,7 @@ def test_two_concave_cells_behind_a_spring_can_forget():
         # The independent follower forgets there too.
         cells = [
             OracleCell(c.lever, c.limit, [(*b.d, b.stiffness, b.rest_length, 0.0, 0.0, False)])
-            for c in chain.cells
+            for c in chain.levers
             for b in c.bands
         ]
         stiffness = chain.actuator_stiffness

@@ -49,7 +49,7 @@ def in_position(model, one: Robot, angles: dict[str, np.ndarray]) -> np.ndarray:
 
     for leg in one.legs:
         stroke = sideways = 0.0
-        for name, c, theta in zip(leg.chain.names, leg.chain.cells, angles[leg.name], strict=True):
+        for name, c, theta in zip(leg.chain.names, leg.chain.levers, angles[leg.name], strict=True):
             stroke += float(c.travel(theta))
             sideways += c.lever * (math.cos(theta) - 1.0)
             last = name == leg.chain.names[-1]
@@ -86,7 +86,7 @@ def test_the_bands_store_what_the_cells_say(one, linkage):
         wanted = sum(
             float(c.energy(theta))
             for leg in one.legs
-            for c, theta in zip(leg.chain.cells, angles[leg.name], strict=True)
+            for c, theta in zip(leg.chain.levers, angles[leg.name], strict=True)
         )
         assert data.energy[0] == pytest.approx(wanted, rel=1e-9, abs=1e-12)
 
@@ -107,7 +107,7 @@ def test_a_pressed_antenna_puts_the_anchor_where_the_pressed_robot_has_it():
         wanted = sum(
             float(c.energy(theta))
             for leg in pressed.legs
-            for c, theta in zip(leg.chain.cells, angles[leg.name], strict=True)
+            for c, theta in zip(leg.chain.levers, angles[leg.name], strict=True)
         )
         assert data.energy[0] == pytest.approx(wanted, rel=1e-9)
 

@@ -123,7 +123,10 @@ def dense(x, y):
 @pytest.mark.parametrize("levers", [False, True])
 def test_a_chain_inside_an_element_does_what_it_does_written_out(stiffness, levers):
     outer = trilinear(1.0, -1.0, "outer")
-    inner = [trilinear(1.2, -0.6), trilinear(0.8, -0.9, at=2e-3, to=6e-3)]
+    inner: list[sw.Cell | sw.Element] = [
+        trilinear(1.2, -0.6),
+        trilinear(0.8, -0.9, at=2e-3, to=6e-3),
+    ]
     if levers:
         inner[0] = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0)))
     element = sw.Element.from_chain(sw.Chain(inner), "two")

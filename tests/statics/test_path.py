@@ -184,7 +184,7 @@ def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():
     chain = concave_chain(np.random.default_rng(1), 24)
     assert sorted_cycle(pack(chain.cells)) is None
     cycle = chain.cycle()
-    assert list(cycle.loading_order) == list(np.argsort([c.force_0 for c in chain.cells]))
+    assert list(cycle.loading_order) == list(np.argsort([c.force_0 for c in chain.levers]))
 
 
 def test_a_snap_keeps_the_stroke_where_a_cell_leaves_its_stop_and_is_called_back_at_once():
@@ -209,7 +209,7 @@ def test_a_cell_that_lets_go_at_no_force_at_all_is_no_tie():
     # where its law is cut in two, and nothing arrives.
     bands = [sw.Band((0, 0), d) for d in ((0.010, -0.010), (0.030, -0.005))]
     chain = sw.Chain([sw.Cell(band) for band in bands])
-    assert abs(chain.cells[0].force_0) < 1e-15
+    assert abs(chain.levers[0].force_0) < 1e-15
     cycle = chain.cycle()
     assert cycle.degenerate == ()
     assert str(cycle.sequence) == "00>10>11>01>00"

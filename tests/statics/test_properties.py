@@ -25,7 +25,7 @@ def chain_of(seed: int, cells: int, *, friction: bool = True, stiffness: float =
 def scale_of(chain: sw.Chain) -> float:
     """Largest force of any cell [N]."""
     return max(
-        float(np.max(np.abs(c.force(np.linspace(-c.limit, c.limit, 200))))) for c in chain.cells
+        float(np.max(np.abs(c.force(np.linspace(-c.limit, c.limit, 200))))) for c in chain.levers
     )
 
 
@@ -46,7 +46,7 @@ def scaled(cell: sw.Cell, factor: float) -> sw.Cell:
 
 @given(seeds)
 def test_force_is_the_derivative_of_energy(seed):
-    cell = any_chain(np.random.default_rng(seed), 1).cells[0]
+    cell = any_chain(np.random.default_rng(seed), 1).levers[0]
     step = 1e-5 * cell.full_travel
     s = np.linspace(2 * step, cell.full_travel - 2 * step, 500)
 
@@ -121,7 +121,7 @@ def test_work_is_booked_on_open_paths_too(seed, cells):
 def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
     rng = np.random.default_rng(seed)
     made = []
-    for cell in any_chain(rng, cells).cells:
+    for cell in any_chain(rng, cells).levers:
         # Any curve through a handful of points, falling stretches included.
         extension = np.concatenate([[0.0], np.sort(rng.uniform(0.002, 0.04, 5))])
         assume(np.min(np.diff(extension)) > 1e-4)
@@ -143,7 +143,7 @@ def test_tabulated_bands_are_followed_as_exactly_as_formulas(seed, cells):
 def test_turning_the_machine_over_swaps_loading_and_unloading(seed, cells):
     chain = chain_of(seed, cells)
     cycle = chain.cycle()
-    turned = replace(chain, cells=tuple(mirrored(c) for c in chain.cells)).cycle()
+    turned = replace(chain, cells=tuple(mirrored(c) for c in chain.levers)).cycle()
     assume(not cycle.degenerate and not turned.degenerate)
     full = chain.full_stroke
     # What friction takes in a snap of three cells or more is integrated, not exact.
@@ -173,7 +173,7 @@ def test_shifting_both_anchors_together_changes_nothing(seed, cells, x, y):
                     for b in c.bands
                 ),
             )
-            for c in chain.cells
+            for c in chain.levers
         ),
     )
     ours, theirs = chain.cycle(), moved.cycle()
@@ -185,7 +185,7 @@ def test_shifting_both_anchors_together_changes_nothing(seed, cells, x, y):
 @given(seeds, sizes, st.floats(0.01, 100.0))
 def test_scaling_every_force_scales_the_forces_and_leaves_the_sequence(seed, cells, factor):
     chain = chain_of(seed, cells)
-    stiffer = replace(chain, cells=tuple(scaled(c, factor) for c in chain.cells))
+    stiffer = replace(chain, cells=tuple(scaled(c, factor) for c in chain.levers))
     ours, theirs = chain.cycle(), stiffer.cycle()
     assume(not ours.degenerate)
     assert ours.sequence == theirs.sequence
@@ -229,9 +229,9 @@ def test_every_snap_meets_its_stated_condition(seed, cells, stiffness):
     softness = 0.0 if math.isinf(stiffness) else 1.0 / stiffness
     for snap in cycle.snaps:
         inside = [
-            (chain.cells[c], s)
+            (chain.levers[c], s)
             for c, s in zip(snap.cells, snap.before, strict=True)
-            if 1e-6 < s / chain.cells[c].full_travel < 1 - 1e-6
+            if 1e-6 < s / chain.levers[c].full_travel < 1 - 1e-6
         ]
         if snap.cause is Cause.FOLD:
             slopes = [_slopes(cell, s) for cell, s in inside]
@@ -241,9 +241,9 @@ def test_every_snap_meets_its_stated_condition(seed, cells, stiffness):
                 assert verdicts == {True, False}
         else:
             at_stop = [
-                (chain.cells[c], s)
+                (chain.levers[c], s)
                 for c, s in zip(snap.cells, snap.before, strict=True)
-                if s in (0.0, chain.cells[c].full_travel)
+                if s in (0.0, chain.levers[c].full_travel)
             ]
             assert any(
                 float(c.force(c.angle(s))) == pytest.approx(snap.force_before, abs=1e-8)
@@ -278,8 +278,8 @@ def test_concave_cells_load_by_ascending_f0_and_unload_by_descending_f1(seed, ce
     chain = concave_chain(np.random.default_rng(seed), cells)
     cycle = chain.cycle()
     assume(not cycle.degenerate)
-    f0 = [c.force_0 for c in chain.cells]
-    f1 = [c.force_1 for c in chain.cells]
+    f0 = [c.force_0 for c in chain.levers]
+    f1 = [c.force_1 for c in chain.levers]
     assert list(cycle.loading_order) == list(np.argsort(f0))
     assert list(cycle.unloading_order) == list(np.argsort(f1)[::-1])
     assert len(cycle.sequence) == 2 * cells + 1
@@ -299,8 +299,8 @@ def test_a_very_stiff_actuator_acts_like_a_prescribed_stroke(seed, cells):
 def test_a_prescribed_force_and_a_very_soft_actuator_make_a_preisach_set(seed, cells, stiffness):
     rng = np.random.default_rng(seed)
     chain = replace(concave_chain(rng, cells), actuator_stiffness=stiffness)
-    f0 = np.array([c.force_0 for c in chain.cells])
-    f1 = np.array([c.force_1 for c in chain.cells])
+    f0 = np.array([c.force_0 for c in chain.levers])
+    f1 = np.array([c.force_1 for c in chain.levers])
     low, high = min(f1.min(), f0.min()) - 0.1, max(f0.max(), f1.max()) + 0.1
     fields = np.array([low, *rng.uniform(low, high, 12)])
     # A soft spring's force still falls by K times the stroke: keep that far from a threshold.

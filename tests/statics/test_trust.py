@@ -16,7 +16,8 @@ from statics.test_against_oracle import brute_force
 from stepwell import statics
 from stepwell.mechanism.law import law
 from stepwell.statics import run
-from stepwell.statics.following import certificate as _certificate, find_piece, log as logged
+from stepwell.statics.following import certificate as _certificate, log as logged
+from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.smooth import BLUNT
 from stepwell.statics.run import _MOST_LOOKS, _SHORT
 
@@ -91,7 +92,7 @@ def nudged(chain: sw.Chain, rng: np.random.Generator, by: float) -> sw.Chain:
         return replace(band, q=(band.q[0] + dx, band.q[1] + dy))
 
     return replace(
-        chain, cells=[replace(c, band=tuple(moved(b) for b in c.bands)) for c in chain.cells]
+        chain, cells=[replace(c, band=tuple(moved(b) for b in c.bands)) for c in chain.levers]
     )
 
 
@@ -139,7 +140,7 @@ def test_where_a_picometre_changes_what_is_lost_a_tie_is_told_with_friction_too(
 
 def _edge_of_an_outcome(chain: sw.Chain) -> list[sw.Chain]:
     """Two designs a picometre apart of which one loses more by 0.01 mJ, or none."""
-    cell = chain.cells[0]
+    cell = chain.levers[0]
     x, y = cell.bands[0].q
 
     def at(dx: float) -> sw.Chain:

@@ -1,7 +1,7 @@
 """Checks of numbers that are given: finite, positive, two of them, rising."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
 from itertools import pairwise
 from typing import Any
@@ -93,7 +93,7 @@ def rising(name: str, values: Sequence[float], unit: str, least: int) -> tuple[f
 
 
 def as_many(
-    name: str, values: Sequence[float], unit: str, beside: str, count: int
+    name: str, values: Iterable[float], unit: str, beside: str, count: int
 ) -> tuple[float, ...]:
     """`values` as floats, if they are as many as those of `beside`; raises ValueError otherwise."""
     numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))

@@ -93,6 +93,22 @@ class Chain(ByValue):
         return tuple(cell for cell in self.cells if isinstance(cell, Element))
 
     @property
+    def levers(self) -> tuple[Cell, ...]:
+        """All its cells, where all of them are lever cells.
+
+        Raises:
+            ValueError: a chain with an element; the text names the first one.
+        """
+        levers = tuple(cell for cell in self.cells if isinstance(cell, Cell))
+        if len(levers) < len(self.cells):
+            first = next(i for i, cell in enumerate(self.cells) if isinstance(cell, Element))
+            raise InputError(
+                f"cells[{first}] = {self.cells[first]!r}: must be a Cell; an element has no levers "
+                f"or bands, so take a chain of cells alone."
+            )
+        return levers
+
+    @property
     def phases(self) -> tuple[tuple[Phase, ...], ...]:
         """The phases of every cell: digit k of a state stands for phase k of its cell."""
         return tuple(cell.phases for cell in self.cells)

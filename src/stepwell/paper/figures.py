@@ -37,7 +37,7 @@ def landscapes() -> Figure:
     One more has an outer cell that is monostable by itself.
     """
     lone = monostable_pair()
-    name = f"Outer monostable: q = ({_mm(lone.chain.cells[1].bands[0].q)}) mm"
+    name = f"Outer monostable: q = ({_mm(lone.chain.levers[1].bands[0].q)}) mm"
     return figures.landscapes(_pairs() | {name: lone})
 
 
@@ -115,7 +115,7 @@ def _pairs() -> dict[str, Cycle]:
     found: dict[str, Cycle] = {}
     for cycle in map(pair_cycle, PAIRS):
         words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
-        q = cycle.chain.cells[1].bands[0].q
+        q = cycle.chain.levers[1].bands[0].q
         found[f"{words.capitalize()}: outer q = ({_mm(q)}) mm"] = cycle
     return found
 

@@ -16,6 +16,8 @@ One word for one thing, here and in all rooms above:
 - *piece*: a part of a cell's travel on which its force and its stiffness are monotone.
 """
 
+# pyright: reportUnusedImport=false
+
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path

@@ -39,7 +39,7 @@ from stepwell.statics.following import (
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration
 from stepwell.statics.problem import drive_weights, problem_of
-from stepwell.statics.reading import events_of, segments_of
+from stepwell.statics.reading import events_of, phase_changes, segments_of
 
 if TYPE_CHECKING:
     import xarray
@@ -188,6 +188,14 @@ class Path(ByValue):
     def events(self) -> tuple[Event, ...]:
         """Every switch and snap in order."""
         return tuple(events_of(self.segments(), np.array(self.start), self.chain))
+
+    @cached_property
+    def phase_changes(self) -> tuple[list[int], list[list[tuple[int, int]]]]:
+        """(N,) phases at the start, and (cell, phase) of all that change, as they do.
+
+        What changes together stands together; a cell in transit has the phase -1.
+        """
+        return phase_changes(self._log, self.start, self.start_sheet, self.chain.stretches)
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:

@@ -1,6 +1,7 @@
 """Reading segments off the log of the follower, and switches and snaps off segments."""
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,6 +46,59 @@ def segments_of(log: logged.Log) -> Iterator[Segment]:
             row[logged.TIE_A] >= 0,
             cause,
         )
+
+
+# The phase of a cell that is in transit.
+TRANSIT = -1
+
+
+def phase_changes(
+    log: logged.Log,
+    start: tuple[float, ...],
+    sheets: tuple[int, ...],
+    stretches: tuple[tuple[Stretch, ...], ...],
+) -> tuple[list[int], list[list[tuple[int, int]]]]:
+    """The phases at the start, and for every segment in which any changes, those that do.
+
+    Curves of many pieces have many segments of which nothing else is to be told.
+
+    Args:
+        log: of the path.
+        start, sheets: (N,) where the cells begin.
+        stretches: (N,) where the phases of every cell lie.
+
+    Returns:
+        (N,) phases, TRANSIT between two; and lists of (cell, phase), in order of the segments.
+    """
+    begin = [
+        _phase(own, *at) for own, at in zip(stretches, zip(sheets, start, strict=True), strict=True)
+    ]
+    movers = log.movers[: log.used[1]]
+    cells = movers[:, logged.CELL].astype(int)
+    order = np.argsort(cells, kind="stable")
+    phases = np.full(len(cells), TRANSIT)
+    before = np.full(len(cells), TRANSIT)
+    ends = np.searchsorted(cells[order], np.arange(len(stretches) + 1))
+    for cell, (a, b) in enumerate(pairwise(ends.tolist())):
+        if a == b:
+            continue
+        rows = order[a:b]
+        travel, sheet = movers[rows, logged.TRAVEL_1], movers[rows, logged.SHEET_1]
+        own = phases[rows]
+        for number, (on, low, high) in enumerate(stretches[cell]):
+            own[(own == TRANSIT) & (sheet == on) & (low <= travel) & (travel <= high)] = number
+        phases[rows] = own
+        before[rows] = [begin[cell], *own[:-1].tolist()]
+    segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first[: log.used[0] + 1]))
+    changes: dict[int, list[tuple[int, int]]] = {}
+    for row in np.flatnonzero(phases != before).tolist():
+        changes.setdefault(int(segment[row]), []).append((int(cells[row]), int(phases[row])))
+    return begin, list(changes.values())
+
+
+def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
+    digit = phase_at(stretches, sheet, travel)
+    return TRANSIT if digit == "-" else int(digit)
 
 
 def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:

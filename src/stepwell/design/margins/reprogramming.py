@@ -123,9 +123,22 @@ class Reprogramming(ByValue):
     def place(self) -> Vec2 | float:
         """Where the anchor has to be (of the cell's first band) [m]; NaN if nowhere."""
         now = parameter(self.chain, self.by).value(self.chain)
-        if isinstance(now, tuple) and isinstance(self.displacement, tuple):
-            return now[0] + self.displacement[0], now[1] + self.displacement[1]
-        return float(now) + float(self.displacement)  # type: ignore[arg-type]
+        if isinstance(now, tuple) or isinstance(self.displacement, tuple):
+            return self.anchor_at
+        return now + self.displacement
+
+    @property
+    def move(self) -> Vec2:
+        """`displacement` of an anchor, (dx, dy) [m]; NaN for a number, which has no direction."""
+        nowhere = math.nan, math.nan
+        return self.displacement if isinstance(self.displacement, tuple) else nowhere
+
+    @property
+    def anchor_at(self) -> Vec2:
+        """`place` of an anchor, (x, y) [m]; NaN for a number, which is nowhere in the plane."""
+        now = parameter(self.chain, self.by).value(self.chain)
+        x, y = now if isinstance(now, tuple) else (math.nan, math.nan)
+        return x + self.move[0], y + self.move[1]
 
     @property
     def unit(self) -> str:
@@ -142,8 +155,7 @@ class Reprogramming(ByValue):
 
     def along(self, axis: int) -> Floats:
         """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
-        moves = self.displacement if isinstance(self.displacement, tuple) else (math.nan, math.nan)
-        return self.resistance.fraction * moves[axis]
+        return self.resistance.fraction * self.move[axis]
 
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""

@@ -98,7 +98,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
 
 @styled
 def element_curves(elements: Mapping[str, Element]) -> Figure:
-    """The force curves of several elements, three in a row, each with axes of its own.
+    """The force curves of several elements, up to three in a row, each with axes of its own.
 
     Args:
         elements: what to show, by the name to write above it.
@@ -111,11 +111,12 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
-    wide, tall, foot = PAGE / 3, 54.0, 7.0
-    rows = -(-len(elements) // 3)
+    across = min(3, len(elements))
+    wide, tall, foot = PAGE / across, 54.0, 7.0
+    rows = -(-len(elements) // across)
     figure = blank(PAGE, rows * tall + foot)
     for k, (name, element) in enumerate(elements.items()):
-        row, column = divmod(k, 3)
+        row, column = divmod(k, across)
         left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + foot
         ax = place(figure, left, bottom, wide - 15.0, tall - 17.0)
         drawn = _Curve(ax, element)

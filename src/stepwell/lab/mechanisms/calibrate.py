@@ -287,7 +287,7 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
 
 
 def _sample(series: Series) -> Sample:
-    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     # Means over strips: what is fitted is the curve, not the noise of single samples.
     travel, force = (

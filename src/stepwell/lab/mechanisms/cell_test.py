@@ -83,7 +83,7 @@ class CellTest(ByValue):
     @property
     def cell(self) -> Cell:
         """The model."""
-        return self.series.chain.cells[0]
+        return self.series.chain.levers[0]
 
     @property
     def rmse(self) -> float:
@@ -158,7 +158,7 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
     Returns:
         The comparison.
     """
-    cell, curve, use = series.chain.cells[0], series.curve, series.judged()
+    cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     stroke, force = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
     plain = _reading(cell, stroke, force, Rig())
     return CellTest(

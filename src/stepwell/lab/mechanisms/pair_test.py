@@ -185,7 +185,7 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     gap = (force - model)[inside] / series.scale
     moving, travels = mover(path, curve.stroke)
     factor = np.ones(len(curve))
-    for i, cell in enumerate(chain.cells):
+    for i, cell in enumerate(chain.levers):
         mine = moving == i
         factor[mine] = rig.factor(cell, cell.angle(np.clip(travels[mine, i], 0, None)))
     return PairTest(
@@ -221,7 +221,7 @@ def _errors(series: Series) -> Floats:
         stroke = curve.stroke[use]
         model = np.zeros(len(stroke))
         for i, mine, travel in _one_by_one(series, order, stroke):
-            cell = series.chain.cells[i]
+            cell = series.chain.levers[i]
             model[mine] = cell.force(cell.angle(travel))
         for first in (0, 1):
             measured = curve.force[use] - _friction(series, first, order, stroke)

@@ -21,7 +21,7 @@ def predicted_force(chain: Chain, unloading: bool, stroke: Floats) -> Floats:
     """Actuator force [N] of the model at strokes [m], going one way."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
     if len(chain) == 1:
-        cell = chain.cells[0]
+        cell = chain.levers[0]
         return cell.force(cell.angle(stroke))
     return on_path(path_of(chain, unloading), stroke)
 

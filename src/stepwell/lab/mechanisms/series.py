@@ -80,13 +80,13 @@ class Series(ByValue):
     @property
     def scale(self) -> float:
         """k r [N]: stiffness of all bands of the innermost cell, times its lever."""
-        cell = self.chain.cells[0]
+        cell = self.chain.levers[0]
         return sum(band.stiffness for band in cell.bands) * cell.lever
 
     @property
     def geometry(self) -> Geometry:
         """d = q - p of the innermost cell [m], the same for all series of one geometry."""
-        dx, dy = self.chain.cells[0].bands[0].d
+        dx, dy = self.chain.levers[0].bands[0].d
         return round(dx, 9), round(dy, 9)
 
     def net(self, stroke: Floats, force: Floats) -> Floats:
@@ -299,7 +299,7 @@ def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
             f"{len(fitting)} of them have {count} cell{'s' * (count > 1)}: give one, and file "
             f"names say the anchors; or compare each design with its own recordings.",
         )
-    return tuple(fitting[0].cells) if fitting else (paper_cell(),) * count
+    return fitting[0].levers if fitting else (paper_cell(),) * count
 
 
 def _parts(recording: Recording) -> list[Recording]:

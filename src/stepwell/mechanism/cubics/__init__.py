@@ -1,5 +1,7 @@
 """Piecewise cubic curves, of which every law of a cell is made."""
 
+# pyright: reportUnusedImport=false
+
 from stepwell.mechanism.cubics.cubic import (
     COLUMNS,
     cubic,

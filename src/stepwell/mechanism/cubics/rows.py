@@ -45,7 +45,8 @@ def along(force: Force, low: float, high: float, accuracy: float, kinks: Sequenc
     Raises:
         ValueError: a law that gives no finite numbers, or that bends too sharply.
     """
-    ends = np.unique([low, *(k for k in kinks if low < k < high), high])
+    # At no travel the curve is the law itself, so that what rests there rests there.
+    ends = np.unique([low, *(k for k in (0.0, *kinks) if low < k < high), high])
     scale = float(np.max(np.abs(_asked(force, np.linspace(low, high, 257)))))
     parts = [_smooth(force, a, b, accuracy * scale) for a, b in pairwise(ends.tolist())]
     return with_integrals(np.concatenate(parts))

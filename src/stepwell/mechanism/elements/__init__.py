@@ -1,5 +1,7 @@
 """Elements: cells that are a force law over their own travel."""
 
+# pyright: reportUnusedImport=false
+
 from stepwell.mechanism.elements.element import Element
 from stepwell.mechanism.elements.phase import Phase, Stretch, phase_at
 from stepwell.mechanism.elements.sheet import Sheet

@@ -43,7 +43,12 @@ def beside(elements: Sequence[Element]) -> tuple[tuple[Sheet, ...], tuple[bool, 
         waiting += [other for other in (below, above) if other is not None]
     number = {place: k for k, place in enumerate(sorted(found))}
     sheets = [
-        Sheet.of(rows, end, below and number[below], above and number[above])
+        Sheet.of(
+            rows,
+            end,
+            None if below is None else number[below],
+            None if above is None else number[above],
+        )
         for _, (rows, end, below, above) in sorted(found.items())
     ]
     return tuple(sheets), (stops[0], stops[1]), sum(element.friction for element in elements)

@@ -1,6 +1,6 @@
 """Curves of elements from what people have: tables, points, laws."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +21,7 @@ _LEAST_POINTS = 3
 
 
 def points(
-    travel: Sequence[float], force: Sequence[float], measure: Measure
+    travel: Iterable[float], force: Iterable[float], measure: Measure
 ) -> tuple[Floats, float]:
     """Rows and end of straight lines between points."""
     x, y = checked(travel, force, measure, 2)
@@ -29,7 +29,7 @@ def points(
 
 
 def table(
-    travel: Sequence[float], force: Sequence[float], noise: float | None, measure: Measure
+    travel: Iterable[float], force: Iterable[float], noise: float | None, measure: Measure
 ) -> tuple[Floats, float, float]:
     """Rows and end of a smooth curve through points, and how far they lie from it at most."""
     x, y = checked(travel, force, measure, _LEAST_POINTS)
@@ -56,7 +56,7 @@ def law(
 
 
 def checked(
-    travel: Sequence[float], force: Sequence[float], measure: Measure, least: int
+    travel: Iterable[float], force: Iterable[float], measure: Measure, least: int
 ) -> tuple[Floats, Floats]:
     """Points of a function, as arrays; raises ValueError where they are none."""
     x, y = pairs(travel, force, measure, least)
@@ -75,7 +75,7 @@ def checked(
 
 
 def pairs(
-    travel: Sequence[float], force: Sequence[float], measure: Measure, least: int
+    travel: Iterable[float], force: Iterable[float], measure: Measure, least: int
 ) -> tuple[Floats, Floats]:
     """Points in any order, as arrays; raises ValueError where they are none or too few."""
     x = np.array(
@@ -103,7 +103,7 @@ def _smoothed(x: Floats, y: Floats, noise: float) -> Floats:
             f"noise out to go through every point."
         )
     spline = UnivariateSpline(x, y, w=np.full(len(x), 1.0 / noise), k=3, s=len(x))
-    pieces = PPoly.from_spline(spline._eval_args)  # pyright: ignore[reportPrivateUsage]
+    pieces = PPoly.from_spline(spline._eval_args)  # pyright: ignore[reportPrivateUsage, reportUnknownMemberType]
     keep = np.diff(pieces.x) > 0.0
     rows = np.zeros((int(np.sum(keep)), 6))
     rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -79,8 +79,8 @@ class Element(ByValue):
     @classmethod
     def from_table(
         cls,
-        travel: Sequence[float],
-        force: Sequence[float],
+        travel: Iterable[float],
+        force: Iterable[float],
         name: str = "",
         *,
         stops: Stops = False,
@@ -107,8 +107,8 @@ class Element(ByValue):
     @classmethod
     def from_points(
         cls,
-        travel: Sequence[float],
-        force: Sequence[float],
+        travel: Iterable[float],
+        force: Iterable[float],
         name: str = "",
         *,
         stops: Stops = False,
@@ -160,8 +160,8 @@ class Element(ByValue):
     @classmethod
     def from_curve(
         cls,
-        travel: Sequence[float],
-        force: Sequence[float],
+        travel: Iterable[float],
+        force: Iterable[float],
         name: str = "",
         *,
         stops: Stops = False,

@@ -1,6 +1,6 @@
 """Curves that fold back in travel: which stretches are stable, and where the others lead."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -11,14 +11,15 @@ from stepwell.mechanism.elements.build import pairs
 from stepwell.mechanism.elements.sheet import Sheet
 
 
-def folded(travel: Sequence[float], force: Sequence[float], measure: Measure) -> tuple[Sheet, ...]:
+def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) -> tuple[Sheet, ...]:
     """The stable sheets of a curve that is given by points along its arc."""
     x, y = pairs(travel, force, measure, 3)
     _refuse_standing(x, measure)
     heading = np.sign(np.diff(x)).astype(int)
     folds = [0, *(np.flatnonzero(np.diff(heading)) + 1).tolist(), len(x) - 1]
     stretches = list(pairwise(folds))
-    unstable, energy, found = 0, 0.0, []
+    unstable, energy = 0, 0.0
+    found: list[tuple[bool, bool, Floats, float]] = []
     for number, (a, b) in enumerate(stretches):
         if number:
             unstable += _turn(x, y, a)

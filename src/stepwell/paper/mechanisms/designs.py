@@ -37,7 +37,7 @@ def pair_cycle(pathway: Pathway) -> Cycle:
 
 def outer_anchor(pathway: Pathway) -> tuple[float, float]:
     """Anchor q [m] of the outer cell of that pair; the inner one has (10, 0) mm in all."""
-    return pair_cycle(pathway).chain.cells[1].bands[0].q
+    return pair_cycle(pathway).chain.levers[1].bands[0].q
 
 
 @cache

@@ -12,7 +12,7 @@ _FORCE_OF_FIG_1D = 0.967  # F0/(k r) of q = (10, 0)
 @claim("Eq. 5", "-2 sin θc", "exact")
 def eq_5_sign() -> Finding:
     """The stroke of two cells is r (sin θ of one + sin θ of the other) and a constant."""
-    cells = pair_cycle(Pathway.CLOCKWISE).chain.cells
+    cells = pair_cycle(Pathway.CLOCKWISE).chain.levers
     r, limit = cells[0].lever, cells[0].limit
     moved = r * 2 * math.sin(-limit)
     printed, ours = (moved + sign * 2 * r * math.sin(limit) for sign in (-1, 1))

@@ -74,7 +74,7 @@ def _cell(rng: np.random.Generator) -> Cell:
 
 def _sorted(cycle: Cycle) -> bool:
     """Whether the cells load by rising F0, unload by falling F1, and no state comes between."""
-    cells = cycle.chain.cells
+    cells = cycle.chain.levers
     by_0 = sorted(range(len(cells)), key=lambda i: cells[i].force_0)
     by_1 = sorted(range(len(cells)), key=lambda i: -cells[i].force_1)
     flips = tuple((i,) for i in (*by_0, *by_1))
@@ -82,7 +82,7 @@ def _sorted(cycle: Cycle) -> bool:
 
 
 def _is_directed(cycle: Cycle) -> bool:
-    inner, outer = cycle.chain.cells
+    inner, outer = cycle.chain.levers
     return (inner.force_0 < outer.force_0) == (inner.force_1 > outer.force_1)
 
 
@@ -99,7 +99,7 @@ def _left_between(snap: Event, cycle: Cycle) -> int | None:
 
 def _least_held(snap: Event, cycle: Cycle) -> int:
     """Of the cells that have moved already, the one whose stop holds it least."""
-    cells = cycle.chain.cells
+    cells = cycle.chain.levers
     order = cycle.loading_order if snap.direction > 0 else cycle.unloading_order
     full = np.array([cells[cell].full_travel for cell in snap.cells])
     before = np.array(snap.before)
@@ -113,7 +113,7 @@ def _least_held(snap: Event, cycle: Cycle) -> int:
 
 def _lets_go(snap: Event, cycle: Cycle, cell: int) -> bool:
     """Whether the snap happens just where the force meets what holds this cell at its stop."""
-    held = cycle.chain.cells[cell]
+    held = cycle.chain.levers[cell]
     limit = held.force_1 if snap.direction > 0 else held.force_0
     return abs(snap.force_before - limit) <= _SAME * abs(cycle.peak_force)
 

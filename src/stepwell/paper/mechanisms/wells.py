@@ -41,7 +41,7 @@ def stable_states(chain: Chain) -> list[str]:
     Raises:
         ValueError: a cell without the proof that its force falls.
     """
-    return ["".join(state) for state in product(*map(_held, chain.cells))]
+    return ["".join(state) for state in product(*map(_held, chain.levers))]
 
 
 def _held(cell: Cell) -> str:
@@ -54,7 +54,7 @@ def _held(cell: Cell) -> str:
 def landscape(chain: Chain, nodes: int = _NODES) -> Floats:
     """(nodes, nodes) total energy [J] over the travels of two cells, stops included."""
     inner, outer = (
-        cell.energy(cell.angle(np.linspace(0.0, cell.full_travel, nodes))) for cell in chain.cells
+        cell.energy(cell.angle(np.linspace(0.0, cell.full_travel, nodes))) for cell in chain.levers
     )
     return inner[:, None] + outer
 

@@ -35,7 +35,7 @@ def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> Chain:
         bands: stiffness of the inner cell's bands over the outer one's.
         pressed: p_in where the paper has it under a contact.
     """
-    inner, outer = robot("antennas").legs[0].chain.cells
+    inner, outer = robot("antennas").legs[0].chain.levers
     stiffness = bands * outer.bands[0].stiffness
     inner = replace(inner, band=replace(inner.bands[0], stiffness=stiffness))
     if pressed:
@@ -51,7 +51,7 @@ def turning(q_out: float, bands: float = 2.0) -> Reprogramming:
 def largest_outer(bands: float = 2.0) -> float:
     """Largest q_out [m] at which p_in = -11 mm turns the pair round, from 20 mm inwards."""
     chain = pair(0.020, bands, pressed=True)
-    return reprogram(chain, BACKWARD, "outer.q", along=INWARDS, one_way=True).place[0]
+    return reprogram(chain, BACKWARD, "outer.q", along=INWARDS, one_way=True).anchor_at[0]
 
 
 def decided(holds: list[bool], ours: str, reason: str) -> Finding:
@@ -63,7 +63,7 @@ def decided(holds: list[bool], ours: str, reason: str) -> Finding:
 
 def _turned_round(q_out: float) -> Finding:
     needed = {label: turning(q_out, bands) for label, bands in BANDS.items()}
-    places = {label: found.place[0] for label, found in needed.items()}
+    places = {label: found.anchor_at[0] for label, found in needed.items()}
     push = needed["two bands"].resistance
     return decided(
         [place >= PRESSED - ABOUT for place in places.values()],

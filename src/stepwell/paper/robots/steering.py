@@ -67,7 +67,7 @@ def _pressed(design: Robot, moved: float) -> Robot:
 
 def _with_bands(design: Robot, bands: float) -> Robot:
     """A robot with so many times the stiffness of one band on its inner cells."""
-    one = design.legs[0].chain.cells[1].bands[0].stiffness
+    one = design.legs[0].chain.levers[1].bands[0].stiffness
     return files.vary(design, {"chain.cell.inner.band.stiffness_N_per_m": bands * one})
 
 

@@ -341,7 +341,7 @@ def _uncertainty(robot: Robot, leg: Leg) -> float:
     # depends on how they start. A block follows its neighbour m/2c late, and meanwhile the
     # cells' forces fall at this rate.
     late = robot.blocks.mass / (2.0 * damping)
-    falls = max(abs(c.force_0 - c.force_1) / c.full_travel for c in leg.chain.cells)
+    falls = max(abs(c.force_0 - c.force_1) / c.full_travel for c in leg.chain.levers)
     return damping * speed / 2.0 + falls * speed * late
 
 

@@ -237,7 +237,7 @@ def _loaded(leg: Leg, phase: Phase, extra: Extra) -> Chain:
     # Damping holds back what moves and not what rests. Half of it as friction on every cell
     # makes that difference: one half on the cell that moves, one on the cell that would start.
     lag = robot.blocks.damping * speed / 2
-    cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.cells]
+    cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.levers]
     travel, load = _handing_over(foot, phase.weighed, cells[-1].full_travel)
     force = -foot.push(load, travel, phase.weighed, way)
     cells[-1] = _with_load(cells[-1], travel, force)

@@ -119,7 +119,7 @@ def leaning(robot: Robot) -> Floats:
 
 def _lacks(leg: Leg) -> float:
     """Force [N] by which the last cell of a leg holds out longer than the others at 0."""
-    *stepping, last = leg.chain.cells
+    *stepping, last = leg.chain.levers
     return last.force_0 - min(cell.force_0 for cell in stepping)
 
 

@@ -126,7 +126,7 @@ def _antennas(robot: Robot) -> Iterator[str]:
         try:
             cell = leg.cell_index(antenna.cell)
             moved[-1] = leg.name, leg.chain.names[cell]
-            if len(leg.chain.cells[cell].bands) > 1:
+            if len(leg.chain.levers[cell].bands) > 1:
                 yield (
                     f"antenna {antenna.name!r}: its cell has several bands: an antenna moves the "
                     f"anchor of one; split the cell's bands or give it one."

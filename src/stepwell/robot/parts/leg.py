@@ -179,7 +179,7 @@ class Leg(ByValue):
             ValueError: no such cell, or anchors that no cell can have.
         """
         index = self.cell_index(cell)
-        cells = list(self.chain.cells)
+        cells = list(self.chain.levers)
         cells[index] = cells[index].with_anchors(p, q)
         return replace(self, chain=replace(self.chain, cells=tuple(cells)))
 
@@ -189,7 +189,7 @@ class Leg(ByValue):
         Raises:
             ValueError: no such cell, or an anchor that no cell can have.
         """
-        p = self.chain.cells[self.cell_index(cell)].bands[0].p
+        p = self.chain.levers[self.cell_index(cell)].bands[0].p
         return self.with_anchors(cell, p=(p[0] + share * moves[0], p[1] + share * moves[1]))
 
     def cell_index(self, cell: int | str) -> int:

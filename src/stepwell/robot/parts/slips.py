@@ -32,7 +32,7 @@ def of_robot(robot: Robot) -> Iterator[Slip]:
     """All numbers of a robot that are probably in another unit; of its chains, their cells tell."""
     # Lengths are beside the longest stroke of a leg, as those of a cell are beside its lever.
     size = max((leg.chain.full_stroke for leg in robot.legs), default=0.0)
-    cells = [cell for leg in robot.legs for cell in leg.chain.cells]
+    cells = [cell for leg in robot.legs for cell in leg.chain.levers]
     own = max((sizes.own_force(cell, cell.lever) for cell in cells), default=0.0)
     if not size or not own:
         return

@@ -37,33 +37,30 @@ def sequence_of(path: Path) -> Sequence:
 
     A path that starts in transit begins with the first vertex it reaches.
     """
-    stretches = path.chain.stretches
-    starts = zip(stretches, path.start_sheet, path.start, strict=True)
-    at = [phase_at(own, sheet, s) for own, sheet, s in starts]
-    between = at.count("-")
-    vertex = at.copy()
-    first: str | None = None if between else "".join(at)
-    changes: list[tuple[tuple[int, int], ...]] = []
+    at, changes = path.phase_changes
+    at = at.copy()
+    between = sum(phase < 0 for phase in at)
+    vertex, first = at.copy(), None if between else at.copy()
+    found: list[tuple[tuple[int, int], ...]] = []
     touched: set[int] = set()
-    for segment in path.segments():
-        moved = zip(segment.cells, segment.after, segment.sheets_after, strict=True)
-        for cell, travel, sheet in moved:
-            now = phase_at(stretches[cell], sheet, travel)
-            between += (now == "-") - (at[cell] == "-")
-            at[cell] = now
+    for change in changes:
+        for cell, phase in change:
+            between += (phase < 0) - (at[cell] < 0)
+            at[cell] = phase
             touched.add(cell)
         if between:
             continue
         if first is None:
-            first = "".join(at)
+            first = at.copy()
         else:
-            change = tuple((c, int(at[c])) for c in sorted(touched) if at[c] != vertex[c])
-            if change:
-                changes.append(change)
+            moved = tuple((cell, at[cell]) for cell in sorted(touched) if at[cell] != vertex[cell])
+            if moved:
+                found.append(moved)
         for cell in touched:
             vertex[cell] = at[cell]
         touched.clear()
-    return Sequence("".join(at) if first is None else first, tuple(changes))
+    state = "".join("-" if phase < 0 else str(phase) for phase in first or at)
+    return Sequence(state, tuple(found))
 
 
 @dataclass(frozen=True, eq=False)

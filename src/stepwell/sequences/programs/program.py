@@ -182,7 +182,10 @@ class Program(ByValue):
     def __str__(self):
         told, factor = told_in(self.chain.drive_unit)
         unit = Quantity("drive", told).sign
-        points = " → ".join(f"{point * factor:.4g}" for point in self.turning_points)
+        # A billionth of the way is rounding, and no place to stand.
+        least = 1e-9 * max(map(abs, self.turning_points))
+        shown = (0.0 if abs(point) < least else point for point in self.turning_points)
+        points = " → ".join(f"{point * factor:.4g}" for point in shown)
         text = f"{self.start} to {self.to}: {points} {unit}"
         if not self.turns:
             return text

@@ -29,7 +29,7 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
             f"antenna there."
         )
     where = places(robot, leg)
-    p = in_body(leg, leg.chain.cells[0].bands[0].p)
+    p = in_body(leg, leg.chain.levers[0].bands[0].p)
     travel = math.hypot(*antenna.moves)
     x, y, _ = in_body(leg, antenna.moves)
     axis = (x / travel, y / travel, 0.0)

@@ -30,7 +30,7 @@ def start(robot: Robot, leg: Leg) -> dict[str, float]:
     """Angle of each hinge [rad], by its name, with every cell at 0."""
     angles = {
         f"{leg.name}.{name}.lever.{end}": -cell.limit
-        for cell, name in zip(leg.chain.cells, leg.chain.names, strict=True)
+        for cell, name in zip(leg.chain.levers, leg.chain.names, strict=True)
         for end in ("front", "back")
     }
     link, span = robot.foot.link, robot.foot.span

@@ -65,7 +65,7 @@ class LegModel:
 
 def places(robot: Robot, leg: Leg) -> Places:
     """The reference position of a leg."""
-    cells = leg.chain.cells
+    cells = leg.chain.levers
     half = [cell.full_travel / 2 for cell in cells]
     middle = leg.at[0] + robot.foot.span / 2 - sum(half[:-1])
     blocks = [middle - robot.foot.span - half[-1], middle]
@@ -90,7 +90,7 @@ def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
 def add_leg(model: LegModel) -> None:
     """Add a leg on rods or on hinges, with the same names for what a recording reads."""
     spec, robot, leg, settings = model.spec, model.robot, model.leg, model.settings
-    where, cells = places(robot, leg), leg.chain.cells
+    where, cells = places(robot, leg), leg.chain.levers
     previous, origin = model.body, (0.0, 0.0)
     before: dict[str, float] = {}
     for i, cell in enumerate(cells):
@@ -161,7 +161,7 @@ def _add_line(model: LegModel, name: str, ends: tuple[str, str], rgba: parts.Col
 
 def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None:
     """The bands of a cell, counted from inside, between the lever joints of its two blocks."""
-    leg, name, cell = model.leg, model.cell_name(number), model.leg.chain.cells[number]
+    leg, name, cell = model.leg, model.cell_name(number), model.leg.chain.levers[number]
     for j, band in enumerate(cell.bands):
         label = f"{name}.band" if len(cell.bands) == 1 else f"{name}.band{j + 1}"
         ends = {"p": (inner, band.p), "q": (outer, band.q)}

@@ -79,7 +79,7 @@ def mjcf(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
 
 def _refuse(robot: Robot) -> None:
     for leg in robot.legs:
-        for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
+        for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
             if cell.load is not None:
                 raise InputError(
                     f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
@@ -228,7 +228,7 @@ def _start_position(
     joints = {"stroke": 0.0}
     for leg in robot.legs:
         sideways = 0.0
-        for name, cell in zip(leg.chain.names, leg.chain.cells, strict=True):
+        for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
             sideways += cell.lever * (np.cos(cell.limit) - 1.0)
             joints[f"{leg.name}.{name}.side"] = sideways
         half = [cell.full_travel / 2 for cell in leg.chain.cells]

@@ -264,7 +264,7 @@ def _fingerprint(robot: Robot) -> str:
     """Everything of a robot that its walk depends on, as text."""
     parts = (robot.legs, robot.body, robot.foot, robot.blocks, robot.floor, robot.drive)
     cells = [
-        [(cell.bands, cell.lever, cell.limit, cell.friction) for cell in leg.chain.cells]
+        [(cell.bands, cell.lever, cell.limit, cell.friction) for cell in leg.chain.levers]
         for leg in robot.legs
     ]
     return repr((parts, cells, robot.antennas))

@@ -17,7 +17,6 @@ from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
     cut,
-    find_piece,
     force_scale,
     invert,
     of_curve,

@@ -252,7 +252,7 @@ def _by_flow(
     stand_all_on(laws, problem.sheets, pieces, sheets)
     settled, _ = flow(problem, again, drive, force, 1e-4, worn)
     state.force[0] = level
-    elsewhere = np.any(sheets_of(problem.sheets) != landed)
+    elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
     stand_all_on(laws, problem.sheets, pieces, landed)
     tie = not settled or elsewhere or _elsewhere(problem, state, again)
     for i in range(len(landed)):
