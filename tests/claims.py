@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,3 +35,14 @@ def same(a: str, b: str) -> bool:
     return NUMBER.sub("#", a) == NUMBER.sub("#", b) and numbers[0] == pytest.approx(
         numbers[1], rel=ONE_DIGIT
     )
+
+
+def assert_committed(file: Path, record: dict[str, Any]) -> None:
+    """Fail unless a committed file of claims says what was computed now."""
+    found = json.loads(file.read_text("utf-8"))["claims"]
+    now = json.loads(json.dumps(record["claims"]))
+    assert [claim["id"] for claim in found] == [claim["id"] for claim in now]
+    for old, new in zip(found, now, strict=True):
+        assert set(old) == set(new)
+        for name, text in new.items():
+            assert same(old[name], text), (new["id"], name, old[name], text)

@@ -1,10 +1,8 @@
 """The committed results of others say what the model computes today; all computed once, here."""
 
-import json
-
 import pytest
 
-from claims import ROOT, same
+from claims import ROOT, assert_committed, same
 from stepwell import paper
 from stepwell.paper import Judgement
 from stepwell.paper.claims import table
@@ -21,13 +19,7 @@ def computed() -> dict[str, paper.Verdict]:
 @pytest.mark.slow
 @pytest.mark.shown
 def test_the_committed_results_of_others_are_those_computed_now(computed):
-    committed = json.loads(FILE.read_text("utf-8"))["claims"]
-    now = json.loads(json.dumps(paper.record(computed.values())["claims"]))
-    assert [claim["id"] for claim in committed] == [claim["id"] for claim in now]
-    for old, new in zip(committed, now, strict=True):
-        assert set(old) == set(new)
-        for name, text in new.items():
-            assert same(old[name], text), (new["id"], name, old[name], text)
+    assert_committed(FILE, paper.record(computed.values()))
 
 
 @pytest.mark.slow

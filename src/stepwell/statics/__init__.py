@@ -19,6 +19,7 @@ One word for one thing, here and in all rooms above:
 # pyright: reportUnusedImport=false
 
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
+from stepwell.statics.following import Problem
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in

@@ -31,17 +31,15 @@ def read_state(chain: Chain, name: str, state: str) -> tuple[int, ...]:
     for digit, count in zip(state, counts, strict=False):
         wrong = wrong or not (digit.isascii() and digit.isdecimal() and int(digit) < count)
     if wrong:
-        most = max(counts)
-        allowed = "0 or 1" if counts == [2] * len(counts) else f"0 to {most - 1}"
-        own = ""
+        most, allowed, own = max(counts), "0 or 1", ""
+        if counts != [2] * len(counts):
+            allowed, own = f"0 to {most - 1}", ", each the phase of a cell"
         if min(counts) < most:
             each = zip(chain.names, counts, strict=True)
-            own = f" ({', '.join(f'{cell} has {n}' for cell, n in each)})"
+            own += f" ({', '.join(f'{cell} has {n}' for cell, n in each)})"
         raise InputError(
-            f"{name} = {state!r}: must be {len(counts)} characters {allowed}, inner cell first, "
-            f"each the phase of a cell{own}."
-            if allowed != "0 or 1"
-            else f"{name} = {state!r}: must be {len(counts)} characters 0 or 1, inner cell first."
+            f"{name} = {state!r}: must be {len(counts)} characters {allowed}, inner cell "
+            f"first{own}."
         )
     return tuple(map(int, state))
 
@@ -90,13 +88,17 @@ def place_at(chain: Chain, problem: Problem, state: str, drive: float) -> Config
     return _place(first + share * (last - first), stretches)
 
 
-def drive_range(chain: Chain) -> tuple[float, float]:
+def drive_range(chain: Chain, problem: Problem | None = None) -> tuple[float, float]:
     """Drives [m], or [N] under force control, that pull every cell to its first and last phase.
+
+    Args:
+        chain: what is driven.
+        problem: the problem that it sets, where it is at hand.
 
     Raises:
         StaticsError: a force that turns too often to follow.
     """
-    _, (low, high) = full_range(chain, problem_of(chain))
+    _, (low, high) = full_range(chain, problem or problem_of(chain))
     return low, high
 
 

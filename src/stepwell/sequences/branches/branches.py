@@ -18,6 +18,7 @@ from stepwell.sequences.branches.passages import Passage, Section, passages_of, 
 from stepwell.statics import (
     Configuration,
     Path,
+    Problem,
     Segment,
     Tie,
     drive_range,
@@ -85,13 +86,17 @@ class Branch:
         return outside[min(outside)]
 
 
-def reach(chain: Chain) -> tuple[float, float]:
+def reach(chain: Chain, known: Problem | None = None) -> tuple[float, float]:
     """The drives between which a chain is looked at [m], or [N] under force control.
 
     A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that
     fold back may be longer in an earlier phase than in a later one.
+
+    Args:
+        chain: what is driven.
+        known: the problem that it sets, where it is at hand.
     """
-    low, high = drive_range(chain)
+    low, high = drive_range(chain, known)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
     if chain.actuator_stiffness > 0 and any(len(cell.laws) > 1 for cell in chain.elements):
         more += sum(cell.full_travel for cell in chain.elements if len(cell.laws) > 1) / 2.0
@@ -121,13 +126,13 @@ class Branches:
     def __init__(self, chain: Chain):
         self.chain = chain
         self._rigid = math.isinf(chain.actuator_stiffness)
-        self.range = reach(chain)
+        self._problem = problem_of(chain)
+        self.range = reach(chain, self._problem)
         stroke = 0.0 if chain.actuator_stiffness == 0 else chain.full_stroke
         self.slip = drive_slip(self.range[1] - self.range[0], stroke)
         self.ties: dict[Tie, None] = {}
         self._stretches = chain.stretches
         self._levers = not chain.elements
-        self._problem = problem_of(chain)
         self._branches: list[Branch] = []
         self._landings: dict[tuple[int, int], Landing] = {}
         self._where: dict[str, list[int]] = {}
