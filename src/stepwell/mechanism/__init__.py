@@ -43,6 +43,7 @@ from stepwell.mechanism.law import (
     stored,
     summed,
 )
+from stepwell.mechanism.mobility import MOBILITIES, mobilities_of
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [

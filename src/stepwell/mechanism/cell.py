@@ -15,6 +15,7 @@ from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Load
 from stepwell.mechanism.elements import Phase, Stretch
 from stepwell.mechanism.geometry import sine_at, travel_of
+from stepwell.mechanism.mobility import a_mobility
 from stepwell.mechanism.sizes import SlipError
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit
@@ -42,6 +43,8 @@ class Cell(ByValue):
         name: what messages and figures call the cell.
         unusual: True where sizes far off the lever are meant. Else they are taken for a slip of
             unit (theory page, "Slips of unit"), here and wherever a number meets the cell.
+        mobility: how fast it moves for a given force, beside the other cells, > 0; where three
+            or more snap together it has a say in where they land.
 
     What is derived from a cell by `dataclasses.replace` is not asked again.
 
@@ -59,6 +62,7 @@ class Cell(ByValue):
     friction: float = 0.0
     name: str = ""
     unusual: bool = field(default=False, compare=False)
+    mobility: float = field(default=1.0, kw_only=True)
     # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
@@ -72,6 +76,7 @@ class Cell(ByValue):
         object.__setattr__(self, "lever", check.positive("lever", self.lever, "m"))
         object.__setattr__(self, "limit", check.positive("limit", self.limit, "rad"))
         object.__setattr__(self, "friction", check.not_negative("friction", self.friction, "N"))
+        object.__setattr__(self, "mobility", a_mobility(self.mobility))
         _refuse_limit(self.limit)
         if not (self.unusual or self._asked):
             found = sizes.slips(self)

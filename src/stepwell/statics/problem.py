@@ -7,7 +7,7 @@ import numpy as np
 
 from stepwell.base import InputError, Ints
 from stepwell.kernels import UNLIMITED
-from stepwell.mechanism import FIRST, Chain, Laws, Sheets, packed
+from stepwell.mechanism import FIRST, Chain, Laws, Sheets, mobilities_of, packed
 from stepwell.statics.following import MOST_PIECES, Problem, cut, force_scale
 from stepwell.statics.outcome import StaticsError
 
@@ -47,7 +47,8 @@ def problem_of(
     effort = np.array([0, UNLIMITED, 0])
     rank = _ranks(len(chain), prefer)
     scale = force_scale(laws, sheets, pieces)
-    return Problem(laws, sheets, pieces, *drive_weights(chain), scale, rank, effort)
+    weights, mobility = drive_weights(chain), mobilities_of(chain.cells)
+    return Problem(laws, sheets, pieces, *weights, scale, rank, mobility, effort)
 
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:

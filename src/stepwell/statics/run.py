@@ -76,7 +76,9 @@ def full_cycle(
     """
     cells = packed(chain.cells)
     laws, _ = cells
-    if len(chain) >= WORTH_SORTING and math.isinf(chain.actuator_stiffness) and prefer is None:
+    rigid = math.isinf(chain.actuator_stiffness)
+    alike = len({cell.mobility for cell in chain.cells}) == 1
+    if len(chain) >= WORTH_SORTING and rigid and alike and prefer is None:
         proved = sorted_cycle(laws)
         if proved is not None:
             log, force = proved

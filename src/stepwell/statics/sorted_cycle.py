@@ -69,7 +69,7 @@ def _row(
         force_0,
         force_1,
     )
-    row[logged.TIE_A] = row[logged.TIE_B] = -1
+    row[logged.TIE_A] = row[logged.TIE_B] = row[logged.LEADER] = -1
     log.used[0] = k + 1
     log.first[k + 1] = log.used[1]
 
@@ -135,7 +135,7 @@ def load_sorted(
         _mover(log, j, at, full)
         _row(log, logged.SNAP, drive + at, drive + at, top_force, after)
         snap = log.segments[log.used[0] - 1]
-        snap[logged.CAUSE] = logged.RELEASE
+        snap[logged.CAUSE], snap[logged.LEADER], snap[logged.HEADING] = logged.RELEASE, top, -1
         lost, gained = energy_at(cell, full), energy_at(leader, full)
         snap[logged.RELEASED] = energy_at(cell, at) - lost + gained - energy_at(leader, back)
         _mover(log, top, back, full)
@@ -170,7 +170,7 @@ def sorted_cycle(laws: Laws) -> tuple[logged.Log, float] | None:
     back[:, [logged.DRIVE_0, logged.DRIVE_1]] = (
         n * full[0] - back[:, [logged.DRIVE_0, logged.DRIVE_1]]
     )
-    back[:, [logged.FORCE_0, logged.FORCE_1]] *= -1.0
+    back[:, [logged.FORCE_0, logged.FORCE_1, logged.HEADING]] *= -1.0
     way = log.movers[movers : log.used[1]]
     way[:, [logged.TRAVEL_0, logged.TRAVEL_1]] = (
         full[0] - way[:, [logged.TRAVEL_0, logged.TRAVEL_1]]

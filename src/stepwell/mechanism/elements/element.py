@@ -16,6 +16,7 @@ from stepwell.mechanism.elements.beside import beside
 from stepwell.mechanism.elements.fold import folded
 from stepwell.mechanism.elements.phase import Phase, Stretch
 from stepwell.mechanism.elements.sheet import Sheet
+from stepwell.mechanism.mobility import a_mobility
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
@@ -44,6 +45,7 @@ class Element(ByValue):
         measure: what its travel and its force are; all units below are those of travel and force.
         force_scale, travel_scale: all forces and all travels are those of the curve times these.
         error_band: how far measured points lie from the curve at most [N]; 0 where it goes through.
+        mobility: how fast it moves for a given force, beside the other cells, > 0.
 
     Raises:
         ValueError: no curve, a number out of range, an open end on which the force does not rise,
@@ -58,6 +60,7 @@ class Element(ByValue):
     force_scale: float = 1.0
     travel_scale: float = 1.0
     error_band: float = 0.0
+    mobility: float = field(default=1.0, kw_only=True)
     # In the units of the curve as it is, scales included.
     _sheets: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
     _phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
@@ -66,6 +69,7 @@ class Element(ByValue):
         put = object.__setattr__
         unit = self.measure.force_unit
         put(self, "friction", check.not_negative("friction", self.friction, unit))
+        put(self, "mobility", a_mobility(self.mobility))
         for name in ("force_scale", "travel_scale"):
             put(self, name, check.positive(name, getattr(self, name), "1"))
         put(self, "stops", _both(self.stops))
@@ -86,6 +90,7 @@ class Element(ByValue):
         stops: Stops = False,
         noise: float | None = None,
         friction: float = 0.0,
+        mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
     ) -> Element:
         """An element through measured or computed points: monotone cubics between them.
@@ -93,7 +98,7 @@ class Element(ByValue):
         Args:
             travel: (n,) rising [m], n >= 3.
             force: (n,) [N].
-            name, stops, friction, measure: as for Element.
+            name, stops, friction, mobility, measure: as for Element.
             noise: standard deviation of the forces [N]; the curve is then a smoothing spline (de
                 Boor 1978) and `error_band` says how far from it the farthest point lies. None goes
                 through every point.
@@ -102,7 +107,8 @@ class Element(ByValue):
             ValueError: too few points, travels that do not rise, or noise larger than a snap.
         """
         rows, end, band = build.table(travel, force, noise, measure)
-        return cls((Sheet.of(rows, end),), stops, friction, name, measure, error_band=band)
+        on = (Sheet.of(rows, end),)
+        return cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
 
     @classmethod
     def from_points(
@@ -113,6 +119,7 @@ class Element(ByValue):
         *,
         stops: Stops = False,
         friction: float = 0.0,
+        mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
     ) -> Element:
         """An element whose force is straight between points, such as the trilinear snap.
@@ -120,13 +127,14 @@ class Element(ByValue):
         Args:
             travel: (n,) rising [m], n >= 2.
             force: (n,) [N].
-            name, stops, friction, measure: as for Element.
+            name, stops, friction, mobility, measure: as for Element.
 
         Raises:
             ValueError: too few points, or travels that do not rise.
         """
         rows, end = build.points(travel, force, measure)
-        return cls((Sheet.of(rows, end),), stops, friction, name, measure)
+        on = (Sheet.of(rows, end),)
+        return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
     def from_law(
@@ -140,6 +148,7 @@ class Element(ByValue):
         kinks: Sequence[float] = (),
         accuracy: float = 1e-7,
         friction: float = 0.0,
+        mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
     ) -> Element:
         """An element that follows a law, in as many cubics as its accuracy needs.
@@ -147,7 +156,7 @@ class Element(ByValue):
         Args:
             force: [N] by an array of travels [m].
             low, high: between which travels the law is taken [m].
-            name, stops, friction, measure: as for Element.
+            name, stops, friction, mobility, measure: as for Element.
             kinks: travels at which the slope of the law jumps [m].
             accuracy: how far from the law it may be, as a share of the largest force.
 
@@ -155,7 +164,8 @@ class Element(ByValue):
             ValueError: a law without finite values, or with a kink that `kinks` does not name.
         """
         rows, end = build.law(force, low, high, kinks, accuracy, measure)
-        return cls((Sheet.of(rows, end),), stops, friction, name, measure)
+        on = (Sheet.of(rows, end),)
+        return cls(on, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
     def from_curve(
@@ -166,6 +176,7 @@ class Element(ByValue):
         *,
         stops: Stops = False,
         friction: float = 0.0,
+        mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
     ) -> Element:
         """An element whose curve may fold back in travel: it has a freedom of its own inside.
@@ -179,7 +190,7 @@ class Element(ByValue):
         Args:
             travel: (n,) by arc [m], n >= 3.
             force: (n,) [N].
-            name, stops, friction, measure: as for Element.
+            name, stops, friction, mobility, measure: as for Element.
 
         Returns:
             The element, its sheets in the order of the arc.
@@ -189,7 +200,7 @@ class Element(ByValue):
                 from the start, or a stretch from whose end there is nowhere to land.
         """
         sheets = folded(travel, force, measure)
-        return cls(sheets, stops, friction, name, measure)
+        return cls(sheets, stops, friction, name, measure, mobility=mobility)
 
     @classmethod
     def from_chain(cls, chain: Chain, name: str = "") -> Element:
@@ -216,7 +227,8 @@ class Element(ByValue):
     def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:
         """Elements that share one travel, as one: their forces add up.
 
-        It can go as far as all of them can: each of their stops is its own.
+        It can go as far as all of them can: each of their stops is its own. Side by side they move
+        as slowly as all of their dampers together make them.
 
         Args:
             elements: two or more, of one measure.
@@ -226,7 +238,8 @@ class Element(ByValue):
             ValueError: elements of unlike measure, or that share no travel.
         """
         sheets, stops, friction = beside(elements)
-        return cls(sheets, stops, friction, name, elements[0].measure)
+        mobility = 1.0 / sum(1.0 / element.mobility for element in elements)
+        return cls(sheets, stops, friction, name, elements[0].measure, mobility=mobility)
 
     @property
     def unusual(self) -> bool:

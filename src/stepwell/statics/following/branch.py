@@ -22,34 +22,35 @@ def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: flo
 
 
 @kernel
-def smallest_eigenvalue(slopes: Floats, alpha: float, beta: float) -> float:
+def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: float) -> float:
     """Least stiffness of the moving cells at fixed drive [N/m]; inf where nothing can move.
 
-    Eigenvalues μ of diag(κ) under the constraint of the drive solve β/α² + Σ 1/(κ_i - μ) = 0,
-    a function that rises between two κ, so the least one is bracketed.
+    With (m,) `slopes` κ_i and weights of 1. With mobilities m_i as weights and m_i κ_i as slopes it
+    is the least rate of decay of the flow. The eigenvalues solve β/α² + Σ w_i/(κ_i - μ) = 0, a
+    function that rises between two κ, so the least one is bracketed.
     """
     moving = len(slopes)
     if moving == 0:
         return np.inf
-    ordered = np.sort(slopes)
     if alpha == 0.0:
-        return ordered[0]
+        return float(np.min(slopes))
     if moving == 1:
-        return np.inf if beta == 0.0 else ordered[0] + alpha * alpha / beta
-    low, high = ordered[0], ordered[1]
+        return np.inf if beta == 0.0 else float(slopes[0] + weights[0] * alpha * alpha / beta)
+    order = np.argsort(slopes)
+    low, high = slopes[order[0]], slopes[order[1]]
     soft = beta / (alpha * alpha)
     for _ in range(200):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
         total = soft
-        for slope in ordered:
-            total += 1.0 / (slope - middle)
+        for i in order:
+            total += weights[i] / (slopes[i] - middle)
         if total > 0.0:
             high = middle
         else:
             low = middle
-    return 0.5 * (low + high)
+    return float(0.5 * (low + high))
 
 
 @kernel

@@ -69,7 +69,7 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
             if not slides:
                 slopes[free] = min(slopes[free], _beyond(problem, i, piece, travel[i]))
             free += 1
-    return worst, smallest_eigenvalue(slopes[:free], alpha, beta)
+    return worst, smallest_eigenvalue(slopes[:free], np.ones(free), alpha, beta)
 
 
 @kernel

@@ -37,10 +37,10 @@ class Point(NamedTuple):
 
 
 @kernel
-def _rate(
+def _drives(
     travel: float, force: float, friction: float, least: float, most: float, shared: float
 ) -> float:
-    """ds/dt of a cell at unit mobility: stops and Coulomb friction may hold it."""
+    """What drives a cell [N]: stops and Coulomb friction may hold it."""
     if shared > force + friction and travel < most:
         return shared - force - friction
     if shared < force - friction and travel > least:
@@ -52,16 +52,18 @@ def _rate(
 def _balance(problem: Problem, travel: Floats, force: Floats, shared: float) -> float:
     """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
     # Taken out once, here: compiled, every later look into the record would count references.
-    friction, ends = problem.laws.friction, problem.sheets.ends
+    friction, ends, mobility = problem.laws.friction, problem.sheets.ends, problem.mobility
     low, high = -np.inf, np.inf
     for _ in range(200):
-        total, moving = 0.0, 0
+        total, moving = 0.0, 0.0
         for i in range(len(travel)):
-            rate = _rate(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
-            if rate != 0.0:
-                total += rate
-                moving += 1
-        if moving == 0 or total == 0.0:
+            drives = _drives(
+                travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared
+            )
+            if drives != 0.0:
+                total += mobility[i] * drives
+                moving += mobility[i]
+        if moving == 0.0 or total == 0.0:
             return shared
         if total > 0.0:
             high = shared
@@ -79,18 +81,21 @@ def _balance(problem: Problem, travel: Floats, force: Floats, shared: float) -> 
 
 
 @kernel
-def _rates(problem: Problem, at: Point, shared: float, out: Floats) -> float:
-    """λ, and all rates into `out`."""
-    alpha, beta = problem.alpha, problem.beta
+def _rates(problem: Problem, at: Point, shared: float, out: Floats) -> tuple[float, float]:
+    """λ, the largest force that drives a cell, and all rates ds/dt into `out`."""
+    alpha, beta, mobility = problem.alpha, problem.beta, problem.mobility
     drive, travel, force = at.drive, at.travel, at.force
     friction, ends = problem.laws.friction, problem.sheets.ends
     if beta == 0.0:
         shared = _balance(problem, travel, force, shared)
     else:
         shared = (drive - alpha * summed(travel)) / beta
+    largest = 0.0
     for i in range(len(travel)):
-        out[i] = _rate(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
-    return shared
+        drives = _drives(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
+        out[i] = mobility[i] * drives
+        largest = max(largest, abs(drives))
+    return shared, largest
 
 
 @kernel
@@ -99,30 +104,34 @@ def _smooth_rates(problem: Problem, at: Point, travel: Floats, out: Floats) -> N
 
     Within a step the field has to be smooth; stops and releases are looked at between steps.
     """
-    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
+    laws, alpha, beta, mobility = problem.laws, problem.alpha, problem.beta, problem.mobility
     drive, sense, rows, ends = at.drive, at.sense, at.rows, problem.sheets.ends
-    total, count = 0.0, 0
+    total, moving = 0.0, 0.0
     for i in range(len(travel)):
         if sense[i] != 0:
             place = min(max(travel[i], ends[i, LOW]), ends[i, HIGH])
             pick_rows(laws, i, place, rows)
             out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
-            total += out[i]
-            count += 1
-    shared = total / max(count, 1) if beta == 0.0 else (drive - alpha * summed(travel)) / beta
+            total += mobility[i] * out[i]
+            moving += mobility[i]
+    if beta > 0.0:
+        shared = (drive - alpha * summed(travel)) / beta
+    else:
+        shared = total / moving if moving > 0.0 else 0.0
     for i in range(len(travel)):
-        out[i] = shared - out[i] if sense[i] != 0 else 0.0
+        out[i] = mobility[i] * (shared - out[i]) if sense[i] != 0 else 0.0
 
 
 @kernel
-def unstable_direction(slopes: Floats, alpha: float, beta: float) -> Floats:
+def unstable_direction(slopes: Floats, mobility: Floats, alpha: float, beta: float) -> Floats:
     """The one way out of an equilibrium that has lost its stability, unit largest entry."""
-    least = smallest_eigenvalue(slopes, alpha, beta)
+    rates = mobility * slopes
+    least = smallest_eigenvalue(rates, mobility, alpha, beta)
     out = np.empty(len(slopes))
     biggest = 0.0
     for i in range(len(slopes)):
-        gap = slopes[i] - least
-        out[i] = 1.0 / gap if gap != 0.0 else 1e300
+        gap = rates[i] - least
+        out[i] = mobility[i] / gap if gap != 0.0 else 1e300
         biggest = max(biggest, abs(out[i]))
     out /= biggest
     return out
@@ -146,7 +155,7 @@ def _polish(
             active[i] = True
             offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
     for _ in range(30):
-        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0, 0.0
+        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0.0, 0.0
         miss = np.zeros(n)
         slopes = np.zeros(n)
         for i in range(n):
@@ -160,7 +169,7 @@ def _polish(
                 if flat >= 0 and abs(miss[i] - miss[flat]) > 1e-12 * abs(value):
                     return False, shared
                 flat = i
-                flats += 1
+                flats += problem.mobility[i]
                 continue
             falling += slope < 0.0
             compliance += alpha / slope
@@ -178,10 +187,11 @@ def _polish(
         if flat >= 0:
             if alpha == 0.0:
                 return False, shared
-            # Cells of constant force take what is left, equally.
-            move = (-beta * change / alpha - total) / flats
+            # Cells of constant force take what is left, by mobility.
+            left = (-beta * change / alpha - total) / flats
             for i in range(n):
                 if active[i] and slopes[i] == 0.0:
+                    move = left * problem.mobility[i]
                     out[i] += move
                     step = max(step, abs(move) / laws.full[i])
         shared += change
@@ -208,23 +218,25 @@ def _polish(
 
 @kernel
 def _solve(problem: Problem, at: Point, h: float, b: Floats, out: Floats) -> None:
-    """x of (I - h J) x = b, where J is -diag(κ) on the moving cells, coupled by the drive.
+    """x of (I - h J) x = b, where J is -diag(m κ) on the moving cells, coupled by the drive.
 
     One multiplier couples all of them, so the solution costs no more than b itself.
     """
     sense, slope, alpha, beta = at.sense, at.slope, problem.alpha, problem.beta
+    mobility = problem.mobility
     total, weight = 0.0, 0.0
     for i in range(len(b)):
         if sense[i] != 0:
-            pivot = 1.0 + h * slope[i]
+            pivot = 1.0 + h * mobility[i] * slope[i]
             total += b[i] / pivot
-            weight += 1.0 / pivot
+            weight += mobility[i] / pivot
     if beta == 0.0:
         shared = -total / weight if weight != 0.0 else 0.0
     else:
         shared = -(h * alpha / beta) * total / (1.0 + (h * alpha / beta) * weight)
     for i in range(len(b)):
-        out[i] = (b[i] + shared) / (1.0 + h * slope[i]) if sense[i] != 0 else b[i]
+        pivot = 1.0 + h * mobility[i] * slope[i]
+        out[i] = (b[i] + mobility[i] * shared) / pivot if sense[i] != 0 else b[i]
 
 
 @kernel
@@ -263,10 +275,10 @@ def _turned(ends: Floats, at: Point, step: Floats) -> int:
 @kernel
 def _longest_step(problem: Problem, slope: Floats, sense: Ints, d: float, wanted: float) -> float:
     """Longest step that still resolves growth; only decay may be stepped over."""
-    falling, count = 0.0, 0
+    falling, count, mobility = 0.0, 0, problem.mobility
     for i in range(len(sense)):
         if sense[i] != 0 and slope[i] < 0.0:
-            falling = max(falling, -slope[i])
+            falling = max(falling, -mobility[i] * slope[i])
             count += 1
     short = 0.7 / (d * falling) if falling > 0.0 else np.inf
     if wanted <= short or count > 1:
@@ -274,7 +286,8 @@ def _longest_step(problem: Problem, slope: Floats, sense: Ints, d: float, wanted
     # One falling cell among rising ones: what grows, the least eigenvalue tells, and in the
     # narrow place next to a fold that is almost nothing.
     moving = np.flatnonzero(sense)
-    growth = -smallest_eigenvalue(slope[moving], problem.alpha, problem.beta)
+    weights = mobility[moving]
+    growth = -smallest_eigenvalue(weights * slope[moving], weights, problem.alpha, problem.beta)
     long = 0.7 / (d * growth) if growth > 0.0 else np.inf
     # In between, the pivot of the falling cell passes through zero.
     return short if min(wanted, long) < 1.3 / (d * falling) else long
@@ -312,21 +325,21 @@ def flow(
     for i in range(n):
         _look(laws, at, i)
     ends, folds = problem.sheets.ends, len(problem.sheets.table) > n
-    stiffest = np.max(np.abs(at.slope)) + scale / np.min(laws.full)
+    stiffest = np.max(np.abs(problem.mobility * at.slope)) + scale / np.min(laws.full)
     h = 1e-2 / stiffest
+    longest = 1e6 / (stiffest * np.min(problem.mobility))
     for step in range(_STEPS):
         if overspent(problem.effort, 4 * n):
             break
-        shared = _rates(problem, at, shared, f0)
+        shared, largest = _rates(problem, at, shared, f0)
         if folds and _jumps(problem, at, f0):
             continue
-        fastest = np.max(np.abs(f0))
         # The longest step moves no cell by more than rounding: this is rest, whether or not
         # Newton can say so (two cells of constant force have no single place to be).
-        resting = h == 1e6 / stiffest and fastest <= 1e-11 * scale
-        if fastest <= 1e-14 * scale or resting:
+        resting = h == longest and largest <= 1e-11 * scale
+        if largest <= 1e-14 * scale or resting:
             return True, shared
-        if fastest < 1e-2 * scale and step % 4 == 0:
+        if largest < 1e-2 * scale and step % 4 == 0:
             settled, level = _polish(problem, at, f0, shared, polished)
             if settled:
                 rubbed += np.abs(polished - travel)
@@ -383,7 +396,7 @@ def flow(
                     travel[i] = ends[i, HIGH] if k2[i] > 0.0 else ends[i, LOW]
                 _look(laws, at, i)
         h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
-        h = min(max(h, 1e-9 / stiffest), 1e6 / stiffest)
+        h = min(max(h, 1e-9 / stiffest), longest)
     return False, shared
 
 

@@ -1,6 +1,6 @@
 """Where a snap lands when one cell, or one pair of cells, moves: exactly.
 
-The landing rule is overdamped flow at fixed drive with equal mobility on every travel. With one
+The landing rule is overdamped flow at fixed drive, each cell with its own mobility. With one
 degree of freedom the flow runs along a line, so no time has to be integrated: it stops at the
 first place where the driving force vanishes, or at a stop.
 """
@@ -30,6 +30,7 @@ class Line(NamedTuple):
     from_back: float
     force: float  # [N] λ at x = 0
     softness: float  # [N/m] stiffness of the actuator, 0 for a dead load
+    share: float  # of λ that is the pull of `back`, by mobility; the rest is what `forth` resists
     lowest: float  # [N] λ between which all other cells keep still
     highest: float
 
@@ -73,7 +74,7 @@ def pull_at(problem: Problem, line: Line, x: float) -> float:
 def _level(line: Line, pull: float, resist: float) -> float:
     """λ where a snap comes to rest."""
     if line.forth >= 0 and line.back >= 0:
-        return 0.5 * (pull + resist)
+        return line.share * pull + (1.0 - line.share) * resist
     return pull if line.back < 0 else resist
 
 
@@ -101,7 +102,7 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
     start *= size
     on_forth = find_piece(pieces, forth, from_forth, 1) if forth >= 0 else 0
     on_back = find_piece(pieces, back, from_back, -1) if back >= 0 else 0
-    paired = forth >= 0 and back >= 0
+    paired, share = forth >= 0 and back >= 0, line.share
     lefts = np.empty(256)
     rights = np.empty(256)
     begin = 0.0
@@ -124,9 +125,9 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
             ga, dga, ha, dha = _ends(laws, picked, line, on_forth, on_back, bias, a)
             gb, dgb, hb, dhb = _ends(laws, picked, line, on_forth, on_back, bias, b)
             if paired:
-                low = 0.5 * (min(ga, gb) + min(ha, hb))
-                high = 0.5 * (max(ga, gb) + max(ha, hb))
-                at_b = 0.5 * (gb + hb)
+                low = share * min(ga, gb) + (1.0 - share) * min(ha, hb)
+                high = share * max(ga, gb) + (1.0 - share) * max(ha, hb)
+                at_b = share * gb + (1.0 - share) * hb
             else:
                 one, two = (ga, gb) if back < 0 else (ha, hb)
                 low, high, at_b = min(one, two), max(one, two), two
@@ -147,8 +148,8 @@ def land(problem: Problem, line: Line, start: float, bias: float) -> tuple[int, 
                     continue
             if b - a <= near or 0.5 * (a + b) <= a or 0.5 * (a + b) >= b:
                 if gb - hb <= 0.0:
-                    share = (ga - ha) - (gb - hb)
-                    x = b if share <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / share
+                    fall = (ga - ha) - (gb - hb)
+                    x = b if fall <= 0.0 or ga <= ha else a + (b - a) * (ga - ha) / fall
                     g, _, h, _ = _ends(laws, picked, line, on_forth, on_back, bias, x)
                     return LANDED, x, _level(line, g, h)
                 if at_b < lowest or at_b > highest:

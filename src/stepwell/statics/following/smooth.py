@@ -171,7 +171,7 @@ def share(problem: Problem, state: State, goes: Ints) -> None:
     cells = np.flatnonzero(goes)
     if len(cells) < 2:
         return
-    # Nothing but friction decides how they share.
+    # Nothing but their mobility decides how they share.
     set_tie(state.tie, cells[0], cells[1])
     first = np.min(problem.rank[cells])
     for i in cells:
@@ -181,24 +181,25 @@ def share(problem: Problem, state: State, goes: Ints) -> None:
 
 @kernel
 def drift(problem: Problem, state: State, movers: Movers, direction: int, target: float) -> int:
-    """Cells of constant force take the motion, equally, until one of them leaves its piece."""
+    """Cells of constant force take the motion, by mobility, until one of them leaves its piece."""
     laws, pieces, alpha = problem.laws, problem.pieces, problem.alpha
     begun = begin(problem, state, direction)
-    count = len(movers.cell)
+    count, mobility = len(movers.cell), problem.mobility[movers.cell]
     ends = pieces.right[movers.piece] if direction > 0 else pieces.left[movers.piece]
-    room = np.min(np.abs(ends - begun.travel[movers.cell]))
+    # What a cell of mobility 1 goes until the first one arrives.
+    room = np.min(np.abs(ends - begun.travel[movers.cell]) / mobility)
     # A target within rounding of the end of the piece is that end.
-    span = alpha * (count * room - 1e-13 * summed(laws.full))
+    span = alpha * (summed(mobility) * room - 1e-13 * summed(laws.full))
     reached = alpha > 0.0 and direction * (target - begun.drive) < span
     if reached:
-        room = direction * (target - begun.drive) / (alpha * count)
+        room = direction * (target - begun.drive) / (alpha * summed(mobility))
     friction_work = 0.0
     for m in range(count):
-        i = movers.cell[m]
-        left = abs(ends[m] - begun.travel[i]) - room
+        i, way = movers.cell[m], room * mobility[m]
+        left = abs(ends[m] - begun.travel[i]) - way
         arrives = not reached and left <= 1e-15 * laws.full[i]
-        state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * room
-        friction_work += float(laws.friction[i]) * room
+        state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * way
+        friction_work += float(laws.friction[i]) * way
     drive = drive_of(problem, state.travel, begun.force)
     status = write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):

@@ -134,7 +134,10 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
     at_forth = state.travel[forth] if forth >= 0 else 0.0
     at_back = state.travel[back] if back >= 0 else 0.0
     softness = 0.0 if rigid else problem.alpha / problem.beta
-    line = Line(forth, back, at_forth, at_back, state.force[0], softness, low, high)
+    share = 0.5
+    if rigid:
+        share = problem.mobility[back] / (problem.mobility[back] + problem.mobility[forth])
+    line = Line(forth, back, at_forth, at_back, state.force[0], softness, share, low, high)
     size = laws.full[forth] if forth >= 0 else laws.full[back]
     if state.next_snap[WHY] != FOLD and _is_neutral(problem, line):
         line = _driven_on(line, direction, 1e-10 * size)
@@ -210,12 +213,12 @@ def _is_neutral(problem: Problem, line: Line) -> bool:
 @kernel
 def _driven_on(line: Line, direction: int, by: float) -> Line:
     """The same line with the drive further on by so little travel."""
-    forth, back, at_forth, at_back, force, softness, low, high = line
+    forth, back, at_forth, at_back, force, softness, share, low, high = line
     if forth >= 0 and (direction > 0 or back < 0):
         at_forth += direction * by
     else:
         at_back += direction * by
-    return Line(forth, back, at_forth, at_back, force, softness, low, high)
+    return Line(forth, back, at_forth, at_back, force, softness, share, low, high)
 
 
 @kernel
@@ -326,7 +329,7 @@ def _leave(problem: Problem, state: State, share: float) -> None:
         if i == trigger:
             mine = m
     if count > 1:
-        way = unstable_direction(slopes, alpha, beta)
+        way = unstable_direction(slopes, problem.mobility[movers[:count]], alpha, beta)
     else:
         way = np.ones(1)
     if beta == 0.0 and count > 1:

@@ -16,7 +16,9 @@ from stepwell.statics.following.log import (
     ENDS,
     FORCE_0,
     FORCE_1,
+    HEADING,
     KIND,
+    LEADER,
     OFFSET,
     PIECE,
     RELEASED,
@@ -61,6 +63,7 @@ class Problem(NamedTuple):
     beta: float
     scale: float  # [N] largest force of any cell
     rank: Ints  # (N,) where cells tie the lowest goes first; equal ones share a drift
+    mobility: Floats  # (N,) the largest of them 1
     effort: Ints  # forces looked at, and how many may be: see kernels
 
 
@@ -158,6 +161,8 @@ def write(
     row[FORCE_0], row[FORCE_1] = begun.force, state.force[0]
     row[RELEASED], row[RUBBED] = heat
     row[CAUSE] = state.next_snap[WHY] if kind == SNAP else 0
+    row[LEADER] = state.next_snap[TRIGGER] if kind == SNAP else -1
+    row[HEADING] = state.next_snap[SENSE] if kind == SNAP else 0
     row[TIE_A], row[TIE_B] = state.tie
     state.tie[:] = -1
     for j in range(len(movers.cell)):
