@@ -37,6 +37,7 @@ from stepwell.mechanism.law import (
     change_sheet,
     ends_of,
     law,
+    law_among,
     pack,
     packed,
     pick_rows,

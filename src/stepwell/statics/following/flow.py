@@ -1,4 +1,11 @@
-"""Where a snap lands when three cells or more move: overdamped flow, integrated."""
+"""Where a snap lands when three cells or more move: overdamped flow, integrated.
+
+Only the cells that move are integrated. All others are one window of the common force λ: while λ
+stays within it they keep still, and the first whose side of it λ passes joins the flow.
+
+What is looked at in every step is handed on array by array: compiled, each look into a record
+counts references, which costs more than the arithmetic of a few cells.
+"""
 
 from typing import NamedTuple
 
@@ -6,63 +13,131 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, overspent
-from stepwell.mechanism import (
-    BEFORE,
-    BEYOND,
-    FIRST,
-    HIGH,
-    LOW,
-    Laws,
-    beyond,
-    law,
-    pick_rows,
-    summed,
-)
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, law_among
 from stepwell.statics.following.branch import smallest_eigenvalue
-from stepwell.statics.following.pieces import stand_on
-from stepwell.statics.following.state import Problem
+from stepwell.statics.following.pieces import find_piece, stand_on
+from stepwell.statics.following.state import HELD, LETS_GO, Problem, State
 
 _STEPS = 30_000
+# The pair of Shampine (1982) with γ = 1/2, written for stages that are rates: where a stage is
+# looked at, what it takes of those before, what the step is made of, and its error.
+_GAMMA = 0.5
+_A21, _A31, _A32 = 1.0, 24.0 / 25.0, 3.0 / 25.0
+_C21, _C31, _C32, _C41, _C42, _C43 = -4.0, 186.0 / 25.0, 1.2, -56.0 / 125.0, -27.0 / 125.0, -0.2
+_B1, _B2, _B3, _B4 = 19.0 / 18.0, 0.25, 25.0 / 216.0, 125.0 / 216.0
+_E1, _E2, _E4 = 17.0 / 108.0, 7.0 / 72.0, 125.0 / 216.0
+# A stop or a cell that joins ends a step; it is met by so many shorter ones at most.
+_TRIES = 8
+# What is known of a cell in the flow: where it is, F and κ there, its friction, mobility and full
+# travel, between which travels it is on its sheet and between which it can go ...
+_TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _BEYOND = range(10)
+# ... ds/dt, room for the stages of a step, what it goes in it, by how much that may be off ...
+_RATE, _STAGE, _LAST, _X1, _X2, _X3, _X4, _WAY, _ERROR, _TRIAL, _WAS = range(10, 21)
+# ... and, whole numbers, which cell it is, on which piece, and in which sense it moves within a
+# step and when that began; 0 where it stays.
+_CELL, _PIECE, _SENSE, _BEGAN = range(4)
+# What is known of the cells that keep still: the λ between which they do, and the sum of travels.
+_LOWEST, _HIGHEST, _STILL = range(3)
 
 
-class Point(NamedTuple):
-    """Where the flow is; N cells."""
+class Flow(NamedTuple):
+    """Where the flow is; N cells of the chain, m of them in the flow."""
 
     drive: float
-    travel: Floats  # (N,)
-    force: Floats  # (N,) there
-    slope: Floats  # (N,) κ there
-    sense: Ints  # (N,) in which a cell moves within the step; 0 where it stays
-    rows: Ints  # room for pick_rows
+    cell: Floats  # (21, N) see above, the first m columns
+    where: Ints  # (4, N) likewise
+    count: Ints  # (1,) m
+    still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
+    first: Ints  # (2,) the cells that let go at the lowest and at the highest, or -1
 
 
 @kernel
-def _drives(
-    travel: float, force: float, friction: float, least: float, most: float, shared: float
-) -> float:
-    """What drives a cell [N]: stops and Coulomb friction may hold it."""
-    if shared > force + friction and travel < most:
-        return shared - force - friction
-    if shared < force - friction and travel > least:
-        return shared - force + friction
+def _begin(problem: Problem, state: State, drive: float) -> Flow:
+    """The flow as it begins, with all cells in it that do not rest."""
+    n = len(state.travel)
+    at = Flow(
+        drive,
+        np.empty((21, n)),
+        np.empty((4, n), np.int64),
+        np.zeros(1, np.int64),
+        np.zeros(3),
+        np.empty(2, np.int64),
+    )
+    mode = state.mode
+    for i in range(n):
+        if mode[i] != HELD:
+            _join(problem, state, at, i)
+    _close(problem, state, at)
+    return at
+
+
+@kernel
+def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
+    """Take cell i into the flow."""
+    j = at.count[0]
+    at.count[0] += 1
+    if state.mode[i] == HELD:
+        state.mode[i] = LETS_GO
+    at.where[_CELL, j] = i
+    at.cell[_TRAVEL, j] = state.travel[i]
+    at.cell[_FRICTION, j] = problem.laws.friction[i]
+    at.cell[_MOBILITY, j] = problem.mobility[i]
+    at.cell[_FULL, j] = problem.laws.full[i]
+    _stand(problem, at, j)
+
+
+@kernel
+def _stand(problem: Problem, at: Flow, j: int) -> None:
+    """See on which sheet and piece a cell in the flow stands."""
+    i, ends = at.where[_CELL, j], problem.sheets.ends
+    at.cell[_LEAST, j], at.cell[_MOST, j] = ends[i, LOW], ends[i, HIGH]
+    at.cell[_BEFORE, j], at.cell[_BEYOND, j] = ends[i, BEFORE], ends[i, BEYOND]
+    piece = find_piece(problem.pieces, i, at.cell[_TRAVEL, j], 0)
+    at.where[_PIECE, j] = piece
+    picked, travel = problem.pieces.picked[piece], at.cell[_TRAVEL, j]
+    at.cell[_FORCE, j], at.cell[_SLOPE, j], _ = law(problem.laws, i, picked, travel)
+
+
+@kernel
+def _close(problem: Problem, state: State, at: Flow) -> None:
+    """See within which λ the cells that are not in the flow keep still."""
+    friction, ends = problem.laws.friction, problem.sheets.ends
+    travel, mode, at_rest = state.travel, state.mode, state.at_rest
+    low, high, falls, rises, still = -np.inf, np.inf, -1, -1, 0.0
+    for i in range(len(travel)):
+        if mode[i] != HELD:
+            continue
+        still += travel[i]
+        if travel[i] > ends[i, BEFORE] and at_rest[i] - friction[i] > low:
+            low, falls = at_rest[i] - friction[i], i
+        if travel[i] < ends[i, BEYOND] and at_rest[i] + friction[i] < high:
+            high, rises = at_rest[i] + friction[i], i
+    at.still[_LOWEST], at.still[_HIGHEST], at.still[_STILL] = low, high, still
+    at.first[0], at.first[1] = falls, rises
+
+
+@kernel
+def _drives(cell: Floats, j: int, shared: float) -> float:
+    """What drives a cell at λ [N]: stops and Coulomb friction may hold it."""
+    force, friction = cell[_FORCE, j], cell[_FRICTION, j]
+    if shared > force + friction and cell[_TRAVEL, j] < cell[_BEYOND, j]:
+        return float(shared - force - friction)
+    if shared < force - friction and cell[_TRAVEL, j] > cell[_BEFORE, j]:
+        return float(shared - force + friction)
     return 0.0
 
 
 @kernel
-def _balance(problem: Problem, travel: Floats, force: Floats, shared: float) -> float:
+def _balance(cell: Floats, m: int, shared: float) -> float:
     """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
-    # Taken out once, here: compiled, every later look into the record would count references.
-    friction, ends, mobility = problem.laws.friction, problem.sheets.ends, problem.mobility
     low, high = -np.inf, np.inf
     for _ in range(200):
         total, moving = 0.0, 0.0
-        for i in range(len(travel)):
-            drives = _drives(
-                travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared
-            )
+        for j in range(m):
+            drives = _drives(cell, j, shared)
             if drives != 0.0:
-                total += mobility[i] * drives
-                moving += mobility[i]
+                total += cell[_MOBILITY, j] * drives
+                moving += cell[_MOBILITY, j]
         if moving == 0.0 or total == 0.0:
             return shared
         if total > 0.0:
@@ -81,45 +156,50 @@ def _balance(problem: Problem, travel: Floats, force: Floats, shared: float) -> 
 
 
 @kernel
-def _rates(problem: Problem, at: Point, shared: float, out: Floats) -> tuple[float, float]:
-    """λ, the largest force that drives a cell, and all rates ds/dt into `out`."""
-    alpha, beta, mobility = problem.alpha, problem.beta, problem.mobility
-    drive, travel, force = at.drive, at.travel, at.force
-    friction, ends = problem.laws.friction, problem.sheets.ends
-    if beta == 0.0:
-        shared = _balance(problem, travel, force, shared)
-    else:
-        shared = (drive - alpha * summed(travel)) / beta
-    largest = 0.0
-    for i in range(len(travel)):
-        drives = _drives(travel[i], force[i], friction[i], ends[i, BEFORE], ends[i, BEYOND], shared)
-        out[i] = mobility[i] * drives
-        largest = max(largest, abs(drives))
-    return shared, largest
+def _stroke(cell: Floats, m: int, travel: int, still: float) -> float:
+    """Σ s where the cells in the flow have the travels of that row."""
+    total = still
+    for j in range(m):
+        total += cell[travel, j]
+    return total
 
 
 @kernel
-def _smooth_rates(problem: Problem, at: Point, travel: Floats, out: Floats) -> None:
-    """Rates at `travel` of the cells that move now, in their sense, as if there were no stops.
+def _rates(cell: Floats, m: int, shared: float) -> float:
+    """All rates ds/dt at λ; the largest force that drives a cell."""
+    largest = 0.0
+    for j in range(m):
+        drives = _drives(cell, j, shared)
+        cell[_RATE, j] = cell[_MOBILITY, j] * drives
+        largest = max(largest, abs(drives))
+    return largest
 
-    Within a step the field has to be smooth; stops and releases are looked at between steps.
-    """
-    laws, alpha, beta, mobility = problem.laws, problem.alpha, problem.beta, problem.mobility
-    drive, sense, rows, ends = at.drive, at.sense, at.rows, problem.sheets.ends
-    total, moving = 0.0, 0.0
-    for i in range(len(travel)):
-        if sense[i] != 0:
-            place = min(max(travel[i], ends[i, LOW]), ends[i, HIGH])
-            pick_rows(laws, i, place, rows)
-            out[i] = law(laws, i, rows, place)[0] + sense[i] * laws.friction[i]
-            total += mobility[i] * out[i]
-            moving += mobility[i]
-    if beta > 0.0:
-        shared = (drive - alpha * summed(travel)) / beta
-    else:
-        shared = total / moving if moving > 0.0 else 0.0
-    for i in range(len(travel)):
-        out[i] = mobility[i] * (shared - out[i]) if sense[i] != 0 else 0.0
+
+@kernel
+def _piece_near(left: Floats, right: Floats, piece: int, travel: float) -> int:
+    """The piece of the same cell that holds a travel between its ends, from one not far off."""
+    while travel > right[piece]:
+        piece += 1
+    while travel < left[piece]:
+        piece -= 1
+    return piece
+
+
+@kernel
+def _look(problem: Problem, at: Flow) -> None:
+    """Pieces, forces and slopes of the cells where they are."""
+    laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
+    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
+    band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
+    slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
+    for j in range(at.count[0]):
+        travel = cell[_TRAVEL, j]
+        piece = _piece_near(left, right, where[_PIECE, j], travel)
+        where[_PIECE, j] = piece
+        i, slot = where[_CELL, j], piece * slots
+        cell[_FORCE, j], cell[_SLOPE, j], _ = law_among(
+            lever, sin_limit, band_first, band, rows, i, picked, slot, travel
+        )
 
 
 @kernel
@@ -138,285 +218,520 @@ def unstable_direction(slopes: Floats, mobility: Floats, alpha: float, beta: flo
 
 
 @kernel
-def _polish(
-    problem: Problem, at: Point, rate: Floats, shared: float, out: Floats
-) -> tuple[bool, float]:
-    """Newton from a slow point of the flow to the equilibrium it creeps towards."""
-    laws, alpha, beta = problem.laws, problem.alpha, problem.beta
-    travel, rows, ends = at.travel, at.rows, problem.sheets.ends
-    n = len(travel)
-    out[:] = travel
-    active = np.zeros(n, np.bool_)
-    offset = np.zeros(n)
-    for i in range(n):
-        if laws.friction[i] == 0.0:
-            active[i] = ends[i, BEFORE] < travel[i] < ends[i, BEYOND]
-        elif rate[i] != 0.0:
-            active[i] = True
-            offset[i] = laws.friction[i] if rate[i] > 0.0 else -laws.friction[i]
-    for _ in range(30):
-        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0.0, 0.0
-        miss = np.zeros(n)
-        slopes = np.zeros(n)
-        for i in range(n):
-            if not active[i]:
-                continue
-            pick_rows(laws, i, out[i], rows)
-            value, slope, _ = law(laws, i, rows, out[i])
-            miss[i] = value + offset[i] - shared
-            slopes[i] = slope
-            if slope == 0.0:
-                if flat >= 0 and abs(miss[i] - miss[flat]) > 1e-12 * abs(value):
-                    return False, shared
-                flat = i
-                flats += problem.mobility[i]
-                continue
-            falling += slope < 0.0
-            compliance += alpha / slope
-            lag += alpha * miss[i] / slope
-        if falling > 1 or (falling == 1 and (compliance >= 0.0 or flat >= 0)):
-            return False, shared
-        change = miss[flat] if flat >= 0 else (lag / compliance if compliance != 0.0 else 0.0)
-        total = 0.0
-        for i in range(n):
-            if active[i] and slopes[i] != 0.0:
-                move = (change - miss[i]) / slopes[i]
-                out[i] += move
-                total += move
-                step = max(step, abs(move) / laws.full[i])
-        if flat >= 0:
-            if alpha == 0.0:
-                return False, shared
-            # Cells of constant force take what is left, by mobility.
-            left = (-beta * change / alpha - total) / flats
-            for i in range(n):
-                if active[i] and slopes[i] == 0.0:
-                    move = left * problem.mobility[i]
-                    out[i] += move
-                    step = max(step, abs(move) / laws.full[i])
-        shared += change
-        for i in range(n):
-            if (
-                out[i] < ends[i, LOW]
-                or out[i] > ends[i, HIGH]
-                or abs(out[i] - travel[i]) > 1e-3 * laws.full[i]
-            ):
-                return False, shared
-        if step < 1e-15:
-            break
-    for i in range(n):
-        pick_rows(laws, i, out[i], rows)
-        value = law(laws, i, rows, out[i])[0]
-        slack = laws.friction[i] + 1e-9 * (abs(value) + abs(shared))
-        if not active[i]:
-            if out[i] < ends[i, BEYOND] and shared > value + slack:
-                return False, shared
-            if out[i] > ends[i, BEFORE] and shared < value - slack:
-                return False, shared
-    return True, shared
+def _smooth_rates(
+    actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int, row: int
+) -> None:
+    """Rates at the travels of `_TRIAL` into `row`, which holds the forces there.
+
+    Those of the cells that move now, in their sense, as if there were no stops: within a step the
+    field has to be smooth; stops and releases are looked at between steps. `actuator` is α, β, the
+    drive, and Σ s of the cells that are not in the flow.
+    """
+    alpha, beta, drive, still = actuator
+    for j in range(m):
+        cell[row, j] += where[_SENSE, j] * cell[_FRICTION, j]
+    total, moving = 0.0, 0.0
+    if beta == 0.0:
+        for j in range(m):
+            if where[_SENSE, j] != 0:
+                total += cell[_MOBILITY, j] * cell[row, j]
+                moving += cell[_MOBILITY, j]
+        shared = total / moving if moving > 0.0 else 0.0
+    else:
+        shared = (drive - alpha * _stroke(cell, m, _TRIAL, still)) / beta
+    for j in range(m):
+        moves = where[_SENSE, j] != 0
+        cell[row, j] = cell[_MOBILITY, j] * (shared - cell[row, j]) if moves else 0.0
 
 
 @kernel
-def _solve(problem: Problem, at: Point, h: float, b: Floats, out: Floats) -> None:
-    """x of (I - h J) x = b, where J is -diag(m κ) on the moving cells, coupled by the drive.
+def _solve(
+    alpha: float, beta: float, cell: Floats, where: Ints, m: int, h: float, row: int, out: int
+) -> None:
+    """x of (I - h J) x = `row`, where J is -diag(m κ) on the moving cells, coupled by the drive.
 
-    One multiplier couples all of them, so the solution costs no more than b itself.
+    One multiplier couples all of them, so the solution costs no more than `row` itself.
     """
-    sense, slope, alpha, beta = at.sense, at.slope, problem.alpha, problem.beta
-    mobility = problem.mobility
     total, weight = 0.0, 0.0
-    for i in range(len(b)):
-        if sense[i] != 0:
-            pivot = 1.0 + h * mobility[i] * slope[i]
-            total += b[i] / pivot
-            weight += mobility[i] / pivot
+    for j in range(m):
+        if where[_SENSE, j] != 0:
+            pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
+            total += cell[row, j] / pivot
+            weight += cell[_MOBILITY, j] / pivot
     if beta == 0.0:
         shared = -total / weight if weight != 0.0 else 0.0
     else:
         shared = -(h * alpha / beta) * total / (1.0 + (h * alpha / beta) * weight)
-    for i in range(len(b)):
-        pivot = 1.0 + h * mobility[i] * slope[i]
-        out[i] = (b[i] + mobility[i] * shared) / pivot if sense[i] != 0 else b[i]
+    for j in range(m):
+        cell[out, j] = cell[row, j]
+        if where[_SENSE, j] != 0:
+            pivot = 1.0 + h * cell[_MOBILITY, j] * cell[_SLOPE, j]
+            cell[out, j] = (cell[row, j] + cell[_MOBILITY, j] * shared) / pivot
 
 
 @kernel
-def _first_stage(problem: Problem, at: Point, h: float, rates: Floats, out: Floats) -> None:
-    """The first implicit stage, without the cells that it would turn round.
-
-    A stiff actuator can start a cell off its stop, or against its friction, and call it back
-    within the step; stepping through that to and fro would take for ever. Such a cell stays.
-    """
-    laws, travel, sense, ends = problem.laws, at.travel, at.sense, problem.sheets.ends
-    for _ in range(len(travel)):
-        _solve(problem, at, h, rates, out)
-        stays = False
-        for i in range(len(travel)):
-            at_end = travel[i] == ends[i, LOW] or travel[i] == ends[i, HIGH]
-            bound = laws.friction[i] > 0.0 or at_end
-            if sense[i] != 0 and bound and out[i] * sense[i] < 0.0:
-                sense[i] = 0
-                stays = True
-        if not stays:
-            return
-        _smooth_rates(problem, at, travel, rates)
-    out[:] = 0.0
+def _forces(problem: Problem, at: Flow, row: int) -> None:
+    """Forces of the cells that move, at the travels of `_TRIAL`, into `row`."""
+    laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
+    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
+    band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
+    slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
+    for j in range(at.count[0]):
+        cell[row, j] = 0.0
+        if where[_SENSE, j] != 0:
+            place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
+            piece = _piece_near(left, right, where[_PIECE, j], place)
+            i, slot = where[_CELL, j], piece * slots
+            cell[row, j], _, _ = law_among(
+                lever, sin_limit, band_first, band, rows, i, picked, slot, place
+            )
 
 
 @kernel
-def _turned(ends: Floats, at: Point, step: Floats) -> int:
-    """A cell that a step pushes into the stop that it was to leave, or -1."""
-    for i in range(len(step)):
-        bound = at.travel[i] == ends[i, LOW] or at.travel[i] == ends[i, HIGH]
-        if at.sense[i] != 0 and bound and step[i] * at.sense[i] < 0.0:
-            return i
+def _set_off(
+    actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int
+) -> None:
+    """The rates of the cells that have a sense, from where they are."""
+    for j in range(m):
+        cell[_TRIAL, j], cell[_RATE, j] = cell[_TRAVEL, j], cell[_FORCE, j]
+    _smooth_rates(actuator, cell, where, m, _RATE)
+
+
+@kernel
+def _pushed_back(cell: Floats, where: Ints, m: int, row: int, rubs: bool) -> int:
+    """A cell at a stop, or held by friction if it `rubs`, that goes against its sense; or -1."""
+    for j in range(m):
+        travel = cell[_TRAVEL, j]
+        bound = travel == cell[_LEAST, j] or travel == cell[_MOST, j]
+        bound = bound or (rubs and cell[_FRICTION, j] > 0.0)
+        if bound and cell[row, j] * where[_SENSE, j] < 0.0:
+            return j
     return -1
 
 
 @kernel
-def _longest_step(problem: Problem, slope: Floats, sense: Ints, d: float, wanted: float) -> float:
+def _step(problem: Problem, at: Flow, h: float) -> None:
+    """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m].
+
+    A stiff actuator can start a cell off its stop, or against its friction, and call it back
+    within the step; stepping through that to and fro would take for ever. Such a cell stays.
+    """
+    alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.count[0]
+    actuator = (alpha, beta, at.drive, at.still[_STILL])
+    _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
+    back = _pushed_back(cell, where, m, _X1, True)
+    while back >= 0:
+        while back >= 0:
+            where[_SENSE, back] = 0
+            back = _pushed_back(cell, where, m, _X1, True)
+        _set_off(actuator, cell, where, m)
+        _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
+        back = _pushed_back(cell, where, m, _X1, True)
+    for j in range(m):
+        cell[_TRIAL, j] = cell[_TRAVEL, j] + h * _A21 * cell[_X1, j]
+    _forces(problem, at, _STAGE)
+    _smooth_rates(actuator, cell, where, m, _STAGE)
+    for j in range(m):
+        cell[_STAGE, j] += _C21 * cell[_X1, j]
+    _solve(alpha, beta, cell, where, m, _GAMMA * h, _STAGE, _X2)
+    for j in range(m):
+        cell[_TRIAL, j] = cell[_TRAVEL, j] + h * (_A31 * cell[_X1, j] + _A32 * cell[_X2, j])
+    _forces(problem, at, _LAST)
+    _smooth_rates(actuator, cell, where, m, _LAST)
+    for j in range(m):
+        x1, x2 = cell[_X1, j], cell[_X2, j]
+        cell[_STAGE, j] = cell[_LAST, j] + _C31 * x1 + _C32 * x2
+    _solve(alpha, beta, cell, where, m, _GAMMA * h, _STAGE, _X3)
+    for j in range(m):
+        x1, x2, x3 = cell[_X1, j], cell[_X2, j], cell[_X3, j]
+        cell[_STAGE, j] = cell[_LAST, j] + _C41 * x1 + _C42 * x2 + _C43 * x3
+    _solve(alpha, beta, cell, where, m, _GAMMA * h, _STAGE, _X4)
+    for j in range(m):
+        x1, x2, x3, x4 = cell[_X1, j], cell[_X2, j], cell[_X3, j], cell[_X4, j]
+        cell[_WAY, j] = h * (_B1 * x1 + _B2 * x2 + _B3 * x3 + _B4 * x4)
+        cell[_ERROR, j] = h * (_E1 * x1 + _E2 * x2 + _E4 * x4)
+
+
+@kernel
+def _longest_step(
+    alpha: float, beta: float, cell: Floats, where: Ints, m: int, wanted: float
+) -> float:
     """Longest step that still resolves growth; only decay may be stepped over."""
-    falling, count, mobility = 0.0, 0, problem.mobility
-    for i in range(len(sense)):
-        if sense[i] != 0 and slope[i] < 0.0:
-            falling = max(falling, -mobility[i] * slope[i])
-            count += 1
-    short = 0.7 / (d * falling) if falling > 0.0 else np.inf
-    if wanted <= short or count > 1:
-        return short
-    # One falling cell among rising ones: what grows, the least eigenvalue tells, and in the
-    # narrow place next to a fold that is almost nothing.
-    moving = np.flatnonzero(sense)
-    weights = mobility[moving]
-    growth = -smallest_eigenvalue(weights * slope[moving], weights, problem.alpha, problem.beta)
-    long = 0.7 / (d * growth) if growth > 0.0 else np.inf
-    # In between, the pivot of the falling cell passes through zero.
-    return short if min(wanted, long) < 1.3 / (d * falling) else long
+    falling, moving = 0.0, 0
+    for j in range(m):
+        if where[_BEGAN, j] != 0:
+            moving += 1
+            falling = max(falling, -cell[_MOBILITY, j] * cell[_SLOPE, j])
+    if wanted * _GAMMA * falling <= 0.7:
+        return wanted
+    # What grows the least eigenvalue tells, and next to a fold that is almost nothing.
+    weights, slopes = np.empty(moving), np.empty(moving)
+    k = 0
+    for j in range(m):
+        if where[_BEGAN, j] != 0:
+            weights[k], slopes[k] = cell[_MOBILITY, j], cell[_MOBILITY, j] * cell[_SLOPE, j]
+            k += 1
+    growth = -smallest_eigenvalue(slopes, weights, alpha, beta)
+    long = min(wanted, 0.7 / (_GAMMA * growth)) if growth > 0.0 else wanted
+    # Where the pivot of a falling cell passes through zero the solution has no digits.
+    k = 0
+    while k < moving:
+        if 0.7 < -long * _GAMMA * slopes[k] < 1.3:
+            long = -0.69 / (_GAMMA * slopes[k])
+            k = 0
+        else:
+            k += 1
+    return long
+
+
+@kernel
+def _stiffest(cell: Floats, m: int, scale: float) -> float:
+    """The largest rate of decay or growth in the flow, or of `scale` over the shortest travel."""
+    rate, least = 0.0, np.inf
+    for j in range(m):
+        rate = max(rate, abs(cell[_MOBILITY, j] * cell[_SLOPE, j]))
+        least = min(least, cell[_FULL, j])
+    return rate + scale / least
+
+
+@kernel
+def _worst(cell: Floats, m: int) -> float:
+    """The largest error of a step as a share of the full travel."""
+    worst = 0.0
+    for j in range(m):
+        worst = max(worst, abs(cell[_ERROR, j]) / cell[_FULL, j])
+        if not np.isfinite(cell[_ERROR, j]):
+            return 1e9
+    return worst
+
+
+@kernel
+def _until_stop(cell: Floats, m: int, h: float) -> tuple[float, int, float, float]:
+    """How a step of time h meets the first end of a sheet.
+
+    The share of the step after which it does and which cell; how far from straight the step is, as
+    a share of the full travel; and the share of h after which a parabola would be there. A cell
+    just short of an end is there in a step a little longer than one.
+    """
+    share, first, bend = 1.01, -1, 0.0
+    for j in range(m):
+        way, travel = cell[_WAY, j], cell[_TRAVEL, j]
+        bend = max(bend, abs(way - h * cell[_RATE, j]) / cell[_FULL, j])
+        room = cell[_MOST, j] - travel if way > 0.0 else travel - cell[_LEAST, j]
+        if abs(way) * share > room:
+            share, first = room / abs(way), j
+    if first < 0:
+        return 1.0, first, bend, 1.0
+    # With a straight part p and a bent part 1 - p of the way: p x + (1 - p) x² = share.
+    straight = h * cell[_RATE, first] / cell[_WAY, first] if cell[_WAY, first] != 0.0 else 1.0
+    root = straight * straight + 4.0 * (1.0 - straight) * share
+    then = 2.0 * share / (straight + np.sqrt(root)) if straight > 0.0 and root > 0.0 else share
+    return share, first, bend, min(max(then, 0.2 * share), 1.0)
+
+
+@kernel
+def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
+    """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
+    laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
+    picked, left, right = pieces.picked, pieces.left, pieces.right
+    cell, where, m = at.cell, at.where, at.count[0]
+    # Which cells can move, what friction adds to their force, their miss of λ and their κ.
+    active, offset, miss, slopes = cell[_X1], cell[_X2], cell[_X3], cell[_X4]
+    out, travel, full = cell[_TRIAL], cell[_TRAVEL], cell[_FULL]
+    for j in range(m):
+        friction, rate = cell[_FRICTION, j], cell[_RATE, j]
+        out[j], offset[j] = travel[j], friction * np.sign(rate)
+        inside = cell[_BEFORE, j] < travel[j] < cell[_BEYOND, j]
+        active[j] = 1.0 if (inside if friction == 0.0 else rate != 0.0) else 0.0
+    last = np.inf
+    for _ in range(30):
+        falling, compliance, lag, flat, flats, step = 0, beta, 0.0, -1, 0.0, 0.0
+        for j in range(m):
+            if active[j] == 0.0:
+                continue
+            piece = _piece_near(left, right, where[_PIECE, j], out[j])
+            value, slope, _ = law(laws, where[_CELL, j], picked[piece], out[j])
+            miss[j], slopes[j] = value + offset[j] - shared, slope
+            if slope == 0.0:
+                if flat >= 0 and abs(miss[j] - miss[flat]) > 1e-12 * abs(value):
+                    return False, shared
+                flat = j
+                flats += cell[_MOBILITY, j]
+                continue
+            falling += slope < 0.0
+            compliance += alpha / slope
+            lag += alpha * miss[j] / slope
+        if falling > 1 or (falling == 1 and (compliance >= 0.0 or flat >= 0)):
+            return False, shared
+        change = miss[flat] if flat >= 0 else (lag / compliance if compliance != 0.0 else 0.0)
+        total = 0.0
+        for j in range(m):
+            if active[j] != 0.0 and slopes[j] != 0.0:
+                move = (change - miss[j]) / slopes[j]
+                out[j] += move
+                total += move
+                step = max(step, abs(move) / full[j])
+        if flat >= 0:
+            if alpha == 0.0:
+                return False, shared
+            # Cells of constant force take what is left, by mobility.
+            rest = (-beta * change / alpha - total) / flats
+            for j in range(m):
+                if active[j] != 0.0 and slopes[j] == 0.0:
+                    move = rest * cell[_MOBILITY, j]
+                    out[j] += move
+                    step = max(step, abs(move) / full[j])
+        shared += change
+        for j in range(m):
+            inside = cell[_LEAST, j] <= out[j] <= cell[_MOST, j]
+            if not inside or abs(out[j] - travel[j]) > 1e-3 * full[j]:
+                return False, shared
+        # Where it contracts no more it has arrived, but for rounding, or goes astray.
+        if step < 1e-15 or (step >= last and step < 1e-12):
+            break
+        if step >= last:
+            return False, shared
+        last = step
+    for j in range(m):
+        if active[j] != 0.0:
+            continue
+        piece = _piece_near(left, right, where[_PIECE, j], out[j])
+        value = law(laws, where[_CELL, j], picked[piece], out[j])[0]
+        slack = cell[_FRICTION, j] + 1e-9 * (abs(value) + abs(shared))
+        if out[j] < cell[_BEYOND, j] and shared > value + slack:
+            return False, shared
+        if out[j] > cell[_BEFORE, j] and shared < value - slack:
+            return False, shared
+    low, high = at.still[_LOWEST], at.still[_HIGHEST]
+    if shared < low - 1e-9 * (abs(low) + abs(shared)):
+        return False, shared
+    return bool(shared <= high + 1e-9 * (abs(high) + abs(shared))), shared
+
+
+@kernel
+def _excess(at: Flow, mark: int, level: float) -> float:
+    """What drives a cell past what keeps it [N]: it changes sign where the event is.
+
+    Marks 0 and 1 are the window of the cells that keep still, above and below; two more for each
+    cell in the flow are its ways up and down.
+    """
+    if mark == 0:
+        return float(level - at.still[_HIGHEST])
+    if mark == 1:
+        return float(at.still[_LOWEST] - level)
+    j = mark // 2 - 1
+    up = level - at.cell[_FORCE, j]
+    return float((up if mark % 2 == 0 else -up) - at.cell[_FRICTION, j])
+
+
+@kernel
+def _excess_before(at: Flow, mark: int, shared: float) -> float:
+    """The same where the last step began."""
+    j = mark // 2 - 1
+    if mark > 1 and at.where[_SENSE, j] != 0:
+        return float(abs(at.cell[_RATE, j]) / at.cell[_MOBILITY, j])
+    return _excess(at, mark, shared)
+
+
+@kernel
+def _missed(
+    at: Flow, shared: float, level: float, pace: float, tolerance: float
+) -> tuple[int, float]:
+    """The first event that the last step passed by more than a tolerance, or -1; and its share.
+
+    A cell that keeps still is called, one in the flow starts, or one that slides comes to a halt.
+    `pace` is mobility over full travel of the cell that is called; the tolerance [1/s] is a share
+    of the full travel over the time of the step.
+    """
+    cell, where = at.cell, at.where
+    event, first = -1, 1.0
+    for mark in range(2 * at.count[0] + 2):
+        j, sign = mark // 2 - 1, 1.0
+        if j >= 0:
+            sense, began, heading = where[_SENSE, j], where[_BEGAN, j], 1 - 2 * (mark % 2)
+            if sense != began or sense == -heading:
+                continue
+            if sense != 0:
+                # It slides that way until nothing drives it.
+                if cell[_FRICTION, j] == 0.0:
+                    continue
+                sign = -1.0
+            elif (heading > 0 and cell[_TRAVEL, j] >= cell[_BEYOND, j]) or (
+                heading < 0 and cell[_TRAVEL, j] <= cell[_BEFORE, j]
+            ):
+                continue
+            pace = cell[_MOBILITY, j] / cell[_FULL, j]
+        now = sign * _excess(at, mark, level)
+        if now <= 0.0:
+            continue
+        was = sign * _excess_before(at, mark, shared)
+        share = was / (was - now) if was < 0.0 else 0.0
+        if 0.0 < share < first and now * (1.0 - share) * pace > tolerance:
+            event, first = mark, share
+    return event, first
+
+
+@kernel
+def _reached(excess: tuple[float, float, float], last: float, ahead: float) -> float:
+    """When an event is, from now: on a parabola through its excess before, now and ahead."""
+    was, now, over = excess
+    slow, fast = (now - was) / last, (over - now) / ahead
+    bend = (fast - slow) / (ahead + last)
+    rate = slow + bend * last
+    sign = 1.0 if now < 0.0 else -1.0
+    below = sign * rate + np.sqrt(max(rate * rate - 4.0 * bend * now, 0.0))
+    return min(-2.0 * sign * now / below, ahead) if below > 0.0 else ahead
 
 
 @kernel
 def flow(
     problem: Problem,
-    travel: Floats,
+    state: State,
     drive: float,
     shared: float,
     accuracy: float,
     rubbed: Floats,
 ) -> tuple[bool, float]:
-    """Follow the flow from `travel` to rest, in place; False if it did not settle.
+    """Follow the flow to rest, the travels of the state in place; False if it did not settle.
 
-    The linearly implicit pair of Shampine & Reichelt (1997): a snap through a narrow place has
-    one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
-    equilibrium to rounding and the integration only decides which. `rubbed` gathers the way
+    The linearly implicit pair of orders 4 and 3 of Shampine (1982): a snap through a narrow place
+    has one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
+    equilibrium to rounding and the integration only decides which. `rubbed` (N,) gathers the way
     every cell went, for friction.
     """
-    laws, scale = problem.laws, problem.scale
-    n = len(travel)
-    slots = 1
-    for i in range(n):
-        slots = max(slots, laws.band_first[i + 1] - laws.band_first[i] + 1)
-    rows, sense = np.full(slots, -1, np.int64), np.zeros(n, np.int64)
-    at = Point(drive, travel, np.empty(n), np.empty(n), sense, rows)
-    started = np.zeros(n, np.int64)
-    f0, f1, f2 = np.empty(n), np.empty(n), np.empty(n)
-    k1, k2, k3 = np.empty(n), np.empty(n), np.empty(n)
-    polished = np.empty(n)
-    d = 1.0 / (2.0 + np.sqrt(2.0))
-    e32 = 6.0 + np.sqrt(2.0)
-    for i in range(n):
-        _look(laws, at, i)
-    ends, folds = problem.sheets.ends, len(problem.sheets.table) > n
-    stiffest = np.max(np.abs(problem.mobility * at.slope)) + scale / np.min(laws.full)
-    h = 1e-2 / stiffest
-    longest = 1e6 / (stiffest * np.min(problem.mobility))
+    laws, scale, effort = problem.laws, problem.scale, problem.effort
+    alpha, beta = problem.alpha, problem.beta
+    at, slowest = _begin(problem, state, drive), np.min(problem.mobility)
+    cell, where, count, still = at.cell, at.where, at.count, at.still
+    folds = len(problem.sheets.table) > len(state.travel)
+    stiffest = _stiffest(cell, count[0], scale)
+    # How long the next step should be, and how long it may be at most for an event on the way;
+    # how long the last one was, 0 where there is none to take back.
+    wanted, soon, last, tries = 1e-2 / stiffest, np.inf, 0.0, 0
+    # An event that was seen too late: which, when from here, and its excess before and there.
+    mark, ahead, was, over, settled = -1, 0.0, 0.0, 0.0, False
     for step in range(_STEPS):
-        if overspent(problem.effort, 4 * n):
+        m = count[0]
+        if overspent(effort, 4 * m):
             break
-        shared, largest = _rates(problem, at, shared, f0)
-        if folds and _jumps(problem, at, f0):
+        level = shared
+        while True:
+            if beta == 0.0:
+                level = _balance(cell, m, level)
+            else:
+                level = (drive - alpha * _stroke(cell, m, _TRAVEL, still[_STILL])) / beta
+            calls = 1 if level < still[_LOWEST] else (0 if level > still[_HIGHEST] else -1)
+            joins = at.first[1 - calls] if calls >= 0 else -1
+            if last > 0.0 and tries < _TRIES:
+                pace = problem.mobility[joins] / laws.full[joins] if joins >= 0 else 0.0
+                event, share = _missed(at, shared, level, pace, accuracy / last)
+                if event >= 0:
+                    # It was on the way. A step that ends just past it is short enough.
+                    mark, ahead = event, last
+                    over, was = _excess(at, mark, level), _excess_before(at, mark, shared)
+                    for j in range(m):
+                        rubbed[where[_CELL, j]] -= abs(cell[_TRAVEL, j] - cell[_WAS, j])
+                        cell[_TRAVEL, j] = cell[_WAS, j]
+                    _look(problem, at)
+                    soon, last, tries, level = 1.01 * share * last, 0.0, tries + 1, shared
+                    continue
+            if joins < 0:
+                break
+            _join(problem, state, at, joins)
+            _close(problem, state, at)
+            m, last, stiffest = count[0], 0.0, _stiffest(cell, count[0], scale)
+        if last > 0.0 and ahead > 0.0:
+            # Short of the event, which is between here and where it was too late; or past it.
+            ahead, tries = ahead - last, tries + 1
+            now = _excess(at, mark, level)
+            if ahead > 0.0 and now * over < 0.0 and tries < _TRIES:
+                soon, was = 1.01 * _reached((was, now, over), last, ahead), now
+            else:
+                ahead = 0.0
+        elif last > 0.0:
+            tries = 0
+        shared = level
+        largest = _rates(cell, m, shared)
+        if folds and _jumps(problem, at):
+            last = 0.0
             continue
         # The longest step moves no cell by more than rounding: this is rest, whether or not
         # Newton can say so (two cells of constant force have no single place to be).
-        resting = h == longest and largest <= 1e-11 * scale
-        if largest <= 1e-14 * scale or resting:
-            return True, shared
-        if largest < 1e-2 * scale and step % 4 == 0:
-            settled, level = _polish(problem, at, f0, shared, polished)
+        longest = 1e6 / (stiffest * slowest)
+        resting = wanted >= longest and largest <= 1e-11 * scale
+        settled = largest <= 1e-14 * scale or resting
+        if not settled and largest < 1e-2 * scale and step % 2 == 0:
+            settled, level = _polish(problem, at, shared)
             if settled:
-                rubbed += np.abs(polished - travel)
-                travel[:] = polished
-                return True, level
-        for i in range(n):
-            sense[i] = np.sign(f0[i])
-        started[:] = sense
+                shared = level
+                for j in range(m):
+                    rubbed[where[_CELL, j]] += abs(cell[_TRIAL, j] - cell[_TRAVEL, j])
+                    cell[_TRAVEL, j] = cell[_TRIAL, j]
+        if settled:
+            break
+        for j in range(m):
+            where[_BEGAN, j] = np.sign(cell[_RATE, j])
+            cell[_WAS, j] = cell[_TRAVEL, j]
+        h, stops, cut = min(wanted, soon), 0, soon < wanted
         while True:
-            h = min(h, _longest_step(problem, at.slope, started, d, h))
-            sense[:] = started
-            _first_stage(problem, at, h * d, f0, k1)
-            _smooth_rates(problem, at, travel + 0.5 * h * k1, f1)
-            _solve(problem, at, h * d, f1 - k1, k2)
-            k2 += k1
-            turned = _turned(ends, at, k2)
-            if turned >= 0:
+            where[_SENSE, :m] = where[_BEGAN, :m]
+            h = min(h, _longest_step(alpha, beta, cell, where, m, h))
+            _step(problem, at, h)
+            back = _pushed_back(cell, where, m, _WAY, False)
+            if back >= 0:
                 # It would leave its stop and be back there within the step, which then would
                 # end before it began. A shorter step lets it go; in the shortest it stays.
                 if h > 1e-6 / stiffest:
                     h *= 0.25
                 else:
-                    started[turned] = 0
-                    sense[:] = started
-                    _smooth_rates(problem, at, travel, f0)
+                    where[_BEGAN, back] = 0
+                    where[_SENSE, :m] = where[_BEGAN, :m]
+                    _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
                 continue
-            _smooth_rates(problem, at, travel + h * k2, f2)
-            lag = f2 - e32 * (k2 - f1) - 2.0 * (k1 - f0)
-            _solve(problem, at, h * d, lag, k3)
-            worst = 0.0
-            for i in range(n):
-                error = h / 6.0 * (k1[i] - 2.0 * k2[i] + k3[i])
-                worst = max(worst, abs(error) / (accuracy * laws.full[i]))
-                if not np.isfinite(error):
-                    worst = 1e9
-                    break
-            if worst <= 1.0 or h <= 1e-9 / stiffest:
+            worst = _worst(cell, m) / accuracy
+            if worst > 1.0 and h > 1e-9 / stiffest:
+                h *= max(0.2, 0.8 * worst**-0.25)
+                continue
+            # The first stop on the way ends the step: what comes after it is another field.
+            share, first, bend, then = _until_stop(cell, m, h)
+            if abs(1.0 - share) * bend <= accuracy or share * h <= 1e-9 / stiffest:
                 break
-            h *= max(0.2, 0.8 * worst ** (-1.0 / 3.0))
-        # The first stop on the way ends the step: what comes after it is another field.
-        share, first = 1.0, -1
-        for i in range(n):
-            move = h * k2[i]
-            room = ends[i, HIGH] - travel[i] if move > 0.0 else travel[i] - ends[i, LOW]
-            if abs(move) * share > room:
-                share, first = room / abs(move), i
-        for i in range(n):
-            if sense[i] != 0:
-                move = share * h * k2[i]
-                rubbed[i] += abs(move)
-                travel[i] = min(max(travel[i] + move, ends[i, LOW]), ends[i, HIGH])
-                if i == first:
-                    # Not by the sign of `move`: a cell that was there already moves by zero.
-                    travel[i] = ends[i, HIGH] if k2[i] > 0.0 else ends[i, LOW]
-                _look(laws, at, i)
-        h *= min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** (-1.0 / 3.0)))
-        h = min(max(h, 1e-9 / stiffest), longest)
-    return False, shared
+            if share >= 1.0 or stops == _TRIES:
+                share, first = min(share, 1.0), first if share < 1.0 else -1
+                break
+            h, cut, stops = then * h, True, stops + 1
+        for j in range(m):
+            if where[_SENSE, j] != 0:
+                way = cell[_WAY, j]
+                place = cell[_TRAVEL, j] + share * way
+                place = min(max(place, cell[_LEAST, j]), cell[_MOST, j])
+                if j == first:
+                    # Not by how far it goes: a cell that was there already goes nowhere.
+                    place = cell[_MOST, j] if way > 0.0 else cell[_LEAST, j]
+                rubbed[where[_CELL, j]] += abs(place - cell[_TRAVEL, j])
+                cell[_TRAVEL, j] = place
+        _look(problem, at)
+        following = h * min(5.0, max(0.2, 0.8 * (worst + 1e-12) ** -0.25))
+        wanted = max(wanted, following) if cut else following
+        wanted = min(max(wanted, 1e-9 / stiffest), longest)
+        soon, last = np.inf, h if first < 0 else 0.0
+        if first >= 0:
+            ahead = 0.0
+    for j in range(count[0]):
+        state.travel[where[_CELL, j]] = cell[_TRAVEL, j]
+    return settled, shared
 
 
 @kernel
-def _jumps(problem: Problem, at: Point, rates: Floats) -> bool:
+def _jumps(problem: Problem, at: Flow) -> bool:
     """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
-    laws, sheets, ends, some = problem.laws, problem.sheets, problem.sheets.ends, False
-    for i in range(len(rates)):
-        out = at.travel[i] >= ends[i, HIGH] if rates[i] > 0.0 else at.travel[i] <= ends[i, LOW]
-        to = beyond(sheets, i, at.travel[i]) if rates[i] != 0.0 and out else -1
+    sheets, cell, some = problem.sheets, at.cell, False
+    for j in range(at.count[0]):
+        i, rate, travel = at.where[_CELL, j], cell[_RATE, j], cell[_TRAVEL, j]
+        out = travel >= cell[_MOST, j] if rate > 0.0 else travel <= cell[_LEAST, j]
+        to = beyond(sheets, i, travel) if rate != 0.0 and out else -1
         if to >= 0:
-            stand_on(laws, sheets, problem.pieces, i, to - int(sheets.table[to, FIRST]))
-            _look(laws, at, i)
+            stand_on(problem.laws, sheets, problem.pieces, i, to - int(sheets.table[to, FIRST]))
+            _stand(problem, at, j)
             some = True
     return some
-
-
-@kernel
-def _look(laws: Laws, at: Point, i: int) -> None:
-    """Force and slope of cell i where it is."""
-    travel, rows, force, slope = at.travel[i], at.rows, at.force, at.slope
-    pick_rows(laws, i, travel, rows)
-    force[i], slope[i], _ = law(laws, i, rows, travel)

@@ -355,8 +355,9 @@ def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) 
 @kernel
 def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> None:
     """Let every cell stand on its sheet, (N,) by number in the cell."""
+    now, table = sheets.now, sheets.table
     for i in range(len(numbers)):
-        if sheet_of(sheets, i) != numbers[i]:
+        if now[i] - int(table[now[i], FIRST]) != numbers[i]:
             stand_on(laws, sheets, pieces, i, numbers[i])
 
 
@@ -369,9 +370,10 @@ def sheet_of(sheets: Sheets, cell: int) -> int:
 @kernel
 def sheets_of(sheets: Sheets) -> Ints:
     """(N,) the sheets on which the cells stand, each by its number in the cell."""
-    numbers = np.empty(len(sheets.now), np.int64)
+    now, table = sheets.now, sheets.table
+    numbers = np.empty(len(now), np.int64)
     for i in range(len(numbers)):
-        numbers[i] = sheet_of(sheets, i)
+        numbers[i] = now[i] - int(table[now[i], FIRST])
     return numbers
 
 

@@ -64,13 +64,15 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
     `goes` (N,) becomes 1 for the cells that move.
     """
     laws, pieces = problem.laws, problem.pieces
+    # Taken out once, here: compiled, every later look into a record would count references.
+    mode, sense, piece, signs = state.mode, state.sense, state.piece, pieces.sign
     goes[:] = 0
     flat, falling, leader, blocked = 0, 0, -1, False
     for i in range(len(goes)):
-        if state.mode[i] == HELD:
+        if mode[i] == HELD:
             continue
-        sign = pieces.sign[state.piece[i]]
-        follows = state.mode[i] == FREE or state.sense[i] == direction
+        sign = signs[piece[i]]
+        follows = mode[i] == FREE or sense[i] == direction
         if sign == 0 and follows:
             flat += 1
             goes[i] = 1
@@ -85,17 +87,17 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
     goes[:] = 0
     if falling == 0 and not blocked:
         for i in range(len(goes)):
-            if state.mode[i] != HELD and (state.mode[i] == FREE or state.sense[i] == direction):
+            if mode[i] != HELD and (mode[i] == FREE or sense[i] == direction):
                 goes[i] = 1
         return WITH, -1
     if falling != 1 or flat > 0 or blocked:
         return LOST, leader
     total = problem.beta
     for i in range(len(goes)):
-        rising = i != leader and state.mode[i] != HELD
-        if i == leader or (rising and (state.mode[i] == FREE or state.sense[i] == -direction)):
+        rising = i != leader and mode[i] != HELD
+        if i == leader or (rising and (mode[i] == FREE or sense[i] == -direction)):
             goes[i] = 1
-            inverse = inverse_slope(laws, pieces, i, state.piece[i], state.travel[i])
+            inverse = inverse_slope(laws, pieces, i, piece[i], state.travel[i])
             total += problem.alpha * inverse
     if _turn_here(problem, state, np.flatnonzero(goes)):
         level = state.force[0] - direction * BLUNT * problem.scale
@@ -126,14 +128,15 @@ def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
 @kernel
 def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
     """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
+    mode = state.mode
     for i in range(len(goes)):
-        if state.mode[i] != HELD and state.mode[i] != FREE:
+        if mode[i] != HELD and mode[i] != FREE:
             if not goes[i]:
                 hold(problem, state, i)
             elif problem.laws.friction[i] == 0.0:
-                state.mode[i], state.sense[i] = FREE, 0
+                mode[i], state.sense[i] = FREE, 0
             else:
-                state.mode[i] = SLIDES
+                mode[i] = SLIDES
     state.next_snap[TRIGGER] = -1
     return movers_of(problem, state, goes)
 
@@ -145,22 +148,24 @@ def join_flat(problem: Problem, state: State, direction: int) -> bool:
     They are held ones that let go at it, and moving ones that have just reached it.
     """
     laws, pieces = problem.laws, problem.pieces
-    friction, ends = laws.friction, problem.sheets.ends
-    tie_force = TIE * problem.scale
+    friction, ends, tie_force = laws.friction, problem.sheets.ends, TIE * problem.scale
+    mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
     any_joined = False
-    for i in range(len(state.mode)):
-        held = state.mode[i] == HELD
-        if held and _until_letting_go(friction, ends, state, i, direction) > tie_force:
-            continue
-        piece = find_piece(pieces, i, state.travel[i], direction)
+    for i in range(len(mode)):
+        held = mode[i] == HELD
+        if held:
+            distance = _until_letting_go(friction, ends, travel, at_rest, i, force, direction)
+            if distance > tie_force:
+                continue
+        piece = find_piece(pieces, i, travel[i], direction)
         if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
             continue
         offset = state.sense[i] * friction[i]
-        if not held and abs(pieces.force_left[piece] + offset - state.force[0]) > tie_force:
+        if not held and abs(pieces.force_left[piece] + offset - force) > tie_force:
             continue
         state.piece[i] = piece
         if held:
-            state.mode[i], state.sense[i] = LETS_GO, direction
+            mode[i], state.sense[i] = LETS_GO, direction
         any_joined = True
     return any_joined
 
@@ -211,30 +216,40 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
 
 
 @kernel
-def _until_letting_go(friction: Floats, ends: Floats, state: State, i: int, toward: int) -> float:
-    """How far λ has to go `toward` until held cell i lets go; inf where it never does."""
-    travel = state.travel[i]
-    free = travel < ends[i, BEYOND] if toward > 0 else travel > ends[i, BEFORE]
-    if state.mode[i] != HELD or not free:
-        return np.inf
-    return max(0.0, toward * (state.at_rest[i] - state.force[0]) + friction[i])
+def _until_letting_go(
+    friction: Floats,
+    ends: Floats,
+    travel: Floats,
+    at_rest: Floats,
+    i: int,
+    force: float,
+    toward: int,
+) -> float:
+    """How far λ has to go from `force` until held cell i lets go; inf where it never does."""
+    free = travel[i] < ends[i, BEYOND] if toward > 0 else travel[i] > ends[i, BEFORE]
+    return max(0.0, toward * (at_rest[i] - force) + friction[i]) if free else np.inf
 
 
 @kernel
 def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank = problem.pieces, problem.rank
-    friction, ends = problem.laws.friction, problem.sheets.ends
-    tie_force = TIE * problem.scale
+    friction, ends, tie_force = problem.laws.friction, problem.sheets.ends, TIE * problem.scale
+    mode, travel, at_rest, force = state.mode, state.travel, state.at_rest, state.force[0]
     nearest = np.inf
     for i in range(len(rank)):
-        nearest = min(nearest, _until_letting_go(friction, ends, state, i, toward))
+        if mode[i] == HELD:
+            distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
+            nearest = min(nearest, distance)
     first, rival, falls = -1, -1, False
     if nearest == np.inf:
         return nearest, first
     for i in range(len(rank)):
-        if _until_letting_go(friction, ends, state, i, toward) <= nearest + tie_force:
-            piece = find_piece(pieces, i, state.travel[i], toward)
+        if mode[i] != HELD:
+            continue
+        distance = _until_letting_go(friction, ends, travel, at_rest, i, force, toward)
+        if distance <= nearest + tie_force:
+            piece = find_piece(pieces, i, travel[i], toward)
             falls = falls or pieces.sign[piece] < 0
             if first < 0 or rank[i] < rank[first]:
                 first, rival = i, first

@@ -117,10 +117,11 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
     """
     laws, scale = problem.laws, problem.scale
     trigger, sense, partner, active = state.next_snap[TRIGGER], state.next_snap[SENSE], -1, 0
-    for i in range(len(state.mode)):
-        if state.mode[i] != HELD:
+    mode = state.mode
+    for i in range(len(mode)):
+        if mode[i] != HELD:
             active += 1
-            if i != trigger and (state.mode[i] == FREE or state.sense[i] == -sense):
+            if i != trigger and (mode[i] == FREE or state.sense[i] == -sense):
                 partner = i
     rigid, dead = problem.beta == 0.0, problem.alpha == 0.0
     if not (active == 2 and partner >= 0 if rigid else active == 1 or dead):
@@ -231,38 +232,40 @@ def _by_flow(
     """
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     sheets = sheets_of(problem.sheets)
-    start, worn = state.travel.copy(), rubbed.copy()
+    start, modes, worn = state.travel.copy(), state.mode.copy(), rubbed.copy()
     again, settled, level = start, False, force
     on_its_way = jumped or worn[state.next_snap[TRIGGER]] != 0.0
     # The place next to a fold can be too narrow for the flow to get out of; then the way
     # out is begun further on, where the one unstable direction still holds.
     for share in (1e-4, 1e-3, 1e-2):
-        state.travel[:] = start
+        state.travel[:], state.mode[:] = start, modes
         rubbed[:] = worn
         stand_all_on(laws, problem.sheets, pieces, sheets)
         if not on_its_way:
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
         again = state.travel.copy()
-        settled, level = flow(problem, state.travel, drive, force, 1e-6, rubbed)
+        settled, level = flow(problem, state, drive, force, 1e-6, rubbed)
         if settled or on_its_way:
             break
     if not settled:
         return False, False
     # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
     # between two landings hangs on less than any real mechanism can promise.
-    landed = sheets_of(problem.sheets)
+    landed, here, moved = sheets_of(problem.sheets), state.travel.copy(), state.mode.copy()
     stand_all_on(laws, problem.sheets, pieces, sheets)
-    settled, _ = flow(problem, again, drive, force, 1e-4, worn)
+    state.travel[:], state.mode[:] = again, modes
+    settled, _ = flow(problem, state, drive, force, 1e-4, worn)
+    again[:], state.travel[:], state.mode[:] = state.travel, here, moved
     state.force[0] = level
     elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
     stand_all_on(laws, problem.sheets, pieces, landed)
     tie = not settled or elsewhere or _elsewhere(problem, state, again)
+    travel, ends, full = state.travel, problem.sheets.ends, laws.full
     for i in range(len(landed)):
-        if abs(state.travel[i] - problem.sheets.ends[i, LOW]) <= 1e-13 * laws.full[i]:
-            state.travel[i] = problem.sheets.ends[i, LOW]
-        elif abs(state.travel[i] - problem.sheets.ends[i, HIGH]) <= 1e-13 * laws.full[i]:
-            state.travel[i] = problem.sheets.ends[i, HIGH]
+        for end in (LOW, HIGH):
+            if abs(travel[i] - ends[i, end]) <= 1e-13 * full[i]:
+                travel[i] = ends[i, end]
     return True, tie
 
 
@@ -275,9 +278,9 @@ def _elsewhere(problem: Problem, state: State, there: Floats) -> bool:
     between them and they are no further apart than the coarser way may be off.
     """
     laws, pieces, here, level = problem.laws, problem.pieces, state.travel, state.force[0]
-    apart = 0.0
+    apart, full = 0.0, laws.full
     for i in range(len(here)):
-        apart = max(apart, abs(there[i] - here[i]) / laws.full[i])
+        apart = max(apart, abs(there[i] - here[i]) / full[i])
     if apart <= 1e-4:
         return False
     if apart > 1e-2 or np.max(laws.friction) == 0.0:

@@ -206,26 +206,31 @@ def hold(problem: Problem, state: State, i: int) -> None:
 @kernel
 def held_range(problem: Problem, state: State) -> tuple[float, float]:
     """The forces λ at which every held cell stays."""
-    laws, ends = problem.laws, problem.sheets.ends
+    # Taken out once, here: compiled, every later look into a record would count references.
+    friction, ends = problem.laws.friction, problem.sheets.ends
+    mode, travel, at_rest = state.mode, state.travel, state.at_rest
     low, high = -np.inf, np.inf
-    for i in range(len(state.mode)):
-        if state.mode[i] == HELD:
-            if state.travel[i] > ends[i, BEFORE]:
-                low = max(low, state.at_rest[i] - laws.friction[i])
-            if state.travel[i] < ends[i, BEYOND]:
-                high = min(high, state.at_rest[i] + laws.friction[i])
+    for i in range(len(mode)):
+        if mode[i] == HELD:
+            if travel[i] > ends[i, BEFORE]:
+                low = max(low, at_rest[i] - friction[i])
+            if travel[i] < ends[i, BEYOND]:
+                high = min(high, at_rest[i] + friction[i])
     return low, high
 
 
 @kernel
 def settle(problem: Problem, state: State) -> None:
     """Read modes and λ off a resting configuration, after a snap."""
-    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    laws, pieces, ends, mode = problem.laws, problem.pieces, problem.sheets.ends, state.mode
     free, total = 0, 0.0
-    for i in range(len(state.mode)):
+    for i in range(len(mode)):
+        if mode[i] == HELD:
+            # It has not moved: whatever does lets go first.
+            continue
         inside = ends[i, BEFORE] < state.travel[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
-            state.mode[i], state.sense[i] = FREE, 0
+            mode[i], state.sense[i] = FREE, 0
             piece = resting_piece(pieces, i, state.travel[i])
             state.piece[i] = piece
             total += law(laws, i, pieces.picked[piece], state.travel[i])[0]
