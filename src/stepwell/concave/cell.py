@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel
+from stepwell.kernels import leaf
 from stepwell.mechanism import (
     Cell,
     Element,
@@ -58,25 +58,25 @@ def simple_rows(laws: Laws) -> Floats | None:
     return np.column_stack([laws.band, laws.lever, laws.sin_limit])
 
 
-@kernel
+@leaf
 def of_row(row: Any) -> Simple:
     """The cell whose six numbers are a row of an array."""
     return Simple(row[0], row[1], row[2], row[3], row[4], row[5])
 
 
-@kernel
+@leaf
 def with_d(cell: Simple, dx: float, dy: float) -> Simple:
     """The same cell with other anchors, d = q - p [m]."""
     return Simple(dx, dy, cell.stiffness, cell.rest, cell.lever, cell.sin_limit)
 
 
-@kernel
+@leaf
 def full_travel(cell: Simple) -> float:
     """S = 2 r sin θc [m]."""
     return travel_of(cell.sin_limit, cell.lever, cell.sin_limit)
 
 
-@kernel
+@leaf
 def force_of(cell: Simple, sin: float) -> tuple[float, float]:
     """F [N] and κ = dF/ds [N/m] of a taut band at sin θ."""
     cos = np.sqrt(1.0 - sin * sin)
@@ -87,13 +87,13 @@ def force_of(cell: Simple, sin: float) -> tuple[float, float]:
     return force, slope
 
 
-@kernel
+@leaf
 def force_at(cell: Simple, travel: float) -> tuple[float, float]:
     """F [N] and κ = dF/ds [N/m] of a taut band at a travel [m]."""
     return force_of(cell, sine_at(travel, cell.lever, cell.sin_limit))
 
 
-@kernel
+@leaf
 def energy_at(cell: Simple, travel: float) -> float:
     """E [J] of a taut band at a travel [m]."""
     sin = sine_at(travel, cell.lever, cell.sin_limit)
@@ -101,7 +101,7 @@ def energy_at(cell: Simple, travel: float) -> float:
     return hooke(cell.stiffness, length - cell.rest)[2]
 
 
-@kernel
+@leaf
 def travel_at(cell: Simple, force: float, f_low: float, f_high: float) -> float:
     """The one travel [m] at which a certified cell pushes back with `force` [N].
 
@@ -138,7 +138,7 @@ def travel_at(cell: Simple, force: float, f_low: float, f_high: float) -> float:
     return travel
 
 
-@kernel
+@leaf
 def most_bend(cell: Simple) -> float:
     """A bound of |d²F/ds²| [N/m²] over the whole travel, every factor at its worst."""
     t = cell.sin_limit

@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import Bools, Floats
 from stepwell.concave.cell import Simple, force_of, of_row
 from stepwell.concave.certificate import certify
-from stepwell.kernels import entry, kernel
+from stepwell.kernels import entry, leaf
 from stepwell.mechanism import (
     band_direction,
     band_force,
@@ -93,7 +93,7 @@ def proved_ends(numbers: Floats) -> tuple[Floats, Bools]:
     return ends, proved
 
 
-@kernel
+@leaf
 def steepest(cell: Simple, side: int, dx: float, dy: float, radius: float) -> float:
     """A bound on |∂F/∂d| [N/m] over all anchors within `radius` of d; infinite if ℓ may be 0.
 

@@ -15,12 +15,29 @@ import numpy as np
 F = TypeVar("F", bound=Callable[..., Any])
 
 _KERNELS: set[FunctionType] = set()
+_LEAVES: set[FunctionType] = set()
 
 
 def kernel(function: F) -> F:
     """Mark a function as one that can be compiled into those that call it; it stays as it is."""
     _KERNELS.add(cast(FunctionType, function))
     return function
+
+
+def leaf(function: F) -> F:
+    """Mark a kernel that makes no array and calls only such: it is compiled without counting.
+
+    Machine code counts references to every array that it is handed or takes out of a record, with
+    an atomic operation each, which is more than the arithmetic of a few cells. What makes no
+    array owns none, so it need not count.
+    """
+    _LEAVES.add(cast(FunctionType, function))
+    return kernel(function)
+
+
+def is_leaf(function: FunctionType) -> bool:
+    """Whether a kernel is marked as one that makes no array."""
+    return function in _LEAVES
 
 
 def kernel_of(value: Any) -> FunctionType | None:
@@ -54,7 +71,7 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
         names = names_of(function.__code__)
         # The machine code names the modules of what it was made from.
         parts = [_surroundings(), f"{function.__module__} {function.__qualname__}"]
-        parts += [_code(function.__code__), repr(function.__defaults__)]
+        parts += [_code(function.__code__), repr(function.__defaults__), str(is_leaf(function))]
         for name in sorted(names & function.__globals__.keys()):
             parts.append(f"{name} = {_value(function.__globals__[name], names, known)}")
         known[function] = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]

@@ -11,7 +11,7 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from stepwell.kernels import compiler, store
-from stepwell.kernels.fingerprint import kernel_of, names_of, stem
+from stepwell.kernels.fingerprint import is_leaf, kernel_of, names_of, stem
 
 _MADE: dict[FunctionType, Any] = {}
 
@@ -27,7 +27,8 @@ def machine(function: FunctionType) -> Any:
             scope[name] = value if inner is None else machine(inner)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
-        dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(bound)
+        counts = not is_leaf(function)
+        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, _nrt=counts)(bound)
         if hasattr(dispatcher, "_cache"):  # not where Numba itself is switched off
             dispatcher._cache = _Kept(function)
         _MADE[function] = dispatcher

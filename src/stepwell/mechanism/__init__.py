@@ -8,7 +8,15 @@ from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain
 from stepwell.mechanism.cubics import cubic, through, value
 from stepwell.mechanism.curves import Cubic, Law, Linear, Load, Table, hooke
-from stepwell.mechanism.elements import Element, Phase, Sheet, Stretch, phase_at
+from stepwell.mechanism.elements import (
+    MOBILITIES,
+    Element,
+    Phase,
+    Sheet,
+    Stretch,
+    mobilities_of,
+    phase_at,
+)
 from stepwell.mechanism.geometry import (
     band_direction,
     band_force,
@@ -44,7 +52,6 @@ from stepwell.mechanism.law import (
     stored,
     summed,
 )
-from stepwell.mechanism.mobility import MOBILITIES, mobilities_of
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
 
 __all__ = [

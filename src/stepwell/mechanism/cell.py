@@ -13,9 +13,8 @@ from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cubics import integral, value
 from stepwell.mechanism.curves import Load
-from stepwell.mechanism.elements import Phase, Stretch
+from stepwell.mechanism.elements import Phase, Stretch, a_mobility
 from stepwell.mechanism.geometry import sine_at, travel_of
-from stepwell.mechanism.mobility import a_mobility
 from stepwell.mechanism.sizes import SlipError
 
 # Angles at which a law without a closed form is looked at; a feature narrower than the limit

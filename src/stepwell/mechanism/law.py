@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel
+from stepwell.kernels import kernel, leaf
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.cubics import cubic, cubic_area
 from stepwell.mechanism.elements import Element
@@ -56,7 +56,7 @@ LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(9)
 BEFORE, BEYOND = 2, 3
 
 
-@kernel
+@leaf
 def summed(values: Floats) -> float:
     """The sum of (N,) numbers from first to last, where NumPy's own order hangs on its version."""
     total = 0.0
@@ -65,7 +65,7 @@ def summed(values: Floats) -> float:
     return total
 
 
-@kernel
+@leaf
 def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
     """Let a cell stand on another sheet, by its number among all."""
     row, ends = sheets.table[sheet], sheets.ends[cell]
@@ -89,7 +89,7 @@ def ends_of(sheets: Sheets) -> tuple[float, float]:
     return low, high
 
 
-@kernel
+@leaf
 def beyond(sheets: Sheets, cell: int, travel: float) -> int:
     """The sheet, among all, to which a cell jumps where it stands; -1 where it does not."""
     row = sheets.table[sheets.now[cell]]
@@ -98,7 +98,7 @@ def beyond(sheets: Sheets, cell: int, travel: float) -> int:
     return int(row[ABOVE]) if travel >= sheets.ends[cell, HIGH] else -1
 
 
-@kernel
+@leaf
 def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
     """Which row every band (and last the load) of `cell` is on at `travel`; -1 for none.
 
@@ -127,14 +127,14 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
     out[slot] = row if last > first else -1
 
 
-@kernel
+@leaf
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
     curves = laws.lever, laws.sin_limit, laws.band_first, laws.band, laws.rows
     return law_among(*curves, cell, picked, 0, travel)
 
 
-@kernel
+@leaf
 def law_among(
     lever: Floats,
     sin_limit: Floats,
@@ -179,7 +179,7 @@ def law_among(
     return force, slope, bend
 
 
-@kernel
+@leaf
 def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
     # Taken out once, here: compiled, every later look into the record would count references.

@@ -21,7 +21,7 @@ from stepwell.concave import (
     simple_rows,
     travel_at,
 )
-from stepwell.kernels import entry, kernel
+from stepwell.kernels import entry, leaf
 from stepwell.mechanism import Laws
 from stepwell.statics.following import log as logged
 
@@ -29,7 +29,7 @@ from stepwell.statics.following import log as logged
 WORTH_SORTING = 16
 
 
-@kernel
+@leaf
 def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
     """Whether the leader, giving travel back up to `reach`, always pulls harder: proved.
 
@@ -56,7 +56,7 @@ def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bo
     return False
 
 
-@kernel
+@leaf
 def _row(
     log: logged.Log, kind: int, drive_0: float, drive_1: float, force_0: float, force_1: float
 ) -> None:
@@ -74,7 +74,7 @@ def _row(
     log.first[k + 1] = log.used[1]
 
 
-@kernel
+@leaf
 def _mover(log: logged.Log, cell: int, before: float, after: float) -> None:
     m = log.used[1]
     mover = log.movers[m]

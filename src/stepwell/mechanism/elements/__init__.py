@@ -3,5 +3,6 @@
 # pyright: reportUnusedImport=false
 
 from stepwell.mechanism.elements.element import Element
+from stepwell.mechanism.elements.mobility import MOBILITIES, a_mobility, mobilities_of
 from stepwell.mechanism.elements.phase import Phase, Stretch, phase_at
 from stepwell.mechanism.elements.sheet import Sheet

@@ -14,9 +14,9 @@ from stepwell.mechanism.cubics import Force, end_of, integral, signs, value
 from stepwell.mechanism.elements import build
 from stepwell.mechanism.elements.beside import beside
 from stepwell.mechanism.elements.fold import folded
+from stepwell.mechanism.elements.mobility import a_mobility
 from stepwell.mechanism.elements.phase import Phase, Stretch
 from stepwell.mechanism.elements.sheet import Sheet
-from stepwell.mechanism.mobility import a_mobility
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain

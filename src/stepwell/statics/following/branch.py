@@ -8,13 +8,13 @@ stroke, (1, 1/K) for an actuator of stiffness K, (0, 1) for a prescribed force.
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, overspent
+from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import Laws, law
 from stepwell.statics.following.pieces import Pieces, invert
 from stepwell.statics.following.state import Movers, Problem
 
 
-@kernel
+@leaf
 def inverse_slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
     """1/κ with the sign of the piece, so that rounding at an extremum cannot turn it over."""
     sign, picked = pieces.sign[piece], pieces.picked[piece]
@@ -53,7 +53,7 @@ def smallest_eigenvalue(slopes: Floats, weights: Floats, alpha: float, beta: flo
     return float(0.5 * (low + high))
 
 
-@kernel
+@leaf
 def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[float, float]:
     """An upper bound of dU/dλ between forces `one` and `two`, and its value at `two`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -69,7 +69,7 @@ def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[
     return (np.inf if np.isnan(bound) else bound), end
 
 
-@kernel
+@leaf
 def compliance(problem: Problem, movers: Movers, force: float) -> float:
     """dU/dλ = α Σ 1/κ_i + β of a branch where its force is `force`."""
     return _highest(problem, movers, force, force)[1]
@@ -155,7 +155,7 @@ def point_at(
     return force
 
 
-@kernel
+@leaf
 def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
     """U of a branch where its force is `force`; travels into `out`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import entry, kernel, overspent
+from stepwell.kernels import entry, kernel, leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, Laws, law, stored
 from stepwell.statics.following.branch import inverse_slope, smallest_eigenvalue
 from stepwell.statics.following.log import (
@@ -72,7 +72,7 @@ def certify(problem: Problem, travel: Floats, force: float, movers: Movers) -> t
     return worst, smallest_eigenvalue(slopes[:free], np.ones(free), alpha, beta)
 
 
-@kernel
+@leaf
 def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> float:
     """κ with the sign of the piece."""
     if pieces.sign[piece] == 0:
@@ -80,7 +80,7 @@ def _slope(laws: Laws, pieces: Pieces, cell: int, piece: int, travel: float) -> 
     return float(1.0 / inverse_slope(laws, pieces, cell, piece, travel))
 
 
-@kernel
+@leaf
 def _beyond(problem: Problem, cell: int, piece: int, travel: float) -> float:
     """κ on the other side of a joint of two pieces; inf away from one."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
@@ -143,7 +143,7 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     return -1, KEPT, 0.0
 
 
-@kernel
+@leaf
 def _snaps_again(log: Log, k: int) -> bool:
     """Whether another snap follows segment k before the drive goes on."""
     drive = log.segments[k, DRIVE_1]
@@ -155,7 +155,7 @@ def _snaps_again(log: Log, k: int) -> bool:
     return False
 
 
-@kernel
+@leaf
 def _stands(
     problem: Problem, cell: int, piece: int, travel: float, lowest: Floats, highest: Floats
 ) -> float:
@@ -169,7 +169,7 @@ def _stands(
     return float(value)
 
 
-@kernel
+@leaf
 def _unbalanced(
     laws: Laws, pieces: Pieces, cell: int, piece: int, begin: float, end: float
 ) -> float:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, overspent
+from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, law_among
 from stepwell.statics.following.branch import smallest_eigenvalue
 from stepwell.statics.following.pieces import find_piece, stand_on
@@ -71,7 +71,7 @@ def _begin(problem: Problem, state: State, drive: float) -> Flow:
     return at
 
 
-@kernel
+@leaf
 def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
     """Take cell i into the flow."""
     j = at.count[0]
@@ -86,7 +86,7 @@ def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
     _stand(problem, at, j)
 
 
-@kernel
+@leaf
 def _stand(problem: Problem, at: Flow, j: int) -> None:
     """See on which sheet and piece a cell in the flow stands."""
     i, ends = at.where[_CELL, j], problem.sheets.ends
@@ -98,7 +98,7 @@ def _stand(problem: Problem, at: Flow, j: int) -> None:
     at.cell[_FORCE, j], at.cell[_SLOPE, j], _ = law(problem.laws, i, picked, travel)
 
 
-@kernel
+@leaf
 def _close(problem: Problem, state: State, at: Flow) -> None:
     """See within which λ the cells that are not in the flow keep still."""
     friction, ends = problem.laws.friction, problem.sheets.ends
@@ -116,7 +116,7 @@ def _close(problem: Problem, state: State, at: Flow) -> None:
     at.first[0], at.first[1] = falls, rises
 
 
-@kernel
+@leaf
 def _drives(cell: Floats, j: int, shared: float) -> float:
     """What drives a cell at λ [N]: stops and Coulomb friction may hold it."""
     force, friction = cell[_FORCE, j], cell[_FRICTION, j]
@@ -127,7 +127,7 @@ def _drives(cell: Floats, j: int, shared: float) -> float:
     return 0.0
 
 
-@kernel
+@leaf
 def _balance(cell: Floats, m: int, shared: float) -> float:
     """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
     low, high = -np.inf, np.inf
@@ -155,7 +155,7 @@ def _balance(cell: Floats, m: int, shared: float) -> float:
     return shared
 
 
-@kernel
+@leaf
 def _stroke(cell: Floats, m: int, travel: int, still: float) -> float:
     """Σ s where the cells in the flow have the travels of that row."""
     total = still
@@ -164,7 +164,7 @@ def _stroke(cell: Floats, m: int, travel: int, still: float) -> float:
     return total
 
 
-@kernel
+@leaf
 def _rates(cell: Floats, m: int, shared: float) -> float:
     """All rates ds/dt at λ; the largest force that drives a cell."""
     largest = 0.0
@@ -175,7 +175,7 @@ def _rates(cell: Floats, m: int, shared: float) -> float:
     return largest
 
 
-@kernel
+@leaf
 def _piece_near(left: Floats, right: Floats, piece: int, travel: float) -> int:
     """The piece of the same cell that holds a travel between its ends, from one not far off."""
     while travel > right[piece]:
@@ -185,7 +185,7 @@ def _piece_near(left: Floats, right: Floats, piece: int, travel: float) -> int:
     return piece
 
 
-@kernel
+@leaf
 def _look(problem: Problem, at: Flow) -> None:
     """Pieces, forces and slopes of the cells where they are."""
     laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
@@ -217,7 +217,7 @@ def unstable_direction(slopes: Floats, mobility: Floats, alpha: float, beta: flo
     return out
 
 
-@kernel
+@leaf
 def _smooth_rates(
     actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int, row: int
 ) -> None:
@@ -244,7 +244,7 @@ def _smooth_rates(
         cell[row, j] = cell[_MOBILITY, j] * (shared - cell[row, j]) if moves else 0.0
 
 
-@kernel
+@leaf
 def _solve(
     alpha: float, beta: float, cell: Floats, where: Ints, m: int, h: float, row: int, out: int
 ) -> None:
@@ -269,7 +269,7 @@ def _solve(
             cell[out, j] = (cell[row, j] + cell[_MOBILITY, j] * shared) / pivot
 
 
-@kernel
+@leaf
 def _forces(problem: Problem, at: Flow, row: int) -> None:
     """Forces of the cells that move, at the travels of `_TRIAL`, into `row`."""
     laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
@@ -287,7 +287,7 @@ def _forces(problem: Problem, at: Flow, row: int) -> None:
             )
 
 
-@kernel
+@leaf
 def _set_off(
     actuator: tuple[float, float, float, float], cell: Floats, where: Ints, m: int
 ) -> None:
@@ -297,7 +297,7 @@ def _set_off(
     _smooth_rates(actuator, cell, where, m, _RATE)
 
 
-@kernel
+@leaf
 def _pushed_back(cell: Floats, where: Ints, m: int, row: int, rubs: bool) -> int:
     """A cell at a stop, or held by friction if it `rubs`, that goes against its sense; or -1."""
     for j in range(m):
@@ -309,7 +309,7 @@ def _pushed_back(cell: Floats, where: Ints, m: int, row: int, rubs: bool) -> int
     return -1
 
 
-@kernel
+@leaf
 def _step(problem: Problem, at: Flow, h: float) -> None:
     """What a step of time h goes into `_WAY`, and its error into `_ERROR` [m].
 
@@ -384,7 +384,7 @@ def _longest_step(
     return long
 
 
-@kernel
+@leaf
 def _stiffest(cell: Floats, m: int, scale: float) -> float:
     """The largest rate of decay or growth in the flow, or of `scale` over the shortest travel."""
     rate, least = 0.0, np.inf
@@ -394,7 +394,7 @@ def _stiffest(cell: Floats, m: int, scale: float) -> float:
     return rate + scale / least
 
 
-@kernel
+@leaf
 def _worst(cell: Floats, m: int) -> float:
     """The largest error of a step as a share of the full travel."""
     worst = 0.0
@@ -405,7 +405,7 @@ def _worst(cell: Floats, m: int) -> float:
     return worst
 
 
-@kernel
+@leaf
 def _until_stop(cell: Floats, m: int, h: float) -> tuple[float, int, float, float]:
     """How a step of time h meets the first end of a sheet.
 
@@ -429,7 +429,7 @@ def _until_stop(cell: Floats, m: int, h: float) -> tuple[float, int, float, floa
     return share, first, bend, min(max(then, 0.2 * share), 1.0)
 
 
-@kernel
+@leaf
 def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -508,7 +508,7 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     return bool(shared <= high + 1e-9 * (abs(high) + abs(shared))), shared
 
 
-@kernel
+@leaf
 def _excess(at: Flow, mark: int, level: float) -> float:
     """What drives a cell past what keeps it [N]: it changes sign where the event is.
 
@@ -524,7 +524,7 @@ def _excess(at: Flow, mark: int, level: float) -> float:
     return float((up if mark % 2 == 0 else -up) - at.cell[_FRICTION, j])
 
 
-@kernel
+@leaf
 def _excess_before(at: Flow, mark: int, shared: float) -> float:
     """The same where the last step began."""
     j = mark // 2 - 1
@@ -533,7 +533,7 @@ def _excess_before(at: Flow, mark: int, shared: float) -> float:
     return _excess(at, mark, shared)
 
 
-@kernel
+@leaf
 def _missed(
     at: Flow, shared: float, level: float, pace: float, tolerance: float
 ) -> tuple[int, float]:
@@ -571,7 +571,7 @@ def _missed(
     return event, first
 
 
-@kernel
+@leaf
 def _reached(excess: tuple[float, float, float], last: float, ahead: float) -> float:
     """When an event is, from now: on a parabola through its excess before, now and ahead."""
     was, now, over = excess
@@ -722,7 +722,7 @@ def flow(
     return settled, shared
 
 
-@kernel
+@leaf
 def _jumps(problem: Problem, at: Flow) -> bool:
     """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
     sheets, cell, some = problem.sheets, at.cell, False

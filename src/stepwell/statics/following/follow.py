@@ -7,7 +7,7 @@ two forces, so nothing here depends on a step size.
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import SPENT, STROKES, entry, kernel, overspent
+from stepwell.kernels import SPENT, STROKES, entry, leaf, overspent
 from stepwell.mechanism import ends_of
 from stepwell.statics.following.log import FOLD
 from stepwell.statics.following.pieces import resting_piece
@@ -98,7 +98,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
     return DONE
 
 
-@kernel
+@leaf
 def _come_to_rest(problem: Problem, state: State, direction: int) -> None:
     """The actuator turns: what slid rests, and nothing is known of what comes next.
 

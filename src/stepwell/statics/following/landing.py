@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Ints
-from stepwell.kernels import kernel, overspent
+from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import HIGH, LOW, Laws, law
 from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import Problem
@@ -35,7 +35,7 @@ class Line(NamedTuple):
     highest: float
 
 
-@kernel
+@leaf
 def _ends(
     laws: Laws, picked: Ints, line: Line, on_forth: int, on_back: int, bias: float, x: float
 ) -> tuple[float, float, float, float]:
@@ -53,7 +53,7 @@ def _ends(
     return pull, pull_slope, resist, resist_slope
 
 
-@kernel
+@leaf
 def pull_at(problem: Problem, line: Line, x: float) -> float:
     """What pulls less what resists after a shift x, as far as the line goes [N]."""
     laws, picked, ends = problem.laws, problem.pieces.picked, problem.sheets.ends
@@ -70,7 +70,7 @@ def pull_at(problem: Problem, line: Line, x: float) -> float:
     return float(pull - resist)
 
 
-@kernel
+@leaf
 def _level(line: Line, pull: float, resist: float) -> float:
     """λ where a snap comes to rest."""
     if line.forth >= 0 and line.back >= 0:

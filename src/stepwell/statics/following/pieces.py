@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, Floats, Ints
-from stepwell.kernels import entry, kernel
+from stepwell.kernels import entry, kernel, leaf
 from stepwell.mechanism import (
     CURVE_HIGH,
     CURVE_LOW,
@@ -167,7 +167,7 @@ def _verdict(of: Derivative, a: float, b: float) -> int:
     return 2
 
 
-@kernel
+@leaf
 def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[float, float]:
     """Largest |F| and |κ| seen on [a, b]."""
     force, slope = 0.0, 0.0
@@ -178,7 +178,7 @@ def _largest(laws: Laws, cell: int, picked: Ints, a: float, b: float) -> tuple[f
     return force, slope
 
 
-@kernel
+@leaf
 def _root(of: Derivative, a: float, b: float) -> float:
     """The sign change in [a, b], by bisection with a secant guess each time."""
     laws, cell, picked, order, _ = of
@@ -343,7 +343,7 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
     return float(max(np.max(forces), np.max(laws.friction), NO_FORCE))
 
 
-@kernel
+@leaf
 def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) -> None:
     """Let a cell stand on a sheet of its curve, by its number there."""
     among_all = int(sheets.table[sheets.now[cell], FIRST]) + sheet
@@ -352,7 +352,7 @@ def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) 
     pieces.among[cell, 1] = pieces.of_sheet[among_all + 1] - 1
 
 
-@kernel
+@leaf
 def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> None:
     """Let every cell stand on its sheet, (N,) by number in the cell."""
     now, table = sheets.now, sheets.table
@@ -361,7 +361,7 @@ def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> N
             stand_on(laws, sheets, pieces, i, numbers[i])
 
 
-@kernel
+@leaf
 def sheet_of(sheets: Sheets, cell: int) -> int:
     """The sheet of its curve on which a cell stands, by its number there."""
     return int(sheets.now[cell] - sheets.table[sheets.now[cell], FIRST])
@@ -377,7 +377,7 @@ def sheets_of(sheets: Sheets) -> Ints:
     return numbers
 
 
-@kernel
+@leaf
 def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
     """The piece of `cell` at `travel`; at a joint the one that lies in `direction`."""
     ends = pieces.right
@@ -391,7 +391,7 @@ def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
     return first
 
 
-@kernel
+@leaf
 def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
     """The piece on which `cell` rests at `travel`; where its force turns, the one that rises."""
     piece = find_piece(pieces, cell, travel, 0)
@@ -399,7 +399,7 @@ def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
     return after if pieces.sign[piece] < 0 and pieces.sign[after] >= 0 else piece
 
 
-@kernel
+@leaf
 def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> float:
     """The travel on `piece` at which the cell pushes back with `force`, clipped to the piece."""
     a, b = pieces.left[piece], pieces.right[piece]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel
+from stepwell.kernels import kernel, leaf
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
@@ -108,7 +108,7 @@ def choose(problem: Problem, state: State, direction: int, goes: Ints) -> tuple[
     return LOST, leader
 
 
-@kernel
+@leaf
 def _turn_here(problem: Problem, state: State, cells: Ints) -> bool:
     """Whether the leader and another moving cell stand where their forces turn."""
     laws, pieces = problem.laws, problem.pieces
@@ -141,7 +141,7 @@ def set_off(problem: Problem, state: State, goes: Ints) -> Movers:
     return movers_of(problem, state, goes)
 
 
-@kernel
+@leaf
 def join_flat(problem: Problem, state: State, direction: int) -> bool:
     """Bring in the cells that offer the same constant force; whether there are any.
 
@@ -215,7 +215,7 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
     return DONE if reached and status == GOES_ON else status
 
 
-@kernel
+@leaf
 def _until_letting_go(
     friction: Floats,
     ends: Floats,
@@ -230,7 +230,7 @@ def _until_letting_go(
     return max(0.0, toward * (at_rest[i] - force) + friction[i]) if free else np.inf
 
 
-@kernel
+@leaf
 def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank = problem.pieces, problem.rank
@@ -261,7 +261,7 @@ def _first_to_let_go(problem: Problem, state: State, toward: int) -> tuple[float
     return nearest, first
 
 
-@kernel
+@leaf
 def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int) -> float:
     """How far λ has to go `toward` until mover m is at the end of its piece."""
     piece = movers.piece[m]
@@ -270,7 +270,7 @@ def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int
     return max(0.0, toward * (end + movers.offset[m] - force))
 
 
-@kernel
+@leaf
 def _turns_over(ends: Floats, pieces: Pieces, cell: int, piece: int, heading: int) -> int:
     """Sign of a cell's κ past the end of its piece; 2 where that is the end of its sheet."""
     end = pieces.right[piece] if heading > 0 else pieces.left[piece]
@@ -278,7 +278,7 @@ def _turns_over(ends: Floats, pieces: Pieces, cell: int, piece: int, heading: in
     return 2 if end == stop else pieces.sign[piece + heading]
 
 
-@kernel
+@leaf
 def _first_to_arrive(
     problem: Problem, state: State, movers: Movers, toward: int, direction: int
 ) -> tuple[float, int, bool]:
@@ -328,7 +328,7 @@ def _first_to_arrive(
     return arrival, leads, True
 
 
-@kernel
+@leaf
 def _first_event(
     problem: Problem, state: State, movers: Movers, toward: int, direction: int
 ) -> BranchEnd:
@@ -373,7 +373,7 @@ def _or_fold(
     return event
 
 
-@kernel
+@leaf
 def _places_at(
     problem: Problem, state: State, movers: Movers, event: BranchEnd, toward: int, out: Floats
 ) -> None:
@@ -395,7 +395,7 @@ def _places_at(
             out[m] = there
 
 
-@kernel
+@leaf
 def _leader(pieces: Pieces, movers: Movers) -> int:
     """The cell of falling force among the movers, or -1."""
     for m in range(len(movers.cell)):

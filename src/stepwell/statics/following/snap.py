@@ -3,7 +3,7 @@
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel
+from stepwell.kernels import kernel, leaf
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, stored, summed
 from stepwell.statics.following.branch import inverse_slope
 from stepwell.statics.following.flow import flow, unstable_direction
@@ -101,7 +101,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     return status
 
 
-@kernel
+@leaf
 def note_saddle(problem: Problem, state: State, leader: int) -> None:
     """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
     for i in range(len(state.mode)):
@@ -191,7 +191,7 @@ def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) 
     return outcome, tie
 
 
-@kernel
+@leaf
 def _is_neutral(problem: Problem, line: Line) -> bool:
     """Whether slopes that are each other's opposite leave a whole line in balance.
 
@@ -211,7 +211,7 @@ def _is_neutral(problem: Problem, line: Line) -> bool:
     return bool(abs(total) <= 1e-9 * size)
 
 
-@kernel
+@leaf
 def _driven_on(line: Line, direction: int, by: float) -> Line:
     """The same line with the drive further on by so little travel."""
     forth, back, at_forth, at_back, force, softness, share, low, high = line

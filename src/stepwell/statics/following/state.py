@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel
+from stepwell.kernels import kernel, leaf
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following.log import (
     CAUSE,
@@ -100,13 +100,13 @@ class Begin(NamedTuple):
     sheet: Ints  # (N,)
 
 
-@kernel
+@leaf
 def drive_of(problem: Problem, travel: Floats, force: float) -> float:
     """U = α Σ s_i + β λ."""
     return problem.alpha * summed(travel) + problem.beta * force
 
 
-@kernel
+@leaf
 def drive_slack(problem: Problem) -> float:
     """Drives closer than this differ by rounding."""
     return problem.alpha * 1e-13 * summed(problem.laws.full) + problem.beta * 1e-13 * problem.scale
@@ -137,7 +137,7 @@ def nobody() -> Movers:
     return Movers(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), 0.0)
 
 
-@kernel
+@leaf
 def write(
     problem: Problem,
     state: State,
@@ -177,19 +177,19 @@ def write(
     return GOES_ON
 
 
-@kernel
+@leaf
 def set_snap(next_snap: Ints, trigger: int, sense: int, why: int) -> None:
     """Note what would set off a snap that comes next."""
     next_snap[TRIGGER], next_snap[SENSE], next_snap[WHY] = trigger, sense, why
 
 
-@kernel
+@leaf
 def set_tie(tie: Ints, one: int, two: int) -> None:
     """Note that two cells tie."""
     tie[0], tie[1] = one, two
 
 
-@kernel
+@leaf
 def hold(problem: Problem, state: State, i: int) -> None:
     """Let cell i rest where it is."""
     laws, pieces, travel = problem.laws, problem.pieces, state.travel[i]
@@ -203,7 +203,7 @@ def hold(problem: Problem, state: State, i: int) -> None:
         state.at_rest[i] = law(laws, i, pieces.picked[piece], travel)[0]
 
 
-@kernel
+@leaf
 def held_range(problem: Problem, state: State) -> tuple[float, float]:
     """The forces λ at which every held cell stays."""
     # Taken out once, here: compiled, every later look into a record would count references.
@@ -219,7 +219,7 @@ def held_range(problem: Problem, state: State) -> tuple[float, float]:
     return low, high
 
 
-@kernel
+@leaf
 def settle(problem: Problem, state: State) -> None:
     """Read modes and λ off a resting configuration, after a snap."""
     laws, pieces, ends, mode = problem.laws, problem.pieces, problem.sheets.ends, state.mode
@@ -245,7 +245,7 @@ def settle(problem: Problem, state: State) -> None:
         state.force[0] = min(max(state.force[0], low), high)
 
 
-@kernel
+@leaf
 def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
     """A cell has reached the end of its piece: it rests at a stop, jumps, or goes on."""
     ends = problem.sheets.ends
@@ -262,7 +262,7 @@ def end_piece(problem: Problem, state: State, cell: int, heading: int) -> None:
         state.mode[cell] = LETS_GO
 
 
-@kernel
+@leaf
 def jump(problem: Problem, state: State, cell: int) -> bool:
     """Let a cell whose sheet ends where it stands jump to the next one; whether it does."""
     sheets = problem.sheets

@@ -7,9 +7,9 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, check
 
-# Least and largest mobility of a cell. Cells further apart than these are two mechanisms, a fast
-# one and a slow one; a double could not follow both.
-MOBILITIES = 1e-3, 1e3
+# Least and largest mobility of a cell. Further apart than these a chain is two mechanisms, a fast
+# one and a slow one, and its flow behind a stiff spring comes to rest too slowly to be followed.
+MOBILITIES = 1e-2, 1e2
 
 
 class Mobile(Protocol):
