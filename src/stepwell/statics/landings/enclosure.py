@@ -1,0 +1,37 @@
+"""Whether a snap lands in one place for all mobilities within a ratio: all its ways enclosed."""
+
+from stepwell.base import Floats
+from stepwell.kernels import entry
+from stepwell.statics.following import Problem, stand_all_on
+from stepwell.statics.landings.only import SAME, lands_only_at
+from stepwell.statics.landings.room import leads_on, room_of
+from stepwell.statics.landings.start import Start
+
+
+@entry(2e-2, "problem.mobility")
+def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
+    """Whether the snap lands at `landing` for all mobilities m_i x_i with max x / min x <= ratio.
+
+    Args:
+        problem: the chain and its actuator, with the given mobilities m.
+        start: where the snap begins.
+        landing: (N,) travels where it landed [m], on the sheets of the start.
+        ratio: of the fastest to the slowest factor, >= 1.
+
+    Returns:
+        True where it is proved; False where it is not, which says nothing.
+    """
+    laws, n = problem.laws, len(landing)
+    stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
+    room = room_of(problem, start)
+    moving = 0
+    for i in range(n):
+        if room.high[i] > room.low[i]:
+            moving += 1
+            if laws.friction[i] > 0.0:
+                return False
+        elif abs(landing[i] - start.travel[i]) > SAME * laws.full[i]:
+            return False
+    if moving == 0 or (problem.beta == 0.0 and moving == 1) or leads_on(problem, room):
+        return False
+    return lands_only_at(problem, start, room, landing, ratio)
