@@ -152,6 +152,13 @@ class Search(NamedTuple):
 
 
 @kernel
+def _slip(problem: Problem) -> float:
+    """Drives that are closer than this differ by rounding, of the drive and of the forces."""
+    travels = problem.alpha * CLOSE * np.sum(problem.laws.full)
+    return travels + problem.beta * CLOSE_FORCE * problem.scale
+
+
+@kernel
 def _span(problem: Problem, search: Search, low: float, high: float) -> tuple[float, float]:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
     branches, choice, box = search.branches, search.choice, search.box
@@ -216,20 +223,70 @@ def _note(problem: Problem, start: Start, search: Search) -> bool:
 
 
 @kernel
+def _excess(problem: Problem, start: Start, search: Search, force: float) -> tuple[float, float]:
+    """Least and largest α Σ s + β λ of the choice under one λ, less the drive."""
+    least, most = _span(problem, search, force, force)
+    rest = problem.beta * force - start.drive
+    return problem.alpha * least + rest, problem.alpha * most + rest
+
+
+@kernel
+def _one_place(
+    problem: Problem, start: Start, search: Search, a: float, b: float, way: int
+) -> bool:
+    """Note the place between two λ where the drive only grows, `way` = 1, or falls with λ.
+
+    False where there are too many places.
+    """
+    counts, slip = search.counts, _slip(problem)
+    below, above = _excess(problem, start, search, a), _excess(problem, start, search, b)
+    if way < 0:
+        below, above = (-below[1], -below[0]), (-above[1], -above[0])
+    if below[0] > slip or above[1] < -slip:
+        return True
+    one, two = 0.5 * (below[0] + below[1]), 0.5 * (above[0] + above[1])
+    for step in range(200):
+        _span(problem, search, a, b)
+        if _note(problem, start, search):
+            return True
+        force = 0.5 * (a + b)
+        if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < force < b:
+            break
+        if step % 3 != 2 and two > one:
+            # Not too near to an end, so that both ends close in.
+            share = min(max(-one / (two - one), 0.0), 1.0)
+            force = a + min(max(share, 1e-4), 1.0 - 1e-4) * (b - a)
+        here = _excess(problem, start, search, force)
+        value = way * 0.5 * (here[0] + here[1])
+        if value < 0.0:
+            a, one = force, value
+        else:
+            b, two = force, value
+    _span(problem, search, a, b)
+    if counts[0] >= len(search.places):
+        return False
+    search.places[counts[0]] = search.box
+    counts[0] += 1
+    return True
+
+
+@kernel
 def _places(problem: Problem, room: Room, start: Start, search: Search, ends: Floats) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
-    alpha, beta, drive = problem.alpha, problem.beta, start.drive
-    falling = np.min(search.branches.sign[search.choice]) < 0
-    # Drives that are closer than this differ by rounding, of the drive and of the forces.
-    slip = alpha * CLOSE * np.sum(problem.laws.full) + beta * CLOSE_FORCE * problem.scale
+    alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
+    counts = search.counts
+    if np.min(search.branches.sign[search.choice]) > 0:
+        if counts[0] >= len(search.places):
+            return False
+        return _one_place(problem, start, search, ends[0], ends[1], 1)
     lows, highs = np.empty(256), np.empty(256)
     lows[0], highs[0] = ends[0], ends[1]
     waiting = 1
     while waiting > 0:
         waiting -= 1
         a, b = lows[waiting], highs[waiting]
-        search.counts[1] += 1
-        if search.counts[1] > _MOST_INTERVALS or search.counts[0] >= len(search.places):
+        counts[1] += 1
+        if counts[1] > _MOST_INTERVALS or counts[0] >= len(search.places):
             return False
         least, most = _span(problem, search, a, b)
         if alpha * least + beta * a > drive + slip or alpha * most + beta * b < drive - slip:
@@ -238,11 +295,16 @@ def _places(problem: Problem, room: Room, start: Start, search: Search, ends: Fl
             continue
         middle = 0.5 * (a + b)
         if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < middle < b:
-            search.places[search.counts[0]] = search.box
-            search.counts[0] += 1
+            search.places[counts[0]] = search.box
+            counts[0] += 1
             continue
-        if falling and _stability(problem, room, search)[0] > 0.0:
+        least, most = _stability(problem, room, search)
+        if least > 0.0:
             # Wherever in it the chain were in equilibrium, it would leave it.
+            continue
+        if most < 0.0:
+            if not _one_place(problem, start, search, a, b, -1):
+                return False
             continue
         lows[waiting], highs[waiting] = a, middle
         lows[waiting + 1], highs[waiting + 1] = middle, b
@@ -275,7 +337,6 @@ def places_of_rest(problem: Problem, room: Room, start: Start, places: Floats) -
     for i in range(n - 1, -1, -1):
         rest_low[i] = rest_low[i + 1] + room.low[i]
         rest_high[i] = rest_high[i + 1] + room.high[i]
-    near = CLOSE * np.sum(problem.laws.full)
     alpha, beta, drive = problem.alpha, problem.beta, start.drive
     ends = np.empty(2)
     tries, level = 0, 0
@@ -298,7 +359,7 @@ def places_of_rest(problem: Problem, room: Room, start: Start, places: Floats) -
         falls[after] = falls[level] + (branches.sign[r] < 0)
         low = alpha * (below[after] + rest_low[after]) + beta * least[after]
         high = alpha * (above[after] + rest_high[after]) + beta * most[after]
-        slack = 2.0 * (alpha * near + beta * slip)
+        slack = 2.0 * _slip(problem)
         if (
             falls[after] > 1
             or least[after] > most[after] + slip
