@@ -50,7 +50,7 @@ def lands_only_at(
         return False
     if others == 0:
         return True
-    for most in (1000, 10_000, 60_000):
+    for most in (2000, 12_000):
         grid = grid_of(problem, room, start, most)
         if keeps_off(problem, room, start, grid, places[:others], ratio):
             return True

@@ -21,43 +21,29 @@ from stepwell.statics.landings.room import (
 )
 from stepwell.statics.landings.start import Start
 
-# The finest grid has so many steps on the longest travel.
-_FINEST = 4096
-
-
-class Axis(NamedTuple):
-    """What a cell does between the nodes of its axis; n intervals."""
-
-    node: Floats  # (n + 1,) travels
-    force: Floats  # (n + 1,) F there
-    energy: Floats  # (n + 1,) what it has stored since the start, less λ of the start times the way
-    least: Floats  # (n,) F in between
-    most: Floats  # (n,)
+# What lies next to the start decides which of two cells is ahead: nodes stand this share of the
+# widest room apart there, and from there on ever further.
+_NEAREST = 1e-5
 
 
 class Grid(NamedTuple):
     """A grid over the travels of D cells; under a stroke one more has what the others leave.
 
-    The axes lie one after the other in arrays of M nodes.
+    The axes lie one after the other in arrays of M nodes; what lies between a node and the next one
+    has the number of the first.
     """
 
     cell: Ints  # (D,)
     count: Ints  # (D,) intervals
     begin: Ints  # (D,) where the nodes of its axis begin
     stride: Ints  # (D,) of the number of a box
-    axes: Axis  # (M,)
-    step: float
+    node: Floats  # (M,) travels
+    force: Floats  # (M,) F there
+    energy: Floats  # (M,) see _energy_at
+    least: Floats  # (M,) F in between
+    most: Floats  # (M,)
     last: int  # the cell that has what the others leave, or -1
-    free: float  # what they leave it where all are at their first nodes
-    rest: Axis  # the same of it, at nodes of falling travel
-    wide: Floats  # (2, L) least and largest F over D intervals from a node of it on
-    narrow: Floats  # (2, L) the same over D - 1
-
-
-@kernel
-def _steps(width: float, step: float) -> int:
-    """How many steps a width takes, but for rounding; at least one."""
-    return max(1, int(np.ceil(width / step - 1e-9)))
+    free: float  # what moves has in all, under a stroke; else the drive less what rests
 
 
 @kernel
@@ -83,89 +69,97 @@ def energy_of(problem: Problem, start: Start, travel: Floats) -> float:
 
 
 @kernel
-def _fill(problem: Problem, start: Start, i: int, axis: Axis, begin: int, end: int) -> None:
-    """Fill in what cell i does on the nodes `begin` to `end` of an axis."""
-    for k in range(begin, end + 1):
-        axis.force[k] = force_at(problem, i, axis.node[k])
-        axis.energy[k] = _energy_at(problem, start, i, axis.node[k])
-    for k in range(begin, end):
-        low, high = min(axis.node[k], axis.node[k + 1]), max(axis.node[k], axis.node[k + 1])
-        axis.least[k], axis.most[k] = forces_within(problem, i, low, high)
-
-
-@kernel
-def _axis(nodes: int) -> Axis:
-    """Room for an axis."""
-    return Axis(np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes))
+def _nodes(low: float, start: float, high: float, near: float, far: float, out: Floats) -> int:
+    """Fill in nodes from `low` to `high`, `near` apart at the start and at most `far`; how many."""
+    used, growth = 0, 8.0 * far
+    for toward in (-1, 1):
+        end = low if toward < 0 else high
+        way, first = 0.0, used
+        while way < abs(end - start):
+            if used == len(out):
+                return used
+            way += min(max(near, way * growth), far)
+            out[used] = end if way > abs(end - start) - 0.5 * near else start + toward * way
+            if out[used] == end:
+                way = abs(end - start)
+            used += 1
+        if toward < 0:
+            out[first:used] = out[first:used][::-1].copy()
+            if used == len(out):
+                return used
+            out[used] = start
+            used += 1
+    return used
 
 
 @kernel
 def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
-    """A grid of about `most` boxes, of one step for all cells, over the room of those that move."""
+    """A grid of at most `most` boxes over the room of the cells that move."""
     rigid = problem.beta == 0.0
     width = room.high - room.low
-    moving = np.flatnonzero(width > 0.0)
     last = int(np.argmax(width)) if rigid else -1
-    cell = moving[moving != last]
-    step = np.max(width) / _FINEST
+    cell = np.flatnonzero(width > 0.0)
+    cell = cell[cell != last]
+    dims = len(cell)
+    widest = np.max(width)
+    nodes = np.empty((dims, 512))
+    count = np.empty(dims, np.int64)
+    fine = 128.0
     while True:
         boxes = 1.0
-        for i in cell:
-            boxes *= _steps(width[i], step)
-        if boxes <= most:
+        for d in range(dims):
+            i = cell[d]
+            # In shares of the widest room.
+            low, high = (
+                (room.low[i] - start.travel[i]) / widest,
+                (room.high[i] - start.travel[i]) / widest,
+            )
+            count[d] = _nodes(low, 0.0, high, _NEAREST, 1.0 / fine, nodes[d]) - 1
+            boxes *= count[d]
+        if boxes <= most or fine < 2.0:
             break
-        step *= 1.05
-    dims = len(cell)
-    count, begin = np.empty(dims, np.int64), np.empty(dims, np.int64)
-    stride = np.empty(dims, np.int64)
-    nodes, boxes_before, longest = 0, 1, dims + 1
+        fine *= 0.9
+    begin, stride = np.empty(dims, np.int64), np.empty(dims, np.int64)
+    total, number = 0, 1
     for d in range(dims):
-        count[d] = _steps(width[cell[d]], step)
-        begin[d], stride[d] = nodes, boxes_before
-        nodes += count[d] + 1
-        boxes_before *= count[d]
-        longest += count[d]
-    axes = _axis(nodes)
+        begin[d], stride[d] = total, number
+        total += count[d] + 1
+        number *= count[d]
+    out = np.empty((5, total))
+    free = start.drive
+    for i in range(len(width)):
+        if width[i] == 0.0:
+            free -= start.travel[i]
     for d in range(dims):
         i = cell[d]
         for k in range(count[d] + 1):
-            axes.node[begin[d] + k] = min(room.low[i] + k * step, room.high[i])
-        axes.node[begin[d] + count[d]] = room.high[i]
-        _fill(problem, start, i, axes, begin[d], begin[d] + count[d])
-    rest = _axis(longest if rigid else 0)
-    wide, narrow = np.empty((2, len(rest.node))), np.empty((2, len(rest.node)))
-    free = start.drive
-    if rigid:
-        for i in range(len(width)):
-            if i != last:
-                free -= room.low[i]
-        for k in range(longest):
-            rest.node[k] = min(max(free - k * step, room.low[last]), room.high[last])
-        _fill(problem, start, last, rest, 0, longest - 1)
-        for k in range(longest):
-            _window(rest, k, dims, wide)
-            _window(rest, k, dims - 1, narrow)
-    return Grid(cell, count, begin, stride, axes, step, last, free, rest, wide, narrow)
+            at = begin[d] + k
+            travel = start.travel[i] + widest * nodes[d, k]
+            travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
+            out[0, at], out[1, at] = travel, force_at(problem, i, travel)
+            out[2, at] = _energy_at(problem, start, i, travel)
+        for k in range(begin[d], begin[d] + count[d]):
+            out[3, k], out[4, k] = forces_within(problem, i, out[0, k], out[0, k + 1])
+    return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
 
 
 @kernel
-def _window(axis: Axis, k: int, length: int, out: Floats) -> None:
-    """Least and largest F over so many intervals from node k on."""
-    out[0, k] = out[1, k] = axis.force[k]
-    for j in range(k, min(k + length, len(axis.node) - 1)):
-        out[0, k] = min(out[0, k], axis.least[j])
-        out[1, k] = max(out[1, k], axis.most[j])
+def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float]:
+    """Travels of the last cell where the others have gone from `low` to `high` together."""
+    most, least = room.high[grid.last], room.low[grid.last]
+    return min(max(grid.free - high, least), most), min(max(grid.free - low, least), most)
 
 
 @kernel
-def _least_energy(axis: Axis, a: int, b: int, bounds: tuple[float, float], tilt: float) -> float:
-    """A bound from below of energy less `tilt` times travel between two nodes of an axis.
+def _least_energy(
+    energy: tuple[float, float], width: float, force: tuple[float, float], tilt: float
+) -> float:
+    """A bound from below of energy between two travels, less `tilt` times the way from the first.
 
-    `bounds` are the least and the largest F there, less λ of the start.
+    From the energies at both and the least and the largest F between them, less λ of the start.
     """
-    width = axis.node[b] - axis.node[a]
-    one, two = axis.energy[a] - tilt * axis.node[a], axis.energy[b] - tilt * axis.node[b]
-    falls, rises = bounds[0] - tilt, bounds[1] - tilt
+    one, two = energy[0], energy[1] - tilt * width
+    falls, rises = force[0] - tilt, force[1] - tilt
     if falls >= 0.0:
         return one
     if rises <= 0.0:
@@ -175,113 +169,91 @@ def _least_energy(axis: Axis, a: int, b: int, bounds: tuple[float, float], tilt:
 
 
 @kernel
-def _enough_energy(
-    problem: Problem, room: Room, start: Start, grid: Grid, at: Ints, fixed: float
-) -> bool:
+def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
     """Whether some point of a box takes no more energy than the start.
 
     What all cells store is bounded with a constant force taken off each of them and given to the
     drive, which changes nothing in the sum: one near to the λ there bounds it tightly.
     """
-    axes, dims, level = grid.axes, len(at), start.force
-    low, high, steps = fixed, fixed, 0
-    for d in range(dims):
+    node, level = grid.node, start.force
+    low, high = 0.0, 0.0
+    for d in range(len(at)):
         k = grid.begin[d] + at[d]
-        low += axes.node[k]
-        high += axes.node[k + 1]
-        steps += at[d]
-    total, begun = 0.0, 0.0
-    for i in range(len(start.travel)):
-        begun += start.travel[i]
+        low += node[k]
+        high += node[k + 1]
     if grid.last >= 0:
-        rest, end = grid.rest, steps + dims
-        bottom, top = grid.wide[0, steps] - level, grid.wide[1, steps] - level
-        tilt = 0.5 * (bottom + top)
-        # Its nodes run downwards.
-        total += tilt * (start.drive - fixed) + _least_energy(rest, end, steps, (bottom, top), tilt)
+        a, b = _left(room, grid, low, high)
+        least, most = forces_within(problem, grid.last, a, b)
+        force = least - level, most - level
+        tilt = 0.5 * (force[0] + force[1])
+        energy = _energy_at(problem, start, grid.last, a), _energy_at(problem, start, grid.last, b)
+        # Σ s is what there is to have.
+        total = tilt * (grid.free - a - low) + _least_energy(energy, b - a, force, tilt)
     else:
         stiffness = problem.alpha / problem.beta
+        begun = 0.0
+        for i in grid.cell:
+            begun += start.travel[i]
         way = 0.5 * (low + high) - begun
         tilt = -stiffness * way
-        total += -0.5 * stiffness * way * way + tilt * (begun - fixed)
-    for d in range(dims):
+        total = -0.5 * stiffness * way * way + tilt * (begun - low)
+    for d in range(len(at)):
         k = grid.begin[d] + at[d]
-        bounds = axes.least[k] - level, axes.most[k] - level
-        total += _least_energy(axes, k, k + 1, bounds, tilt)
+        energy, force = (
+            (grid.energy[k], grid.energy[k + 1]),
+            (grid.least[k] - level, grid.most[k] - level),
+        )
+        total += _least_energy(energy, node[k + 1] - node[k], force, tilt)
     return total <= CLOSE_FORCE * problem.scale * np.max(problem.laws.full)
 
 
 @kernel
 def _can_leave(
-    problem: Problem,
-    room: Room,
-    start: Start,
-    grid: Grid,
-    at: Ints,
-    axis: int,
-    up: bool,
-    ratio: float,
-) -> bool:
-    """Whether the flow can leave a box through its upper or lower face on an axis."""
-    if grid.last >= 0:
-        return _pulled(problem, room, grid, at, axis, up, ratio)
-    axes, free = grid.axes, start.drive
-    for i in range(len(start.travel)):
-        if room.high[i] == room.low[i]:
-            free -= start.travel[i]
-    for d in range(len(at)):
-        k = grid.begin[d] + at[d]
-        # The largest λ is where all others have gone least.
-        free -= axes.node[k + 1 if up == (d == axis) else k]
-    level = problem.alpha / problem.beta * free
-    own = axes.force[grid.begin[axis] + at[axis] + (1 if up else 0)]
-    slip = CLOSE_FORCE * problem.scale
-    return level > own - slip if up else level < own + slip
-
-
-@kernel
-def _pulled(
     problem: Problem, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
-    """Whether the flow can leave a box through a face under a prescribed stroke.
+    """Whether the flow can leave a box through its upper or lower face on an axis.
 
-    Cell i rises where Σ m_j (F_i - F_j) < 0, over all that are not pressed against
+    Under a stroke cell i rises where Σ m_j (F_i - F_j) < 0, over all that are not pressed against
     a stop: the least of it takes the largest F_j and gives those that pull it the most mobility.
     """
-    axes, slip, dims = grid.axes, CLOSE_FORCE * problem.scale, len(at)
+    node, slip = grid.node, CLOSE_FORCE * problem.scale
     face = grid.begin[axis] + at[axis] + (1 if up else 0)
-    own = axes.force[face]
-    total, steps = 0.0, 0
-    for d in range(dims):
-        steps += at[d]
+    own, low, high, total = grid.force[face], node[face], node[face], 0.0
+    for d in range(len(at)):
         if d == axis:
             continue
-        k = grid.begin[d] + at[d]
-        cell = grid.cell[d]
-        gap = own - axes.most[k] if up else axes.least[k] - own
-        gap -= slip
-        if gap > 0.0 and (
+        k, cell = grid.begin[d] + at[d], grid.cell[d]
+        low += node[k]
+        high += node[k + 1]
+        gap = own - grid.most[k] if up else grid.least[k] - own
+        pressed = (
             room.stops[cell, 1] and at[d] == grid.count[d] - 1
             if up
             else room.stops[cell, 0] and at[d] == 0
-        ):
-            gap = 0.0
-        total += problem.mobility[cell] * gap * (ratio if gap < 0.0 else 1.0)
-    if up:
-        steps += 1
-    end = steps + dims - 1
-    low, high = grid.rest.node[end], grid.rest.node[steps]
+        )
+        total += _weighed(gap - slip, pressed, problem.mobility[cell], ratio)
+    if grid.last < 0:
+        # The largest λ is where all others have gone least.
+        level = problem.alpha / problem.beta * (grid.free - (low if up else high))
+        return level > own - slip if up else level < own + slip
     cell = grid.last
-    gap = own - grid.narrow[1, steps] if up else grid.narrow[0, steps] - own
-    gap -= slip
-    if gap > 0.0 and (
-        room.stops[cell, 1] and high >= room.high[cell]
+    a, b = _left(room, grid, low, high)
+    least, most = forces_within(problem, cell, a, b)
+    gap = own - most if up else least - own
+    pressed = (
+        room.stops[cell, 1] and b >= room.high[cell]
         if up
-        else room.stops[cell, 0] and low <= room.low[cell]
-    ):
-        gap = 0.0
-    total += problem.mobility[cell] * gap * (ratio if gap < 0.0 else 1.0)
-    return total < 0.0
+        else room.stops[cell, 0] and a <= room.low[cell]
+    )
+    return total + _weighed(gap - slip, pressed, problem.mobility[cell], ratio) < 0.0
+
+
+@kernel
+def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
+    """The least that a cell adds; nothing where a stop can hold it."""
+    if gap > 0.0:
+        return 0.0 if pressed else mobility * gap
+    return ratio * mobility * gap
 
 
 @kernel
@@ -292,7 +264,7 @@ def _mark(
     dims, marked = len(grid.cell), 0
     begin, end = np.zeros(dims, np.int64), np.zeros(dims, np.int64)
     for d in range(dims):
-        i, nodes = grid.cell[d], grid.axes.node[grid.begin[d] : grid.begin[d] + grid.count[d] + 1]
+        i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.count[d] + 1]
         near = 1e-9 * problem.laws.full[i]
         if high[i] < room.low[i] - near or low[i] > room.high[i] + near:
             return 0
@@ -317,20 +289,21 @@ def _mark(
 
 
 @kernel
-def _exists(grid: Grid, room: Room, at: Ints) -> bool:
+def _exists(problem: Problem, room: Room, grid: Grid, at: Ints) -> bool:
     """Whether a box holds points at which the last cell has what the others leave."""
     if grid.last < 0:
         return True
-    steps = 0
+    low, high = 0.0, 0.0
     for d in range(len(at)):
-        steps += at[d]
-    near = 1e-9 * grid.step
-    most = grid.free - steps * grid.step
-    least = most - len(at) * grid.step
-    return most >= room.low[grid.last] - near and least <= room.high[grid.last] + near
+        k = grid.begin[d] + at[d]
+        low += grid.node[k]
+        high += grid.node[k + 1]
+    near = 1e-9 * problem.laws.full[grid.last]
+    most, least = room.high[grid.last], room.low[grid.last]
+    return grid.free - low >= least - near and grid.free - high <= most + near
 
 
-_SEEN, _ELSEWHERE = 1, 2
+_SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 
 
 @kernel
@@ -357,10 +330,6 @@ def keeps_off(
         seen[number] = _SEEN
         waiting[used] = number
         used += 1
-    fixed = 0.0
-    for i in range(len(start.travel)):
-        if room.high[i] == room.low[i]:
-            fixed += start.travel[i]
     at, first = np.empty(dims, np.int64), 0
     while first < used:
         number = waiting[first]
@@ -373,17 +342,17 @@ def keeps_off(
                 if not 0 <= at[d] + step < grid.count[d]:
                     continue
                 to = number + step * grid.stride[d]
-                if seen[to] == _SEEN:
+                if seen[to] == _SEEN or seen[to] == _CLOSED:
+                    continue
+                if np.isfinite(ratio) and not _can_leave(problem, room, grid, at, d, up, ratio):
                     continue
                 at[d] += step
-                enters = _exists(grid, room, at) and _enough_energy(
-                    problem, room, start, grid, at, fixed
+                enters = _exists(problem, room, grid, at) and _enough_energy(
+                    problem, room, start, grid, at
                 )
                 at[d] -= step
-                if not enters or (
-                    np.isfinite(ratio)
-                    and not _can_leave(problem, room, start, grid, at, d, up, ratio)
-                ):
+                if not enters:
+                    seen[to] = _CLOSED
                     continue
                 if seen[to] == _ELSEWHERE:
                     return False
