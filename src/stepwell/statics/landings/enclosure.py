@@ -4,7 +4,8 @@ from stepwell.base import Floats
 from stepwell.kernels import entry
 from stepwell.statics.following import Problem, stand_all_on
 from stepwell.statics.landings.only import SAME, lands_only_at
-from stepwell.statics.landings.room import leads_on, room_of
+from stepwell.statics.landings.purse import narrow
+from stepwell.statics.landings.room import leads_on, room_of, whole_room
 from stepwell.statics.landings.start import Start
 
 
@@ -23,13 +24,17 @@ def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> b
     """
     laws, n = problem.laws, len(landing)
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
-    room = room_of(problem, start)
+    room = room_of(problem, start, whole_room(problem, start))
+    for _ in range(2):
+        for i in range(n):
+            if room.high[i] > room.low[i] and laws.friction[i] > 0.0:
+                return False
+        narrow(problem, start, room)
+        room = room_of(problem, start, room)
     moving = 0
     for i in range(n):
         if room.high[i] > room.low[i]:
             moving += 1
-            if laws.friction[i] > 0.0:
-                return False
         elif abs(landing[i] - start.travel[i]) > SAME * laws.full[i]:
             return False
     if moving == 0 or (problem.beta == 0.0 and moving == 1) or leads_on(problem, room):

@@ -5,10 +5,11 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import kernel
 from stepwell.statics.following import Problem
+from stepwell.statics.landings.purse import energy_of
 from stepwell.statics.landings.rests import places_of_rest
 from stepwell.statics.landings.room import Room
 from stepwell.statics.landings.start import Start
-from stepwell.statics.landings.ways import energy_of, grid_of, keeps_off
+from stepwell.statics.landings.ways import boxes_of, grid_of, keeps_off
 
 # A landing is the same within this share of the travels.
 SAME = 1e-6
@@ -52,6 +53,8 @@ def lands_only_at(
         return True
     for most in (2000, 12_000):
         grid = grid_of(problem, room, start, most)
+        if boxes_of(grid) > 4 * most:
+            continue
         if keeps_off(problem, room, start, grid, places[:others], ratio):
             return True
     return False

@@ -74,10 +74,17 @@ def whole_room(problem: Problem, start: Start) -> Room:
     """All travels of the sheets on which the cells stand, and all forces."""
     n, ends = len(start.travel), problem.sheets.ends
     room = Room(ends[:, LOW].copy(), ends[:, HIGH].copy(), np.ones((n, 2), np.int64), np.empty(2))
-    room.force[:] = start.force
+    least, most, below, above = start.force, start.force, 0.0, 0.0
     for i in range(n):
         low, high = forces_within(problem, i, room.low[i], room.high[i])
-        room.force[0], room.force[1] = min(room.force[0], low), max(room.force[1], high)
+        least, most = min(least, low), max(most, high)
+        below += room.low[i] - start.travel[i]
+        above += room.high[i] - start.travel[i]
+    if problem.beta > 0.0:
+        stiffness = problem.alpha / problem.beta
+        least = min(least, start.force - stiffness * above)
+        most = max(most, start.force - stiffness * below)
+    room.force[0], room.force[1] = least, most
     return room
 
 
@@ -95,28 +102,27 @@ def leads_on(problem: Problem, room: Room) -> bool:
 
 
 @kernel
-def room_of(problem: Problem, start: Start) -> Room:
-    """The room of overdamped flow, for all mobilities.
+def room_of(problem: Problem, start: Start, within: Room) -> Room:
+    """The room of overdamped flow, for all mobilities, within one that it is known not to leave.
 
     λ stays between the least and the largest force of the cells that move, friction added; a cell
     stays short of where its force holds the largest λ. The smallest room that is closed under both
-    is entered and never left.
+    is never left.
     """
-    room = whole_room(problem, start)
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
-    n = len(start.travel)
-    slip = CLOSE_FORCE * problem.scale
-    lowest, highest = room.low.copy(), room.high.copy()
-    all_low, all_high = room.force[0], room.force[1]
+    n, slip = len(start.travel), CLOSE_FORCE * problem.scale
+    room = Room(within.low.copy(), within.high.copy(), within.stops.copy(), within.force.copy())
     least, most = start.force, start.force
     for turn in range(_ROUNDS):
         if turn == _ROUNDS - 1:
-            least, most = all_low - np.max(laws.friction), all_high + np.max(laws.friction)
+            rub = np.max(laws.friction)
+            least, most = within.force[0] - rub, within.force[1] + rub
         new_least, new_most, below, above = least, most, 0.0, 0.0
         for i in range(n):
             s, rub = start.travel[i], laws.friction[i]
-            room.high[i] = _pushed(problem, i, s, most - rub + slip, True)
-            room.low[i] = _pushed(problem, i, s, least + rub - slip, False)
+            up = _pushed(problem, i, s, most - rub + slip, True)
+            down = _pushed(problem, i, s, least + rub - slip, False)
+            room.high[i], room.low[i] = min(up, within.high[i]), max(down, within.low[i])
             below += room.low[i] - s
             above += room.high[i] - s
             if room.high[i] > room.low[i] and beta == 0.0:
@@ -125,6 +131,7 @@ def room_of(problem: Problem, start: Start) -> Room:
         if beta > 0.0:
             new_least = min(new_least, start.force - alpha / beta * above)
             new_most = max(new_most, start.force - alpha / beta * below)
+            new_least, new_most = max(new_least, within.force[0]), min(new_most, within.force[1])
         if new_least >= least and new_most <= most:
             break
         if turn > 16:
@@ -135,10 +142,12 @@ def room_of(problem: Problem, start: Start) -> Room:
     room.force[0], room.force[1] = least, most
     for i in range(n):
         near = CLOSE * laws.full[i]
-        room.stops[i, 0] = room.low[i] <= lowest[i] + near
-        room.stops[i, 1] = room.high[i] >= highest[i] - near
-        if room.stops[i, 0]:
-            room.low[i] = lowest[i]
-        if room.stops[i, 1]:
-            room.high[i] = highest[i]
+        if room.low[i] <= within.low[i] + near:
+            room.low[i] = within.low[i]
+        else:
+            room.stops[i, 0] = 0
+        if room.high[i] >= within.high[i] - near:
+            room.high[i] = within.high[i]
+        else:
+            room.stops[i, 1] = 0
     return room

@@ -11,8 +11,8 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
-from stepwell.mechanism import stored
-from stepwell.statics.following import Problem, find_piece
+from stepwell.statics.following import Problem
+from stepwell.statics.landings.purse import energy_at, energy_slack, least_energy
 from stepwell.statics.landings.room import (
     CLOSE_FORCE,
     Room,
@@ -39,33 +39,11 @@ class Grid(NamedTuple):
     stride: Ints  # (D,) of the number of a box
     node: Floats  # (M,) travels
     force: Floats  # (M,) F there
-    energy: Floats  # (M,) see _energy_at
+    energy: Floats  # (M,) see energy_at
     least: Floats  # (M,) F in between
     most: Floats  # (M,)
     last: int  # the cell that has what the others leave, or -1
     free: float  # what moves has in all, under a stroke; else the drive less what rests
-
-
-@kernel
-def _energy_at(problem: Problem, start: Start, i: int, travel: float) -> float:
-    """What cell i has stored since the start, less λ of the start times the way."""
-    pieces, begun = problem.pieces, start.travel[i]
-    picked = pieces.picked
-    here = stored(problem.laws, i, picked[find_piece(pieces, i, travel, 0)], travel)
-    there = stored(problem.laws, i, picked[find_piece(pieces, i, begun, 0)], begun)
-    return here - there - start.force * (travel - begun)
-
-
-@kernel
-def energy_of(problem: Problem, start: Start, travel: Floats) -> float:
-    """What the chain and its actuator have stored at `travel` (N,) since the start [J]."""
-    total, way = 0.0, 0.0
-    for i in range(len(travel)):
-        total += _energy_at(problem, start, i, travel[i])
-        way += travel[i] - start.travel[i]
-    if problem.beta > 0.0:
-        total += 0.5 * problem.alpha / problem.beta * way * way
-    return total
 
 
 @kernel
@@ -116,7 +94,7 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
             )
             count[d] = _nodes(low, 0.0, high, _NEAREST, 1.0 / fine, nodes[d]) - 1
             boxes *= count[d]
-        if boxes <= most or fine < 2.0:
+        if boxes <= most or fine < 4.0:
             break
         fine *= 0.9
     begin, stride = np.empty(dims, np.int64), np.empty(dims, np.int64)
@@ -137,10 +115,19 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
             travel = start.travel[i] + widest * nodes[d, k]
             travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
             out[0, at], out[1, at] = travel, force_at(problem, i, travel)
-            out[2, at] = _energy_at(problem, start, i, travel)
+            out[2, at] = energy_at(problem, start, i, travel)
         for k in range(begin[d], begin[d] + count[d]):
             out[3, k], out[4, k] = forces_within(problem, i, out[0, k], out[0, k + 1])
     return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
+
+
+@kernel
+def boxes_of(grid: Grid) -> int:
+    """How many boxes a grid has."""
+    boxes = 1
+    for count in grid.count:
+        boxes *= count
+    return boxes
 
 
 @kernel
@@ -148,24 +135,6 @@ def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float
     """Travels of the last cell where the others have gone from `low` to `high` together."""
     most, least = room.high[grid.last], room.low[grid.last]
     return min(max(grid.free - high, least), most), min(max(grid.free - low, least), most)
-
-
-@kernel
-def _least_energy(
-    energy: tuple[float, float], width: float, force: tuple[float, float], tilt: float
-) -> float:
-    """A bound from below of energy between two travels, less `tilt` times the way from the first.
-
-    From the energies at both and the least and the largest F between them, less λ of the start.
-    """
-    one, two = energy[0], energy[1] - tilt * width
-    falls, rises = force[0] - tilt, force[1] - tilt
-    if falls >= 0.0:
-        return one
-    if rises <= 0.0:
-        return two
-    way = min(max((one - two + rises * width) / (rises - falls), 0.0), width)
-    return one + falls * way
 
 
 @kernel
@@ -186,9 +155,9 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
         least, most = forces_within(problem, grid.last, a, b)
         force = least - level, most - level
         tilt = 0.5 * (force[0] + force[1])
-        energy = _energy_at(problem, start, grid.last, a), _energy_at(problem, start, grid.last, b)
+        energy = energy_at(problem, start, grid.last, a), energy_at(problem, start, grid.last, b)
         # Σ s is what there is to have.
-        total = tilt * (grid.free - a - low) + _least_energy(energy, b - a, force, tilt)
+        total = tilt * (grid.free - a - low) + least_energy(energy, b - a, force, tilt)
     else:
         stiffness = problem.alpha / problem.beta
         begun = 0.0
@@ -203,8 +172,8 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
             (grid.energy[k], grid.energy[k + 1]),
             (grid.least[k] - level, grid.most[k] - level),
         )
-        total += _least_energy(energy, node[k + 1] - node[k], force, tilt)
-    return total <= CLOSE_FORCE * problem.scale * np.max(problem.laws.full)
+        total += least_energy(energy, node[k + 1] - node[k], force, tilt)
+    return total <= energy_slack(problem)
 
 
 @kernel
@@ -314,9 +283,7 @@ def keeps_off(
 
     A ratio of inf asks for energy alone.
     """
-    dims, boxes = len(grid.cell), 1
-    for d in range(dims):
-        boxes *= grid.count[d]
+    dims, boxes = len(grid.cell), boxes_of(grid)
     seen = np.zeros(boxes, np.int64)
     for c in range(len(others)):
         _mark(problem, room, grid, others[c, 0], others[c, 1], _ELSEWHERE, seen)
