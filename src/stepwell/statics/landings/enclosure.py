@@ -1,9 +1,11 @@
 """Whether a snap lands in one place for all mobilities within a ratio: all its ways enclosed."""
 
+import numpy as np
+
 from stepwell.base import Floats
 from stepwell.kernels import entry
 from stepwell.statics.following import Problem, stand_all_on
-from stepwell.statics.landings.only import SAME, lands_only_at
+from stepwell.statics.landings.only import MOST_MOVING, lands_only_at
 from stepwell.statics.landings.purse import narrow
 from stepwell.statics.landings.room import leads_on, room_of, whole_room
 from stepwell.statics.landings.start import Start
@@ -22,21 +24,15 @@ def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> b
     Returns:
         True where it is proved; False where it is not, which says nothing.
     """
-    laws, n = problem.laws, len(landing)
+    laws = problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     room = room_of(problem, start, whole_room(problem, start))
     for _ in range(2):
-        for i in range(n):
-            if room.high[i] > room.low[i] and laws.friction[i] > 0.0:
-                return False
+        moving = np.flatnonzero(room.high > room.low)
+        if not 0 < len(moving) <= MOST_MOVING or np.max(laws.friction[moving]) > 0.0:
+            return False
         narrow(problem, start, room)
         room = room_of(problem, start, room)
-    moving = 0
-    for i in range(n):
-        if room.high[i] > room.low[i]:
-            moving += 1
-        elif abs(landing[i] - start.travel[i]) > SAME * laws.full[i]:
-            return False
-    if moving == 0 or (problem.beta == 0.0 and moving == 1) or leads_on(problem, room):
+    if leads_on(problem, room):
         return False
     return lands_only_at(problem, start, room, landing, ratio)

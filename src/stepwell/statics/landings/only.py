@@ -16,6 +16,10 @@ SAME = 1e-6
 # A place known no better than this may store more than its middle does.
 _KNOWN = 1e-7
 _MOST_PLACES = 64
+# So many cells may move: of more, a grid would be too coarse to tell anything.
+MOST_MOVING = 10
+# Boxes of the grids, one after the other.
+_COARSE, _FINE = 1500, 6000
 
 
 @kernel
@@ -51,7 +55,7 @@ def lands_only_at(
         return False
     if others == 0:
         return True
-    for most in (2000, 12_000):
+    for most in (_COARSE, _FINE):
         grid = grid_of(problem, room, start, most)
         if boxes_of(grid) > 4 * most:
             continue

@@ -17,7 +17,7 @@ from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
 from stepwell.statics.landings.start import Start
 
 # So many choices of branches are looked at, and so many intervals of λ: more are declined.
-_MOST_CHOICES, _MOST_INTERVALS = 20_000, 20_000
+_MOST_CHOICES, _MOST_INTERVALS = 5_000, 1_000
 # So many places.
 _MOST_PLACES = 64
 # A place whose travels are known to this share of them is known.
