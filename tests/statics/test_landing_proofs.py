@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from chains import any_cell, concave_cell
 
 import stepwell as sw
+from chains import any_cell, concave_cell
 from stepwell import elements
 from stepwell.statics.landings import factors_of, snaps_of
 from stepwell.statics.landings.enclosure import enclosed
