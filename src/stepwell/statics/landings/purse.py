@@ -86,13 +86,13 @@ def narrow(problem: Problem, start: Start, room: Room) -> None:
     first, count = np.empty(m, np.int64), np.empty(m, np.int64)
     energies = np.empty((m, _STEPS + 2))
     for k in range(m):
-        i = moving[k]
+        i = int(moving[k])
         s = start.travel[i]
         first[k] = int(np.floor((room.low[i] - s) / step + 1e-9))
         count[k] = max(1, int(np.ceil((room.high[i] - s) / step - 1e-9)) - first[k])
         for j in range(count[k]):
-            a = max(room.low[i], s + (first[k] + j) * step)
-            b = min(room.high[i], s + (first[k] + j + 1) * step)
+            a = float(max(room.low[i], s + (first[k] + j) * step))
+            b = float(min(room.high[i], s + (first[k] + j + 1) * step))
             least, most = forces_within(problem, i, a, b)
             ends = energy_at(problem, start, i, a), energy_at(problem, start, i, b)
             energies[k, j] = least_energy(ends, b - a, (least - level, most - level), 0.0)

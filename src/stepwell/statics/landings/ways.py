@@ -34,7 +34,7 @@ class Grid(NamedTuple):
     """
 
     cell: Ints  # (D,)
-    count: Ints  # (D,) intervals
+    cuts: Ints  # (D,) intervals
     begin: Ints  # (D,) where the nodes of its axis begin
     stride: Ints  # (D,) of the number of a box
     node: Floats  # (M,) travels
@@ -86,7 +86,7 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
     while True:
         boxes = 1.0
         for d in range(dims):
-            i = cell[d]
+            i = int(cell[d])
             # In shares of the widest room.
             low, high = (
                 (room.low[i] - start.travel[i]) / widest,
@@ -105,11 +105,11 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
         number *= count[d]
     out = np.empty((5, total))
     free = start.drive
-    for i in range(len(width)):
+    for i in range(len(start.travel)):
         if width[i] == 0.0:
             free -= start.travel[i]
     for d in range(dims):
-        i = cell[d]
+        i = int(cell[d])
         for k in range(count[d] + 1):
             at = begin[d] + k
             travel = start.travel[i] + widest * nodes[d, k]
@@ -125,7 +125,7 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
 def boxes_of(grid: Grid) -> int:
     """How many boxes a grid has."""
     boxes = 1
-    for count in grid.count:
+    for count in grid.cuts:
         boxes *= count
     return boxes
 
@@ -147,7 +147,7 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
     node, level = grid.node, start.force
     low, high = 0.0, 0.0
     for d in range(len(at)):
-        k = grid.begin[d] + at[d]
+        k = int(grid.begin[d] + at[d])
         low += node[k]
         high += node[k + 1]
     if grid.last >= 0:
@@ -163,17 +163,17 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
         begun = 0.0
         for i in grid.cell:
             begun += start.travel[i]
-        way = 0.5 * (low + high) - begun
+        way = float(0.5 * (low + high) - begun)
         tilt = -stiffness * way
         total = -0.5 * stiffness * way * way + tilt * (begun - low)
     for d in range(len(at)):
-        k = grid.begin[d] + at[d]
+        k = int(grid.begin[d] + at[d])
         energy, force = (
             (grid.energy[k], grid.energy[k + 1]),
             (grid.least[k] - level, grid.most[k] - level),
         )
         total += least_energy(energy, node[k + 1] - node[k], force, tilt)
-    return total <= energy_slack(problem)
+    return bool(total <= energy_slack(problem))
 
 
 @kernel
@@ -186,17 +186,17 @@ def _can_leave(
     a stop: the least of it takes the largest F_j and gives those that pull it the most mobility.
     """
     node, slip = grid.node, CLOSE_FORCE * problem.scale
-    face = grid.begin[axis] + at[axis] + (1 if up else 0)
+    face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
     for d in range(len(at)):
         if d == axis:
             continue
-        k, cell = grid.begin[d] + at[d], grid.cell[d]
+        k, cell = int(grid.begin[d] + at[d]), int(grid.cell[d])
         low += node[k]
         high += node[k + 1]
         gap = own - grid.most[k] if up else grid.least[k] - own
         pressed = (
-            room.stops[cell, 1] and at[d] == grid.count[d] - 1
+            room.stops[cell, 1] and at[d] == grid.cuts[d] - 1
             if up
             else room.stops[cell, 0] and at[d] == 0
         )
@@ -233,12 +233,12 @@ def _mark(
     dims, marked = len(grid.cell), 0
     begin, end = np.zeros(dims, np.int64), np.zeros(dims, np.int64)
     for d in range(dims):
-        i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.count[d] + 1]
+        i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.cuts[d] + 1]
         near = 1e-9 * problem.laws.full[i]
         if high[i] < room.low[i] - near or low[i] > room.high[i] + near:
             return 0
         begin[d] = max(0, np.searchsorted(nodes, low[i] - near) - 1)
-        end[d] = min(grid.count[d], max(np.searchsorted(nodes, high[i] + near), 1))
+        end[d] = min(grid.cuts[d], max(np.searchsorted(nodes, high[i] + near), 1))
     at = begin.copy()
     while True:
         number = 0
@@ -264,7 +264,7 @@ def _exists(problem: Problem, room: Room, grid: Grid, at: Ints) -> bool:
         return True
     low, high = 0.0, 0.0
     for d in range(len(at)):
-        k = grid.begin[d] + at[d]
+        k = int(grid.begin[d] + at[d])
         low += grid.node[k]
         high += grid.node[k + 1]
     near = 1e-9 * problem.laws.full[grid.last]
@@ -302,11 +302,11 @@ def keeps_off(
         number = waiting[first]
         first += 1
         for d in range(dims):
-            at[d] = number // grid.stride[d] % grid.count[d]
+            at[d] = number // grid.stride[d] % grid.cuts[d]
         for d in range(dims):
             for up in (True, False):
                 step = 1 if up else -1
-                if not 0 <= at[d] + step < grid.count[d]:
+                if not 0 <= at[d] + step < grid.cuts[d]:
                     continue
                 to = number + step * grid.stride[d]
                 if seen[to] == _SEEN or seen[to] == _CLOSED:
