@@ -25,6 +25,9 @@ def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> b
         True where it is proved; False where it is not, which says nothing.
     """
     laws = problem.laws
+    if problem.alpha == 0.0:
+        # Under a force no cell feels another one: nothing is to be enclosed.
+        return False
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     room = room_of(problem, start, whole_room(problem, start))
     for _ in range(2):
