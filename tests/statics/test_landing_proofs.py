@@ -139,10 +139,10 @@ def _proved(kind, seeds, ratio):
 def test_what_is_proved_for_a_ratio_is_where_plain_flows_of_any_such_mobilities_land(kind):
     tried = 0
     for chain, problem, snap, seed in _proved(kind, range(12), 10.0):
-        if tried == 6:
+        if tried == 4:
             break
         rng = np.random.default_rng(seed)
-        factors = 10.0 ** rng.random((24, len(chain)))
+        factors = 10.0 ** rng.random((16, len(chain)))
         there = Plain(chain, snap).land(factors)
         off = np.abs(there - snap.travel) / problem.laws.full
         # Explicit steps creep; no other place of rest is as near.
