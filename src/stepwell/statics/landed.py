@@ -18,7 +18,15 @@ from stepwell.statics.following import (
     log as logged,
     stand_all_on,
 )
-from stepwell.statics.landings import Snap, factors_of, goes_one_way, land_all, snaps_of
+from stepwell.statics.landings import (
+    Snap,
+    enclosed,
+    energy_holds,
+    factors_of,
+    goes_one_way,
+    land_all,
+    snaps_of,
+)
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6
@@ -153,6 +161,12 @@ def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
     """What proves that a snap lands where it does, the cheapest first."""
     if goes_one_way(problem, snap.start, snap.travel, ratio):
         return Proof.FREEDOM
+    if not np.array_equal(snap.sheet, snap.start.sheet):
+        return None
+    if energy_holds(problem, snap.start, snap.travel):
+        return Proof.ENERGY
+    if enclosed(problem, snap.start, snap.travel, ratio):
+        return Proof.ENCLOSURE
     return None
 
 
