@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Ints, check, require
+from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
 from stepwell.statics.following import (
@@ -159,15 +160,16 @@ def landings(
 
 def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
     """What proves that a snap lands where it does, the cheapest first."""
-    if goes_one_way(problem, snap.start, snap.travel, ratio):
+    start, landing = snap.start, snap.travel
+    if goes_one_way(problem, start, landing, ratio):
         return Proof.FREEDOM
-    if not np.array_equal(snap.sheet, snap.start.sheet):
+    if not np.array_equal(snap.sheet, start.sheet):
         return None
-    if energy_holds(problem, snap.start, snap.travel):
+    # What the path has spent does not count.
+    fresh = problem._replace(effort=np.array([0, UNLIMITED, 0]))
+    if energy_holds(fresh, start, landing):
         return Proof.ENERGY
-    if enclosed(problem, snap.start, snap.travel, ratio):
-        return Proof.ENCLOSURE
-    return None
+    return Proof.ENCLOSURE if enclosed(fresh, start, landing, ratio) else None
 
 
 def _sampled(
