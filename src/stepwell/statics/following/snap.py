@@ -46,10 +46,16 @@ from stepwell.statics.following.state import (
     write,
 )
 
+# Accuracies of the flow, as shares of the travel: that of a path, and that of a second look.
+FINE, COARSE = 1e-6, 1e-4
+
 
 @kernel
-def snap(problem: Problem, state: State, direction: int) -> int:
-    """Snap, and write down what moved and what was released."""
+def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
+    """Snap, and write down what moved and what was released.
+
+    Unless the accuracy is FINE, ties of the flow are not looked for.
+    """
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
     before, trigger = begun.travel, state.next_snap[TRIGGER]
@@ -58,9 +64,10 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     if not (
         state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
     ):
-        outcome, close = _along_line(problem, state, direction, rubbed)
+        outcome, close = along_line(problem, state, direction, rubbed)
     if outcome == JOINED or outcome == JUMPED:
-        settled, closer = _by_flow(problem, state, begun.drive, rubbed, outcome == JUMPED)
+        jumped = outcome == JUMPED
+        settled, closer = _by_flow(problem, state, begun.drive, rubbed, jumped, accuracy)
         if not settled:
             return NOT_SETTLED
         close = close or closer
@@ -110,7 +117,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
 
 
 @kernel
-def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
+def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
     """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
 
     JOINED where there is more than one degree of freedom, or from where on there is.
@@ -224,7 +231,7 @@ def _driven_on(line: Line, direction: int, by: float) -> Line:
 
 @kernel
 def _by_flow(
-    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool
+    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
     """Let the flow bring all cells to rest; whether it did, and whether by a tie.
 
@@ -245,22 +252,24 @@ def _by_flow(
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
         again = state.travel.copy()
-        settled, level = flow(problem, state, drive, force, 1e-6, rubbed)
+        settled, level = flow(problem, state, drive, force, accuracy, rubbed)
         if settled or on_its_way:
             break
     if not settled:
         return False, False
-    # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
-    # between two landings hangs on less than any real mechanism can promise.
-    landed, here, moved = sheets_of(problem.sheets), state.travel.copy(), state.mode.copy()
-    stand_all_on(laws, problem.sheets, pieces, sheets)
-    state.travel[:], state.mode[:] = again, modes
-    settled, _ = flow(problem, state, drive, force, 1e-4, worn)
-    again[:], state.travel[:], state.mode[:] = state.travel, here, moved
+    landed, tie = sheets_of(problem.sheets), False
     state.force[0] = level
-    elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
-    stand_all_on(laws, problem.sheets, pieces, landed)
-    tie = not settled or elsewhere or _elsewhere(problem, state, again)
+    if accuracy == FINE:
+        # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
+        # between two landings hangs on less than any real mechanism can promise.
+        here, moved = state.travel.copy(), state.mode.copy()
+        stand_all_on(laws, problem.sheets, pieces, sheets)
+        state.travel[:], state.mode[:] = again, modes
+        settled, _ = flow(problem, state, drive, force, COARSE, worn)
+        again[:], state.travel[:], state.mode[:] = state.travel, here, moved
+        elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
+        stand_all_on(laws, problem.sheets, pieces, landed)
+        tie = not settled or elsewhere or _elsewhere(problem, state, again)
     travel, ends, full = state.travel, problem.sheets.ends, laws.full
     for i in range(len(landed)):
         for end in (LOW, HIGH):

@@ -1,0 +1,267 @@
+"""For which mobilities of its cells a snap lands where it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, Ints, check, require
+from stepwell.kernels import UNLIMITED
+from stepwell.mechanism import HIGH, LOW, Chain, phase_at
+from stepwell.statics.events import Event
+from stepwell.statics.following import (
+    COARSE,
+    Problem,
+    find_piece,
+    log as logged,
+    stand_all_on,
+)
+from stepwell.statics.landings import (
+    Snap,
+    enclosed,
+    energy_holds,
+    factors_of,
+    goes_one_way,
+    land_all,
+    snaps_of,
+)
+
+# Places whose travels differ by less than this share of the full travel are one.
+_ALIKE = 1e-6
+# From equal mobilities to those that lead elsewhere in so many steps, to tell the least that do.
+_STEPS = 8
+# (N,) travels and sheets.
+_Place = tuple[Floats, Ints]
+# Further apart, the fast ones take more steps than there is time for while the slow ones go.
+_MOST_RATIO = 1e3
+
+
+class Proof(Enum):
+    """Why a landing holds for all mobilities within a ratio."""
+
+    FREEDOM = "only one cell or one pair moves, and for no mobilities would another one join"
+    ENERGY = "no other place of rest can be reached with the energy that there is"
+    ENCLOSURE = "all ways from the start were enclosed, and they lead to one place"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Elsewhere(ByValue):
+    """Another place where a snap lands, with mobilities that lead there; N cells.
+
+    Attributes:
+        mobility: (N,) factors beside the given mobilities, the least 1; on the way from equal ones
+            to those that were found to lead there, the first of eight steps that do.
+        travel: (N,) where it comes to rest [m].
+        sheet: (N,) on which sheets of the cells' curves.
+        state: the phases there, - in transit.
+        share: of the samples that came to rest, those that land there.
+    """
+
+    mobility: tuple[float, ...]
+    travel: tuple[float, ...]
+    sheet: tuple[int, ...]
+    state: str
+    share: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Landing(ByValue):
+    """Whether a snap lands in one place for all mobilities within a ratio.
+
+    Attributes:
+        event: the snap; where it passes through saddles, the first of those that follow at once.
+        ratio: of the fastest to the slowest factor beside the given mobilities, >= 1.
+        proof: why it holds; None where it was only sampled.
+        samples: with how many mobilities the cells came to rest; 0 where it is proved.
+        elsewhere: every other place that was found, the most frequent first.
+    """
+
+    event: Event
+    ratio: float
+    proof: Proof | None
+    samples: int
+    elsewhere: tuple[Elsewhere, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is proved, or sampled and no mobilities were found that lead elsewhere."""
+        return self.proof is not None or (self.samples > 0 and not self.elsewhere)
+
+    def __str__(self):
+        if self.proof is not None:
+            return f"holds for mobilities up to {self.ratio:g} apart: {self.proof.value}."
+        if self.holds:
+            return (
+                f"holds in all of {self.samples} samples of mobilities up to {self.ratio:g} apart."
+            )
+        if not self.samples:
+            return (
+                f"cannot be told for mobilities up to {self.ratio:g} apart: the cells come to rest "
+                f"too slowly."
+            )
+        places = ", ".join(f"{place.state} in {place.share:.0%}" for place in self.elsewhere)
+        return (
+            f"hangs on the mobilities: of {self.samples} samples up to {self.ratio:g} apart, it "
+            f"lands elsewhere: {places}."
+        )
+
+    def __repr__(self):
+        return f"Landing({self.event!r}: {self})"
+
+
+def landings(
+    chain: Chain,
+    problem: Problem,
+    log: logged.Log,
+    start: tuple[Floats, Ints],
+    events: list[Event],
+    *,
+    ratio: float,
+    samples: int,
+    seed: int,
+) -> Iterator[Landing]:
+    """Whether each snap of a path lands where it does for all mobilities within a ratio.
+
+    Args:
+        chain: what moved.
+        problem: that it sets.
+        log: what was written down of the path.
+        start: (N,) travels [m] and sheets at its beginning.
+        events: its snaps, in order.
+        ratio, samples, seed: as for `Path.landings`.
+
+    Raises:
+        ValueError: a ratio below 1 or above a thousand, or less than one sample.
+    """
+    ratio = check.finite("ratio", ratio, "1")
+    if not 1.0 <= ratio <= _MOST_RATIO:
+        raise InputError(
+            f"ratio = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is that of the fastest "
+            f"to the slowest cell."
+        )
+    samples, seed = check.whole("samples", samples, 1), check.whole("seed", seed, 0)
+    require("samples", samples, "samples =")
+    at = 0
+    for found in snaps_of(problem, log, *start):
+        event, passed = events[at], events[at : at + found.rows]
+        at += found.rows
+        proof = _proof(problem, found, ratio)
+        if proof is not None:
+            yield Landing(event, ratio, proof, 0, ())
+            continue
+        cells = sorted({cell for one in passed for cell in one.cells})
+        factors = factors_of(np.array(cells), len(chain), ratio, samples, seed)
+        rests, elsewhere = _sampled(chain, problem, found, factors)
+        yield Landing(event, ratio, None, rests, tuple(elsewhere))
+
+
+def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
+    """What proves that a snap lands where it does, the cheapest first."""
+    start, landing = snap.start, snap.travel
+    if goes_one_way(problem, start, landing, ratio):
+        return Proof.FREEDOM
+    if not np.array_equal(snap.sheet, start.sheet):
+        return None
+    # What the path has spent does not count.
+    fresh = problem._replace(effort=np.array([0, UNLIMITED, 0]))
+    if energy_holds(fresh, start, landing):
+        return Proof.ENERGY
+    return Proof.ENCLOSURE if enclosed(fresh, start, landing, ratio) else None
+
+
+def _sampled(
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats
+) -> tuple[int, list[Elsewhere]]:
+    """How many samples come to rest, and every other place where, most frequent first.
+
+    The samples are taken with a coarse flow. Other places are looked for again with a fine one,
+    and those that are not found again do not count.
+    """
+    landed = land_all(problem, snap.start, factors, COARSE)
+    places, first, hits = [(snap.travel, snap.sheet)], [-1], [0]
+    for k in np.flatnonzero(landed.settled).tolist():
+        here = landed.travel[k], landed.sheet[k]
+        for place, there in enumerate(places):
+            if _same(chain, problem, snap, here, there):
+                hits[place] += 1
+                break
+        else:
+            places.append(here)
+            first.append(k)
+            hits.append(1)
+    found = [
+        (count, *again)
+        for count, k, place in zip(hits[1:], first[1:], places[1:], strict=True)
+        if (again := _least_apart(chain, problem, snap, factors[k], place)) is not None
+    ]
+    rests = hits[0] + sum(count for count, *_ in found)
+    return rests, [
+        Elsewhere(
+            tuple(mobility.tolist()),
+            tuple(place[0].tolist()),
+            tuple(place[1].tolist()),
+            _state(chain, *place),
+            count / rests,
+        )
+        for count, mobility, place in sorted(found, key=lambda one: -one[0])
+    ]
+
+
+def _least_apart(
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats, place: _Place
+) -> tuple[Floats, _Place] | None:
+    """Factors as alike as will do that lead to a place, the least 1, and the place found again.
+
+    Cells that keep still have the least, unless they have a say after all, having moved and come
+    back; and of the steps from equal factors to the given ones the first is taken that leads there.
+    """
+    given = factors / np.min(factors)
+    moves = (place[0] != snap.start.travel) | (place[1] != snap.start.sheet)
+    plain = np.where(moves, given, 1.0)
+    if moves.any():
+        plain[moves] /= np.min(plain[moves])
+    steps = np.arange(1, _STEPS + 1) / _STEPS
+    tried = np.concatenate([plain ** steps[:, None], given[None]])
+    landed = land_all(problem, snap.start, tried)
+    for k in np.flatnonzero(landed.settled).tolist():
+        again = landed.travel[k], landed.sheet[k]
+        if _same(chain, problem, snap, place, again):
+            return tried[k], again
+    return None
+
+
+def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Place) -> bool:
+    """Whether two landings are one.
+
+    Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
+    and stops decide.
+    """
+    if not np.array_equal(here[1], there[1]):
+        return False
+    slip = _ALIKE * problem.laws.full
+    if np.all(np.abs(here[0] - there[0]) <= slip):
+        return True
+    stand_all_on(problem.laws, problem.sheets, problem.pieces, here[1])
+    moved = (here[0] != snap.start.travel) | (there[0] != snap.start.travel)
+    rubs = np.any(problem.laws.friction[moved] > 0.0)
+    if not rubs and min(_constant(problem, here[0]), _constant(problem, there[0])) < 2:
+        return False
+    ends = problem.sheets.ends[:, [LOW, HIGH]]
+    one, two = (np.abs(travel[:, None] - ends) <= slip[:, None] for travel in (here[0], there[0]))
+    return np.array_equal(one, two) and _state(chain, *here) == _state(chain, *there)
+
+
+def _constant(problem: Problem, travel: Floats) -> int:
+    """How many cells stand where their force is constant."""
+    pieces = problem.pieces
+    on = [find_piece(pieces, i, s, 0) for i, s in enumerate(travel.tolist())]
+    return int(np.sum(pieces.sign[on] == 0))
+
+
+def _state(chain: Chain, travel: Floats, sheet: Ints) -> str:
+    """The phases of a place, - in transit."""
+    cells = zip(chain.stretches, sheet.tolist(), travel.tolist(), strict=True)
+    return "".join(phase_at(own, on, s) for own, on, s in cells)

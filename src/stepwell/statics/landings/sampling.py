@@ -1,0 +1,116 @@
+"""Where a snap lands with other mobilities: the engine's own snap, again and again."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import entry, kernel, watched
+from stepwell.statics.following import (
+    FINE,
+    GOES_ON,
+    LOST,
+    SENSE,
+    TRIGGER,
+    Problem,
+    State,
+    choose,
+    sheets_of,
+    snap,
+)
+from stepwell.statics.landings.start import Start, room_for, stand_before
+
+# A snap that leads from saddle to saddle more often than this comes to no end.
+_SADDLES = 20
+# So many numbers are worth a look at Ctrl-C.
+_MANY = 2000
+
+
+class Landings(NamedTuple):
+    """Where a snap lands with other mobilities; n samples, N cells."""
+
+    travel: Floats  # (n, N) [m]
+    sheet: Ints  # (n, N)
+    settled: Ints  # (n,) 1 where it came to rest
+
+
+def land_all(problem: Problem, start: Start, factors: Floats, accuracy: float = FINE) -> Landings:
+    """Where a snap lands with the given mobilities times each row of (n, N) factors.
+
+    The accuracy of the flow is a share of the travel: FINE is that of paths, and COARSE, several
+    times as quick, mostly leads to the same place of rest, which is exact in either case.
+    """
+    count, n = factors.shape
+    found = Landings(
+        np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
+    )
+    state = room_for(n)
+    own = problem._replace(mobility=problem.mobility.copy())
+    watched(
+        lambda effort: _land_all(
+            own._replace(effort=effort), start, state, factors, accuracy, found
+        ),
+        long=factors.size > _MANY,
+    )
+    return found
+
+
+@entry(5e-3, "factors")
+def _land_all(
+    problem: Problem,
+    start: Start,
+    state: State,
+    factors: Floats,
+    accuracy: float,
+    found: Landings,
+) -> int:
+    """Fill in where the snap lands; how often it came to rest."""
+    given, rests = problem.mobility.copy(), 0
+    for k in range(len(factors)):
+        mobility = given * factors[k]
+        problem.mobility[:] = mobility / np.max(mobility)
+        stand_before(problem, start, state)
+        settled = _land(problem, state, start.direction, accuracy)
+        found.travel[k], found.sheet[k] = state.travel, sheets_of(problem.sheets)
+        found.settled[k] = 1 if settled else 0
+        rests += found.settled[k]
+    return rests
+
+
+@kernel
+def _land(problem: Problem, state: State, direction: int, accuracy: float) -> bool:
+    """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
+    goes = np.zeros(len(state.mode), np.int64)
+    for _ in range(_SADDLES):
+        state.log.used[:] = 0
+        if snap(problem, state, direction, accuracy) != GOES_ON:
+            return False
+        choice, leader = choose(problem, state, direction, goes)
+        if choice != LOST:
+            return True
+        state.next_snap[TRIGGER], state.next_snap[SENSE] = leader, direction
+    return False
+
+
+def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -> Floats:
+    """(samples, N) factors of the mobilities, from 1 to `ratio`.
+
+    First each of some cells fast among slow ones and slow among fast ones, which is what mostly
+    decides. Then all cells at random: of three samples two have each cell either fast or slow, for
+    the ends of the range lead to more places than what lies between, and one is log-uniform.
+
+    Args:
+        cells: those that are fast or slow alone.
+        count: N.
+        ratio: of the fastest to the slowest, >= 1.
+        samples: how many.
+        seed: of the random ones.
+    """
+    rng, alone = np.random.default_rng(seed), np.arange(len(cells))
+    powers = rng.random((2 * len(cells) + samples, count))
+    powers[alone], powers[alone + len(cells)] = 0.0, 1.0
+    powers[alone, cells], powers[alone + len(cells), cells] = 1.0, 0.0
+    powers = powers[:samples]
+    ends = np.arange(samples) % 3 > 0
+    powers[ends] = np.round(powers[ends])
+    return ratio**powers
