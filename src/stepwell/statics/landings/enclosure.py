@@ -11,7 +11,7 @@ from stepwell.statics.landings.room import leads_on, room_of, whole_room
 from stepwell.statics.landings.start import Start
 
 
-@entry(2.0, "problem.mobility")
+@entry(0.3, "problem.mobility")
 def enclosed(problem: Problem, start: Start, landing: Floats, ratio: float) -> bool:
     """Whether the snap lands at `landing` for all mobilities m_i x_i with max x / min x <= ratio.
 

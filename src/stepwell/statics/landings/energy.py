@@ -11,7 +11,7 @@ from stepwell.statics.landings.room import leads_on, whole_room
 from stepwell.statics.landings.start import Start
 
 
-@entry(2.0, "problem.mobility")
+@entry(0.3, "problem.mobility")
 def energy_holds(problem: Problem, start: Start, landing: Floats) -> bool:
     """Whether the energy at the start suffices for no other place of rest than `landing`.
 

@@ -18,8 +18,6 @@ from stepwell.statics.landings.start import Start
 
 # So many choices of branches are looked at, and so many intervals of λ: more are declined.
 _MOST_CHOICES, _MOST_INTERVALS = 5_000, 1_000
-# So many places.
-_MOST_PLACES = 64
 # A place whose travels are known to this share of them is known.
 _KNOWN = 1e-8
 # What is nearer to the start than this share of the travels is the start, at rounding of which

@@ -2,7 +2,7 @@
 
 A box is entered from its neighbour only through a face at which some point, some mobilities
 within the ratio and the energy that there is allow it. Forces are bounded by their monotone pieces,
-so nothing is stepped over (theory page, "By enclosure").
+so nothing is stepped over (theory page, "Landings and mobility").
 """
 
 from typing import NamedTuple
