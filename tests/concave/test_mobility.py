@@ -30,7 +30,8 @@ def rests(cycle: sw.Cycle) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "lever"), [(math.inf, 0.0), (math.inf, 0.4), (300.0, 0.0), (20.0, 0.0), (0.0, 0.4)]
+    ("stiffness", "lever"),
+    [(math.inf, 0.0), (math.inf, 0.4), (300.0, 0.0), (20.0, 0.0), (0.0, 0.4)],
 )
 def test_end_forces_that_decide_a_cycle_decide_it_for_any_mobilities(stiffness, lever):
     rng = np.random.default_rng(7)
