@@ -238,6 +238,7 @@ class Chain(ByValue):
         to: str,
         *,
         start: str | None = None,
+        robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Program:
         """The shortest list of turning points of the actuator from one state to another.
@@ -245,21 +246,27 @@ class Chain(ByValue):
         Args:
             to: the state wanted, such as "01", inner cell first.
             start: the state at the beginning; all cells at 0 by default.
+            robust: a ratio, such as 10: it has to work for all mobilities of the cells that are
+                up to so far apart from those given. Then every landing on the way holds within
+                it, as `Path.landings` says, or the states at which it turns are proved not to
+                hang on landings.
             progress: called with (done, total) while a search goes on.
 
         Returns:
             The program. Among programs with equally few turns that were compared, the one whose
-            narrowest window is widest.
+            narrowest window is widest. Its `landings` tell which are proved and which sampled.
 
         Raises:
-            Unreachable: no program does it; the text is the proof, or says what was searched.
-            ValueError: a state that this chain cannot have, or in which it cannot stand.
+            Unreachable: no program does it; the text is the proof, or says what was searched, or
+                which landing stands in the way.
+            ValueError: a state that this chain cannot have, or in which it cannot stand, or a ratio
+                that `Path.landings` does not take.
 
         Source: ours (theory page, "Stroke programs").
         """
         from stepwell import sequences
 
-        return sequences.program(self, to, start=start, progress=progress)
+        return sequences.program(self, to, start=start, robust=robust, progress=progress)
 
     def margin(
         self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
