@@ -69,23 +69,27 @@ def program(
     try:
         return search(branches, start, to, origin, progress, robust)
     except Unreachable as why:
-        raise Unreachable(_no_robust(found, found.hangs), proved=why.proved) from None
+        text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
+        raise Unreachable(text, proved=why.proved) from None
 
 
-def _no_robust(found: Program, hangs: Landing) -> str:
+_NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
+
+
+def _hanging(found: Program, hangs: Landing) -> str:
     """What stands in the way of a program that works for all mobilities within a ratio."""
     told, factor = told_in(found.chain.drive_unit)
-    drive = f"{hangs.event.drive * factor:.4g} {Quantity('drive', told).sign}"
-    way = "up" if hangs.event.direction > 0 else "down"
-    cells = ", ".join(found.chain.names[cell] for cell in hangs.event.cells)
-    place = hangs.elsewhere[0]
-    factors = ", ".join(f"{factor:.3g}" for factor in place.mobility)
+    event, place = hangs.event, hangs.elsewhere[0]
+    at = f"{event.drive * factor:.4g} {Quantity('drive', told).sign}"
+    way = "up" if event.direction > 0 else "down"
+    cells = ", ".join(found.chain.names[cell] for cell in event.cells)
+    factors = ", ".join(f"{one:.3g}" for one in place.mobility)
     return (
-        f"no program leads from {found.start} to {found.to} whose snaps all land in one place for "
-        f"mobilities up to {hangs.ratio:g} apart. In the way of {found} stands the snap at {drive} "
-        f"on the way {way} ({cells}): with mobilities {factors} times those given it lands in "
-        f"{place.state}, and {len(hangs.elsewhere)} other places were found in "
-        f"{hangs.samples} samples. Ask for a smaller ratio, or move an anchor."
+        f"no program leads from {found.start} to {found.to} on which every snap lands in one place "
+        f"for all mobilities up to {hangs.ratio:g} apart. On the shortest, {found}, the snap at "
+        f"{at} on the way {way} ({cells}) stands in the way: with {factors} times the mobilities "
+        f"given it lands in {place.state}. Ask for a smaller ratio or another state, or move an "
+        f"anchor."
     )
 
 
