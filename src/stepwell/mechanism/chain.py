@@ -305,6 +305,7 @@ class Chain(ByValue):
         seed: int = 0,
         wanted: str | Iterable[str] | None = None,
         sensitivity: bool = False,
+        robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
         """Make a mechanism n times at random within its tolerances and count those that work.
@@ -334,6 +335,11 @@ class Chain(ByValue):
             sensitivity: also ask which part's tolerance counts, by Sobol' indices of the
                 smallest gap between neighbours in the wanted order. Where the engine follows
                 every mechanism, they come with how well the gap tells what it finds.
+            robust: a ratio, such as 10: a mechanism counts only if it does what is wanted for all
+                mobilities of its cells that are up to so far apart from its own. What end forces
+                tell holds for any mobilities; of others every landing on the way has to hold, as
+                `Path.landings` says. What some mobilities drawn at random would do, tell
+                Tolerances(mobility=...).
             progress: called with (done, n).
 
         Returns:
@@ -357,6 +363,7 @@ class Chain(ByValue):
             seed=seed,
             wanted=wanted,
             sensitivity=sensitivity,
+            robust=robust,
             progress=progress,
         )
 
