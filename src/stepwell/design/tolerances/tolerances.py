@@ -54,7 +54,7 @@ class Tolerances(ByValue):
 
     def __post_init__(self):
         for field in fields(self):
-            value, least = float(getattr(self, field.name)), field.default
+            value, least = float(getattr(self, field.name)), float(field.name == "mobility")
             if not least <= value < math.inf:
                 unit = _UNITS[field.name]
                 raise InputError(

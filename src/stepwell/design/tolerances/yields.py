@@ -36,7 +36,7 @@ from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import Tally, why_none
+from stepwell.design.tolerances.tally import HANGS, Tally, why_none
 from stepwell.design.tolerances.tolerances import (
     USUAL,
     Tolerances,
@@ -46,6 +46,7 @@ from stepwell.design.tolerances.tolerances import (
 )
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
+from stepwell.statics import a_ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -239,6 +240,7 @@ def yields(
     All else as for `Chain.yields`.
     """
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
+    robust = None if robust is None else a_ratio("robust", robust)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
     target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), chain.last_state)
@@ -313,6 +315,11 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
 def _advice(tally: Tally, wanted: str) -> str:
     if tally.successes:
         return ""
+    if tally.outcomes().get(HANGS):
+        return (
+            "none of those made does it whatever the mobilities of its cells: ask for a smaller "
+            "ratio, or with Tolerances(mobility=...) how often it works"
+        )
     if tally.states is None:
         return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
     found = reached(tally.draws.chain)

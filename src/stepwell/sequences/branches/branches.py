@@ -264,9 +264,7 @@ class Branches:
         travels = (round(s / least) for s in place.travel)
         return (*travels, *place.sheet, round(drive / self.slip), direction)
 
-    def _passage(
-        self, place: Configuration, drive: float, direction: int
-    ) -> tuple[Passage, After]:
+    def _passage(self, place: Configuration, drive: float, direction: int) -> tuple[Passage, After]:
         key = self._key(place, drive, direction)
         if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]

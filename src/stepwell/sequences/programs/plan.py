@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
 
-from stepwell.base import InputError, Quantity, amount, told_in
+from stepwell.base import InputError, amount
 from stepwell.concave import Relays, fewest_strokes, relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -22,7 +22,7 @@ from stepwell.sequences.branches import (
 )
 from stepwell.sequences.programs.friction import search_with_friction
 from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
-from stepwell.statics import Configuration, Landing, path
+from stepwell.statics import Configuration, Landing, a_ratio, path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
@@ -46,6 +46,7 @@ def program(
     """
     start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "to", to)
+    robust = None if robust is None else a_ratio("robust", robust)
     branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:
@@ -78,9 +79,8 @@ _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands 
 
 def _hanging(found: Program, hangs: Landing) -> str:
     """What stands in the way of a program that works for all mobilities within a ratio."""
-    told, factor = told_in(found.chain.drive_unit)
     event, place = hangs.event, hangs.elsewhere[0]
-    at = f"{event.drive * factor:.4g} {Quantity('drive', told).sign}"
+    at = amount(event.drive, found.chain.drive_unit, 4)
     way = "up" if event.direction > 0 else "down"
     cells = ", ".join(found.chain.names[cell] for cell in event.cells)
     factors = ", ".join(f"{one:.3g}" for one in place.mobility)

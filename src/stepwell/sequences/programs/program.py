@@ -9,7 +9,7 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import ByValue, Quantity, Schema, StepwellError, told_in, write_csv
+from stepwell.base import ByValue, Quantity, Schema, StepwellError, amount, told_in, write_csv
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
@@ -29,8 +29,8 @@ class ProgramMethod(StrEnum):
         "the engine"
     )
     VERTICES = (
-        "planned backward from the cells' F0 and F1, and turned only past states with every cell at "
-        "a stop: those are passed in this order for any mobilities"
+        "planned backward from the cells' F0 and F1, and turned only past states with every cell "
+        "at a stop: those are passed in this order for any mobilities"
     )
     FRICTION = (
         "searched with friction, turning in the middle of every smooth part of every run; each "
@@ -176,6 +176,23 @@ class Program(ByValue):
         if self.robust is None or self.method is ProgramMethod.VERTICES:
             return ()
         return self.path.landings(self.robust)
+
+    @property
+    def reason(self) -> str:
+        """How it was found, and what is known of its landings where that was asked."""
+        if not self.landings:
+            return self.method
+        if self.hangs is not None:
+            at = amount(self.hangs.event.drive, self.chain.drive_unit, 4)
+            return f"{self.method}; the snap at {at} {str(self.hangs).rstrip('.')}"
+        sampled = [one for one in self.landings if one.proof is None]
+        proved = len(self.landings) - len(sampled)
+        ways = [f"{proved} by proof"] if proved else []
+        ways += [f"{len(sampled)} in all of {sampled[0].samples} samples"] if sampled else []
+        return (
+            f"{self.method}; every snap on its way lands there for all mobilities up to "
+            f"{self.robust:g} apart, {', '.join(ways)}"
+        )
 
     @property
     def hangs(self) -> Landing | None:
