@@ -165,7 +165,7 @@ def test_robust_counts_what_works_for_all_mobilities_and_says_how_that_is_known(
     # Of concave cells end forces decide, whatever the mobilities.
     assert record["successes"] == plain["successes"]
     shown = " ".join(stepwell(*arguments).stdout.split())
-    assert f"mobilities of its cells up to 10 apart: of {record['proved']} that is proved" in shown
+    assert f"mobilities of the cells up to 10 apart: of {record['proved']} that is proved" in shown
 
 
 def test_robust_is_not_asked_of_a_program(stepwell):

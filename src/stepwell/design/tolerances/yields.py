@@ -318,7 +318,7 @@ def _advice(tally: Tally, wanted: str) -> str:
     if tally.outcomes().get(HANGS):
         return (
             "none of those made does it whatever the mobilities of its cells: ask for a smaller "
-            "ratio, or with Tolerances(mobility=...) how often it works"
+            "ratio; or in Python, with Tolerances(mobility=...), how often it works"
         )
     if tally.states is None:
         return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
@@ -396,11 +396,12 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
 
 
 def _whatever_mobilities(tally: Tally, ratio: float) -> str:
+    told = f"counted is what works for all mobilities of the cells up to {ratio:g} apart"
+    if not tally.successes:
+        return told
     sampled = tally.successes - tally.proved
-    how = f"of {tally.proved} that is proved"
-    if sampled:
-        how += f", of {sampled} some landings were only sampled"
-    return f"each counted does it for all mobilities of its cells up to {ratio:g} apart: {how}"
+    rest = f", and {sampled} had landings that were only sampled" if sampled else ""
+    return f"{told}: of {tally.proved} that is proved{rest}"
 
 
 def _percent(share: float) -> str:

@@ -190,8 +190,8 @@ class Program(ByValue):
         ways = [f"{proved} by proof"] if proved else []
         ways += [f"{len(sampled)} in all of {sampled[0].samples} samples"] if sampled else []
         return (
-            f"{self.method}; every snap on its way lands there for all mobilities up to "
-            f"{self.robust:g} apart, {', '.join(ways)}"
+            f"{self.method}; its snaps land alike for all mobilities up to {self.robust:g} apart, "
+            f"{', '.join(ways)}"
         )
 
     @property
