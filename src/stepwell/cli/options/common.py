@@ -50,7 +50,7 @@ Robust = Annotated[
         help="Only what works for all mobilities of the cells up to so many times apart, such as "
         "10.",
         min=1,
-        max=1e6,
+        max=1e3,
     ),
 ]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]

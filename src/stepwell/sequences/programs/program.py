@@ -188,7 +188,9 @@ class Program(ByValue):
         sampled = [one for one in self.landings if one.proof is None]
         proved = len(self.landings) - len(sampled)
         ways = [f"{proved} by proof"] if proved else []
-        ways += [f"{len(sampled)} in all of {sampled[0].samples} samples"] if sampled else []
+        if sampled:
+            tried = min(one.samples for one in sampled)
+            ways.append(f"{len(sampled)} in all of {tried} samples or more")
         return (
             f"{self.method}; its snaps land alike for all mobilities up to {self.robust:g} apart, "
             f"{', '.join(ways)}"
