@@ -190,7 +190,7 @@ class Program(ByValue):
         ways = [f"{proved} by proof"] if proved else []
         if sampled:
             tried = min(one.samples for one in sampled)
-            ways.append(f"{len(sampled)} in all of {tried} samples or more")
+            ways.append(f"{len(sampled)} in all of {tried} samples")
         return (
             f"{self.method}; its snaps land alike for all mobilities up to {self.robust:g} apart, "
             f"{', '.join(ways)}"
