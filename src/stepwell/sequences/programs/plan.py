@@ -117,8 +117,9 @@ def _by_fields(
     """The plan of relays, aimed by one run a stroke; None where it may not or does not hold.
 
     Under a prescribed stroke one that is to be `robust` turns past vertices only. Which cell is
-    left in transit before them hangs on the mobilities, and they do not (theory page, "Stroke
-    programs", a).
+    left in transit before them hangs on the mobilities, and they do not.
+
+    Source: theory page, "Stroke programs" (a).
     """
     chain = branches.chain
     fields = relays(chain)
