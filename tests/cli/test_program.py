@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 
@@ -150,3 +151,52 @@ def test_a_start_that_cannot_stand_is_wrong_input(stepwell, tmp_path):
     result = stepwell("program", "own.toml")
     assert result.exit_code == 2
     assert result.output.startswith("own.toml: program: start is no equilibrium")
+
+
+@pytest.fixture
+def race() -> sw.Chain:
+    """Three elements of which two race once; its design stands in race.toml."""
+    chain = sw.Chain(
+        [
+            sw.elements.trilinear((0.003, 1.3), (0.010, 0.8), 100.0, 800.0, "first"),
+            sw.elements.trilinear((0.005, 0.3), (0.008, 0.0), 200.0, 300.0, "second"),
+            sw.elements.trilinear((0.004, 1.1), (0.015, -0.3), 400.0, 100.0, "third"),
+        ]
+    )
+    return chain
+
+
+def test_a_robust_program_tells_of_its_landings_or_which_one_is_in_the_way(stepwell, race):
+    Path("race.toml").write_text(files.dumps(race), "utf-8")
+    arguments = "program", "race.toml", "--robust", 10, "--to"
+    result = stepwell(*arguments, "010")
+    assert result.exit_code == 0
+    found = " ".join(result.stdout.split())
+    assert "its snaps land alike for all mobilities up to 10 apart" in found
+    refused = stepwell(*arguments, "111")
+    assert refused.exit_code == 3
+    assert "mobilities up to 10 apart" in " ".join(refused.stdout.split())
+    record = json.loads(stepwell(*arguments, "111", "--json").stdout)
+    assert (record["robust"], record["does_it"], record["proved"]) == (10.0, False, True)
+    record = json.loads(stepwell(*arguments, "010", "--json").stdout)
+    assert (record["robust"], record["does_it"]) == (10.0, True)
+    assert (
+        json.loads(stepwell("program", "race.toml", "--to", "010", "--json").stdout)["robust"]
+        is None
+    )
+
+
+def test_the_designs_own_program_is_asked_too(stepwell, race):
+    assert stepwell("program", "preset:finger-selector", "--robust", 10).exit_code == 0
+    text = files.dumps(race, program=files.WrittenProgram.of(race.program("111")))
+    Path("race.toml").write_text(text, "utf-8")
+    assert stepwell("program", "race.toml").exit_code == 0
+    refused = stepwell("program", "race.toml", "--robust", 10)
+    assert refused.exit_code == 3
+    assert "hangs on the mobilities" in " ".join(refused.stdout.split())
+
+
+def test_a_ratio_below_one_is_refused(stepwell):
+    refused = stepwell("program", "forward.toml", "--to", "01", "--robust", 0.5)
+    assert refused.exit_code == 2
+    assert "--robust" in refused.stderr

@@ -154,3 +154,21 @@ def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, me
     result = stepwell("yield", "forward.toml", *arguments)
     assert result.exit_code == 2
     assert message in result.output
+
+
+def test_robust_counts_what_works_for_all_mobilities_and_says_how_that_is_known(stepwell):
+    arguments = "yield", "forward.toml", *ROUGH, "--robust", 10
+    record = json.loads(stepwell(*arguments, "--json").stdout)
+    plain = json.loads(stepwell("yield", "forward.toml", *ROUGH, "--json").stdout)
+    assert (plain["robust"], plain["proved"]) == (None, None)
+    assert (record["robust"], record["proved"]) == (10, record["successes"])
+    # Of concave cells end forces decide, whatever the mobilities.
+    assert record["successes"] == plain["successes"]
+    shown = " ".join(stepwell(*arguments).stdout.split())
+    assert f"mobilities of the cells up to 10 apart: of {record['proved']} that is proved" in shown
+
+
+def test_robust_is_not_asked_of_a_program(stepwell):
+    refused = stepwell("yield", "preset:finger-selector", "--program", "--robust", 10)
+    assert refused.exit_code == 2
+    assert "--robust" in refused.stderr

@@ -238,6 +238,7 @@ class Chain(ByValue):
         to: str,
         *,
         start: str | None = None,
+        robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Program:
         """The shortest list of turning points of the actuator from one state to another.
@@ -245,21 +246,27 @@ class Chain(ByValue):
         Args:
             to: the state wanted, such as "01", inner cell first.
             start: the state at the beginning; all cells at 0 by default.
+            robust: a ratio, such as 10: it has to work for all mobilities of the cells that are
+                up to so far apart from those given. Then every landing on the way holds within
+                it, as `Path.landings` says, or the states at which it turns are proved not to
+                hang on landings.
             progress: called with (done, total) while a search goes on.
 
         Returns:
             The program. Among programs with equally few turns that were compared, the one whose
-            narrowest window is widest.
+            narrowest window is widest. Its `landings` tell which are proved and which sampled.
 
         Raises:
-            Unreachable: no program does it; the text is the proof, or says what was searched.
-            ValueError: a state that this chain cannot have, or in which it cannot stand.
+            Unreachable: no program does it; the text is the proof, or says what was searched, or
+                which landing stands in the way.
+            ValueError: a state that this chain cannot have, or in which it cannot stand, or a ratio
+                that `Path.landings` does not take.
 
         Source: ours (theory page, "Stroke programs").
         """
         from stepwell import sequences
 
-        return sequences.program(self, to, start=start, progress=progress)
+        return sequences.program(self, to, start=start, robust=robust, progress=progress)
 
     def margin(
         self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
@@ -298,6 +305,7 @@ class Chain(ByValue):
         seed: int = 0,
         wanted: str | Iterable[str] | None = None,
         sensitivity: bool = False,
+        robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
         """Make a mechanism n times at random within its tolerances and count those that work.
@@ -327,6 +335,11 @@ class Chain(ByValue):
             sensitivity: also ask which part's tolerance counts, by Sobol' indices of the
                 smallest gap between neighbours in the wanted order. Where the engine follows
                 every mechanism, they come with how well the gap tells what it finds.
+            robust: a ratio, such as 10: a mechanism counts only if it does what is wanted for all
+                mobilities of its cells that are up to so far apart from its own. What end forces
+                tell holds for any mobilities; of others every landing on the way has to hold, as
+                `Path.landings` says. What some mobilities drawn at random would do, tell
+                Tolerances(mobility=...).
             progress: called with (done, n).
 
         Returns:
@@ -350,6 +363,7 @@ class Chain(ByValue):
             seed=seed,
             wanted=wanted,
             sensitivity=sensitivity,
+            robust=robust,
             progress=progress,
         )
 

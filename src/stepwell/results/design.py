@@ -12,7 +12,15 @@ from stepwell.results.head import head
 from stepwell.results.run import CELL, actuator_record, cell_schema
 
 if TYPE_CHECKING:
-    from stepwell.design import Design, Impossible, Reprogramming, Robustness, Survival, Yield
+    from stepwell.design import (
+        Design,
+        Impossible,
+        Reprogramming,
+        Robustness,
+        Survival,
+        Tolerances,
+        Yield,
+    )
 
 # The states of a longer chain are too many to be listed.
 MOST_CELLS = 12
@@ -63,6 +71,8 @@ YIELD: Schema = (
     ),
     Quantity("critical", read=lambda found: _critical(found)),
     Quantity("by_engine"),
+    Quantity("robust"),
+    Quantity("proved"),
     Quantity("assumptions"),
     Quantity("gap_deviation", "N", read=lambda found: _of(found.sensitivities, "deviation")),
     Quantity("advice"),
@@ -95,8 +105,13 @@ def tolerance_schema(chain: Chain) -> Schema:
         *(of_levers if levers else [Quantity("stiffness", "percent", "force ±")]),
         Quantity("friction", "N", "friction up to "),
         *([Quantity("travel", "percent", "travel ±")] if chain.elements else ()),
+        Quantity("mobility", head="mobilities as far apart as 1 to ", read=_apart),
     )
     return in_measure(schema, chain.measure)
+
+
+def _apart(tolerances: Tolerances) -> float | None:
+    return tolerances.mobility if tolerances.mobility > 1 else None
 
 
 def _share(value: float) -> str:

@@ -332,9 +332,10 @@ def program_record(program: Program, *, design: str | None = None) -> dict[str, 
     return {
         **_head(chain, program.start, program.to, design),
         "arrives": program.arrives,
-        "does_it": program.arrives == program.to,
+        "does_it": program.arrives == program.to and program.hangs is None,
         "proved": program.shortest,
-        "reason": program.method,
+        "robust": program.robust,
+        "reason": program.reason,
         "strokes": program.strokes,
         **record([points], program),
         "sequence": str(program.sequence) if len(chain) <= LONGEST_SPELLED_OUT else None,
@@ -351,18 +352,21 @@ def unreachable_record(
     to: str | None,
     why: Unreachable,
     *,
+    robust: float | None = None,
     design: str | None = None,
 ) -> dict[str, Any]:
     """That no program does it, as docs/commands.md describes it.
 
     Args:
         start, to: the states between which there is no way.
+        robust: as it was asked of `Chain.program`.
     """
     return {
         **_head(chain, start, to, design),
         "arrives": None,
         "does_it": False,
         "proved": why.proved,
+        "robust": robust,
         "reason": str(why),
     }
 

@@ -112,6 +112,17 @@ class Landing(ByValue):
         return f"Landing({self.event!r}: {self})"
 
 
+def a_ratio(name: str, value: float) -> float:
+    """A ratio of mobilities as a float; raises ValueError unless it is from 1 to a thousand."""
+    ratio = check.finite(name, value, "1")
+    if not 1.0 <= ratio <= _MOST_RATIO:
+        raise InputError(
+            f"{name} = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is that of the fastest "
+            f"to the slowest cell."
+        )
+    return ratio
+
+
 def landings(
     chain: Chain,
     problem: Problem,
@@ -136,12 +147,7 @@ def landings(
     Raises:
         ValueError: a ratio below 1 or above a thousand, or less than one sample.
     """
-    ratio = check.finite("ratio", ratio, "1")
-    if not 1.0 <= ratio <= _MOST_RATIO:
-        raise InputError(
-            f"ratio = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is that of the fastest "
-            f"to the slowest cell."
-        )
+    ratio = a_ratio("ratio", ratio)
     samples, seed = check.whole("samples", samples, 1), check.whole("seed", seed, 0)
     require("samples", samples, "samples =")
     at = 0

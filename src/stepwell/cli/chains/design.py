@@ -17,6 +17,7 @@ from stepwell.cli.options import (
     NewDrive,
     Out,
     Range,
+    Robust,
     free,
     own,
     read_chain,
@@ -252,6 +253,7 @@ def yield_(
             "--program", help="Count those that the design's own program brings where it should."
         ),
     ] = False,
+    robust: Robust = None,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
@@ -279,8 +281,9 @@ def yield_(
         chain.measure,
     )
     free(out, "yield", force, design=text)
-    if program and (wanted or sensitivity):
-        option = "--wanted" if wanted else "--sensitivity"
+    asked = {"--wanted": wanted, "--sensitivity": sensitivity, "--robust": robust}
+    option = next((option for option, value in asked.items() if value), None)
+    if program and option:
         raise typer.BadParameter("cannot stand with --program.", param_hint=option)
     if program:
         played = own(text, design)
@@ -301,6 +304,7 @@ def yield_(
                 seed=seed,
                 wanted=states or wanted,
                 sensitivity=sensitivity,
+                robust=robust,
                 progress=tell,
             )
         record = results.yield_record(found, design=text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +17,7 @@ from stepwell.cli.options import (
     From,
     Json,
     Out,
+    Robust,
     To,
     drive_of,
     free,
@@ -105,6 +107,7 @@ def program(
     design: Design,
     start: From = None,
     to: To = None,
+    robust: Robust = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -113,7 +116,8 @@ def program(
 
     Each comes with the window in which turning does the same; or you get the proof that no
     program does it. Without --to, the program in the design file is played, and you are told
-    whether it ends as it should. With --out, a figure, the turning points as CSV, the result
+    whether it ends as it should. With --robust, no snap on the way may land elsewhere for other
+    mobilities. With --out, a figure, the turning points as CSV, the result
     as JSON and the design with the program in it are written into a folder.
     """
     from stepwell import reports, results
@@ -123,9 +127,13 @@ def program(
     text, chain = read_chain(design)
     free(out, "program", force)
     try:
-        found = planned(chain, start, to) if start or to else own(text, design)
+        if start or to:
+            found = planned(chain, start, to, robust)
+        else:
+            found = replace(own(text, design), robust=robust)
     except Unreachable as why:
-        record, write = results.unreachable_record(chain, start, to, why, design=text), None
+        record = results.unreachable_record(chain, start, to, why, robust=robust, design=text)
+        write = None
     else:
         record = results.program_record(found, design=text)
         write = partial(reports.write_program, found, design=text)

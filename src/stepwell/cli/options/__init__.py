@@ -10,6 +10,7 @@ from stepwell.cli.options.common import (
     NoVideo,
     Out,
     Robot,
+    Robust,
     free,
     free_file,
     read_chain,

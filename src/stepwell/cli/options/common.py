@@ -42,6 +42,17 @@ Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
 ]
+Robust = Annotated[
+    float | None,
+    typer.Option(
+        "--robust",
+        metavar="RATIO",
+        help="Only what works for all mobilities of the cells up to so many times apart, such as "
+        "10.",
+        min=1,
+        max=1e3,
+    ),
+]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
 
 

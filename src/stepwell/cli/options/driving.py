@@ -71,7 +71,9 @@ To = Annotated[
 ]
 
 
-def planned(chain: Chain, start: str | None, to: str | None) -> Program:
+def planned(
+    chain: Chain, start: str | None, to: str | None, robust: float | None = None
+) -> Program:
     """The shortest program; raises `Unreachable` where there is none."""
     from stepwell.sequences import Unreachable
 
@@ -84,7 +86,7 @@ def planned(chain: Chain, start: str | None, to: str | None) -> Program:
             problem = f"{state!r}: must be {len(chain)} {digits}, inner cell first."
             raise typer.BadParameter(problem, param_hint=option)
     with usable("--from", Unreachable), progress("program") as tell:
-        return chain.program(to, start=start, progress=tell)
+        return chain.program(to, start=start, robust=robust, progress=tell)
 
 
 def _is_state(state: str, last: str) -> bool:

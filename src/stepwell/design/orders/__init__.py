@@ -12,7 +12,14 @@ from stepwell.design.orders.orders import (
     orders_of,
     short,
 )
-from stepwell.design.orders.reached import Reached, reached, searched, unlike, unsearchable
+from stepwell.design.orders.reached import (
+    Reached,
+    landings_of,
+    reached,
+    searched,
+    unlike,
+    unsearchable,
+)
 from stepwell.design.orders.switches import (
     Switches,
     are_relays,

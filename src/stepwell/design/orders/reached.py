@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from stepwell.base import ByValue
@@ -10,7 +10,8 @@ from stepwell.concave import one_travel, proved_cells
 from stepwell.design.orders.orders import Orders, by_cells_at_1
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle, graph
-from stepwell.statics import StaticsError, Tie
+from stepwell.sequences.branches import Branches
+from stepwell.statics import Landing, StaticsError, Tie
 
 # The longest chain whose branches are all followed.
 MOST_CELLS = 8
@@ -81,6 +82,20 @@ def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
     labels = (label for label in found.reachable() if "-" not in label)
     # Nodes that share a state are numbered.
     return frozenset(label.partition("#")[0] for label in labels), found.ties
+
+
+def landings_of(chain: Chain, ratio: float) -> Iterator[Landing]:
+    """Whether each snap that can be reached from all cells in their first phase holds.
+
+    For all mobilities within a ratio. All else as in `searched`.
+    """
+    branches = Branches(chain)
+    place = branches.vertex(chain.first_state)
+    assert place is not None
+    for number in sorted(branches.all_from([branches.at(*place)])):
+        for direction in (+1, -1):
+            if branches.exit(number, direction) is not None:
+                yield branches.landing(number, direction, ratio)
 
 
 def unsearchable(chain: Chain, friction: float = 0.0) -> str:

@@ -3,9 +3,9 @@
 One sample is one row of random numbers, and one row makes one mechanism. With B bands and N
 cells the columns are, inner first: 4 B for where the anchors are in their discs (p: area and
 angle, then q), B for the stiffness, B for ℓ0, N for the levers, N for the friction, and for each
-element one for its forces and one for its travels. Parts
-without a tolerance take their numbers too, so that a part keeps its numbers whichever
-tolerances are given, and two designs compared with one seed are made with the same luck.
+element one for its forces and one for its travels; at last, from a stream of their own, N for
+the mobilities. Parts without a tolerance take their numbers too, so that a part keeps its numbers
+whichever tolerances are given, and two designs compared with one seed are made with the same luck.
 """
 
 from collections.abc import Iterator
@@ -40,12 +40,17 @@ class Draws:
     @property
     def columns(self) -> int:
         """How many random numbers make one mechanism."""
-        return self.scales + 2 * len(self.chain.elements)
+        return self.mobilities + len(self.chain)
 
     @property
     def scales(self) -> int:
         """The first column of the elements: of each its forces and its travels."""
         return 6 * self.bands + 2 * len(self.chain)
+
+    @property
+    def mobilities(self) -> int:
+        """The first column of the mobilities, one a cell."""
+        return self.scales + 2 * len(self.chain.elements)
 
     @property
     def spread(self) -> Floats:
@@ -60,18 +65,34 @@ class Draws:
         """
         rows = max(64, min(n, _AT_ONCE // self.columns))
         space = np.empty((rows, self.columns))
-        random = np.random.Generator(np.random.PCG64(self.seed))
+        streams = self._streams(0)
         for first in range(0, n, rows):
             piece = space[: min(rows, n - first)]
-            # Row by row from one stream: more samples, or other pieces, keep the first ones.
-            random.random(out=piece)
+            self._fill(piece, streams)
             yield self.shaped(piece)
+
+    def _streams(self, number: int) -> list[np.random.Generator]:
+        """The two streams of random numbers, before those of mechanism `number`."""
+        found: list[np.random.Generator] = []
+        for seed, columns in (self.seed, self.mobilities), ((self.seed, 1), len(self.chain)):
+            stream = np.random.PCG64(seed)
+            stream.advance(number * columns)
+            found.append(np.random.Generator(stream))
+        return found
+
+    def _fill(self, rows: Floats, streams: list[np.random.Generator]) -> None:
+        # Row by row from one stream: more samples, or other pieces, keep the first ones.
+        halves = np.hsplit(rows, [self.mobilities])
+        for columns, random in zip(halves, streams, strict=True):
+            columns[:] = random.random(columns.shape)
 
     def shaped(self, even: Floats) -> Floats:
         """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
         t, tail = self.tolerances, ndtr(-_CUT)
         if t.stiffness > 0 or t.rest_length > 0 or t.travel > 0:
-            for normal in (even[:, 4 * self.bands : 6 * self.bands], even[:, self.scales :]):
+            bands, elements = (4 * self.bands, 6 * self.bands), (self.scales, self.mobilities)
+            for first, last in (bands, elements):
+                normal = even[:, first:last]
                 normal[:] = ndtri(tail + (1.0 - 2.0 * tail) * normal)
         return even
 
@@ -81,7 +102,7 @@ class Draws:
         steps = np.array([len(phases) - 1 for phases in self.chain.phases])
         rub = np.array([cell.friction for cell in self.chain.cells])
         forces = switching_forces(self.chain) - np.repeat(rub, steps)[:, None] * [1.0, -1.0]
-        scale = 1.0 + t.stiffness * drawn[:, self.scales :: 2]
+        scale = 1.0 + t.stiffness * drawn[:, self.scales : self.mobilities : 2]
         rub = rub + t.friction * drawn[:, self.scales - n : self.scales]
         return np.repeat(scale, steps, axis=1)[:, :, None] * forces + np.repeat(rub, steps, axis=1)[
             :, :, None
@@ -93,9 +114,9 @@ class Draws:
         Raises:
             ValueError: a mechanism that cannot be built.
         """
-        stream = np.random.PCG64(self.seed)
-        stream.advance(number * self.columns)
-        return self.built(self.shaped(np.random.Generator(stream).random((1, self.columns)))[0])
+        row = np.empty((1, self.columns))
+        self._fill(row, self._streams(number))
+        return self.built(self.shaped(row)[0])
 
     def built(self, draw: Floats) -> Chain:
         """The mechanism that one row of draws makes.
@@ -106,7 +127,9 @@ class Draws:
         t, b, n = self.tolerances, self.bands, len(self.chain)
         stiffness, rest = draw[4 * b : 5 * b], draw[5 * b : 6 * b]
         lever, friction = draw[6 * b : 6 * b + n], draw[6 * b + n :]
-        scales = iter(draw[self.scales :].reshape(-1, 2).tolist())
+        scales = iter(draw[self.scales : self.mobilities].reshape(-1, 2).tolist())
+        # Evenly on a scale of logarithms, as far up as down.
+        faster = t.mobility ** (draw[self.mobilities :] - 0.5)
 
         def made(number: int, band: Band) -> Band:
             where = draw[4 * number : 4 * number + 4].tolist()
@@ -123,15 +146,16 @@ class Draws:
         cells: list[Cell | Element] = []
         first = 0
         for i, cell in enumerate(self.chain.cells):
-            rub = cell.friction + t.friction * friction[i]
+            rub, mobility = cell.friction + t.friction * friction[i], cell.mobility * faster[i]
             if isinstance(cell, Element):
                 force, travel = next(scales)
                 scale = cell.force_scale * (1.0 + t.stiffness * force)
                 size = cell.travel_scale * (1.0 + t.travel * travel)
-                cells.append(replace(cell, force_scale=scale, travel_scale=size, friction=rub))
+                made_so = {"force_scale": scale, "travel_scale": size}
+                cells.append(replace(cell, **made_so, friction=rub, mobility=mobility))
                 continue
             bands = tuple(made(first + j, band) for j, band in enumerate(cell.bands))
             first += len(bands)
             longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
-            cells.append(replace(cell, band=bands, lever=longer, friction=rub))
+            cells.append(replace(cell, band=bands, lever=longer, friction=rub, mobility=mobility))
         return replace(self.chain, cells=tuple(cells))

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +11,7 @@ from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import ASK, DOES, OTHER, TIE, Judge, one_travel
 from stepwell.design.orders import (
     Switches,
+    landings_of,
     numbered_cycle,
     orders_of,
     relay_cycle,
@@ -22,13 +23,14 @@ from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle
-from stepwell.statics import StaticsError
+from stepwell.statics import Landing, StaticsError
 
 # What a mechanism can do besides a sequence.
 TIED = "a tie"
 NOT_BUILT = "cannot be built"
 NO_ANSWER = "no answer"
 ANOTHER = "another sequence"
+HANGS = "hangs on the mobilities"
 
 _MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
 _KEPT = 100  # outcomes told apart
@@ -57,6 +59,23 @@ def followed(draws: Draws, draw: Floats, states: frozenset[str] | None = None) -
     return TIED if result.degenerate else str(result.sequence)
 
 
+def landings_on_the_way(
+    draws: Draws, draw: Floats, states: frozenset[str] | None, ratio: float
+) -> Iterable[Landing]:
+    """Whether snaps of the mechanism of one draw hold for all mobilities within a ratio.
+
+    Those of its cycle, or where states are wanted, all on the way to them. None under a prescribed
+    force where switching forces decide: there no cell feels another, however mobile.
+
+    Raises:
+        ValueError, StaticsError: as where it was followed.
+    """
+    made = draws.built(draw)
+    if states is not None:
+        return landings_of(made, ratio)
+    return () if relay_cycle(made) is not None else cycle(made).path.landings(ratio)
+
+
 class Tally:
     """What the first n mechanisms of some draws do, counted against what is wanted.
 
@@ -64,19 +83,29 @@ class Tally:
         draws: the mechanisms.
         wanted: the cycle that counts; where states are wanted, the one whose orders are compared.
         states: those that shall be reached and no others; None where the cycle counts.
+        robust: the ratio of mobilities within which all landings on the way have to hold.
 
     Attributes:
-        states: as given.
+        states, robust: as given.
         orders: (2, T) switches of that cycle; None where it is not one after the other.
         judge: the closed form; None where there is none.
         judged, by_engine: of how many it told the orders, and how many the engine followed.
         successes: how many do what is wanted.
+        proved: of how many of these no landing was only sampled: none that the closed form judged
+            hangs on the mobilities, whatever they are.
         followed_well: of each that the engine followed, in order, whether it does.
         wrong, narrowest: (2, T - 1) as `Judge` counts them, of those judged.
     """
 
-    def __init__(self, draws: Draws, wanted: str, states: frozenset[str] | None = None):
-        self.draws, self.orders, self.states = draws, orders_of(wanted), states
+    def __init__(
+        self,
+        draws: Draws,
+        wanted: str,
+        states: frozenset[str] | None = None,
+        robust: float | None = None,
+    ):
+        self.draws, self.orders = draws, orders_of(wanted)
+        self.states, self.robust = states, robust
         self._success = wanted if states is None else ""
         chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
         # Where every two loops are nested all states are reached (theory page, "Stroke programs").
@@ -88,7 +117,7 @@ class Tally:
             if chain.elements
             else Judge.of(chain, draws.spread, some)
         )
-        self.successes = self.judged = self.by_engine = 0
+        self.successes = self.proved = self.judged = self.by_engine = 0
         self.followed_well: list[bool] = []
         self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)
         self.narrowest = self.wrong.copy()
@@ -123,13 +152,13 @@ class Tally:
         if self.states is not None:
             halves = np.divmod(found.does, len(self.draws.chain) ** len(self.draws.chain))
             nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
-            self.successes += int(np.sum(nested))
+            self._succeed(int(np.sum(nested)))
             return ~nested
         self._add(TIED, int(np.sum(found.verdict == TIE)))
         does, other = found.verdict == DOES, found.verdict == OTHER
         if self.orders is None and isinstance(judge, Judge):
             does, other = np.zeros_like(does), does | other
-        self.successes += int(np.sum(does))
+        self._succeed(int(np.sum(does)))
         if self._told_apart:
             self._numbers.append(found.does[other])
         else:
@@ -138,14 +167,25 @@ class Tally:
 
     def _follow(self, draw: Floats) -> None:
         self.by_engine += 1
-        does = followed(self.draws, draw, self.states)
+        does, proved = followed(self.draws, draw, self.states), True
+        # A gap between forces tells what a mechanism does, and nothing of its mobilities.
         self.followed_well.append(does == self._success)
+        if does == self._success and self.robust is not None:
+            for landing in landings_on_the_way(self.draws, draw, self.states, self.robust):
+                if not landing.holds:
+                    does = HANGS
+                    break
+                proved = proved and landing.proof is not None
         if does == self._success:
-            self.successes += 1
+            self._succeed(1, proved=proved)
         else:
-            kinds = (TIED, NOT_BUILT, NO_ANSWER)
+            kinds = (TIED, NOT_BUILT, NO_ANSWER, HANGS)
             known = self._told_apart or self.states is not None or does in kinds
             self._add(does if known else ANOTHER, 1)
+
+    def _succeed(self, times: int, *, proved: bool = True) -> None:
+        self.successes += times
+        self.proved += times * proved
 
     def _add(self, text: str, times: int) -> None:
         if times:

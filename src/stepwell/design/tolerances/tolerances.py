@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import ByValue, InputError, told_in, usual
 from stepwell.design.orders import switching_forces
 from stepwell.design.parameters import WAY
-from stepwell.mechanism import Cell, Chain, SlipError, sizes
+from stepwell.mechanism import MOBILITIES, Cell, Chain, SlipError, sizes
 
 _UNITS = {
     "anchor": "m",
@@ -17,6 +17,7 @@ _UNITS = {
     "lever": "m",
     "friction": "N",
     "travel": "1",
+    "mobility": "a ratio",
 }
 
 
@@ -35,10 +36,12 @@ class Tolerances(ByValue):
         lever: every cell's lever is up to this much longer or shorter, evenly [m].
         friction: every cell's friction is up to this much more than drawn, evenly [N].
         travel: standard deviation of all travels of an element alike, normal, cut at four [1].
+        mobility: two cells that are drawn equally mobile are up to so many times apart: each is
+            drawn evenly on a scale of logarithms; 1 leaves them as drawn [1].
 
     Raises:
-        ValueError: a value that is negative or not finite, or a spread of a quarter or more,
-            which would allow bands of no stiffness.
+        ValueError: a value that is negative or not finite, a spread of a quarter or more, which
+            would allow bands of no stiffness, or a `mobility` below 1.
     """
 
     anchor: float = 0.0
@@ -47,13 +50,16 @@ class Tolerances(ByValue):
     lever: float = 0.0
     friction: float = 0.0
     travel: float = 0.0
+    mobility: float = 1.0
 
     def __post_init__(self):
         for field in fields(self):
-            value = float(getattr(self, field.name))
-            if not 0 <= value < math.inf:
+            value, least = float(getattr(self, field.name)), float(field.name == "mobility")
+            if not least <= value < math.inf:
                 unit = _UNITS[field.name]
-                raise InputError(f"{field.name} = {value} [{unit}]: must be >= 0 and finite.")
+                raise InputError(
+                    f"{field.name} = {value} [{unit}]: must be >= {least:g} and finite."
+                )
             if _UNITS[field.name] == "1" and value >= 0.25:
                 raise InputError(
                     f"{field.name} = {value}: must be < 0.25; it is a fraction, so 5 % is 0.05."
@@ -62,6 +68,8 @@ class Tolerances(ByValue):
 
     def __repr__(self):
         travel = f", travel {self.travel:.3g}" if self.travel else ""
+        if self.mobility > 1:
+            travel += f", mobilities up to {self.mobility:.4g} times apart"
         return (
             f"Tolerances(anchors ±{self.anchor * 1e3:.4g} mm, stiffness {self.stiffness:.3g}, "
             f"rest length {self.rest_length:.3g}, levers ±{self.lever * 1e3:.4g} mm, friction "
@@ -93,7 +101,20 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
 
 
 def meet(tolerances: Tolerances, chain: Chain) -> None:
-    """Raise SlipError for tolerances that are probably in another unit for this chain."""
+    """Refuse tolerances that this chain cannot have.
+
+    Raises:
+        SlipError: they are probably in another unit.
+        ValueError: mobilities beyond those that a cell can have.
+    """
+    (least, most), wide = MOBILITIES, math.sqrt(tolerances.mobility)
+    for name, cell in zip(chain.names, chain.cells, strict=True):
+        room = min(cell.mobility / least, most / cell.mobility)
+        if wide > room:
+            raise InputError(
+                f"mobility = {tolerances.mobility:g}: {name} is drawn with {cell.mobility:g}, and "
+                f"must stay between {least:g} and {most:g}: {room**2:.4g} at most."
+            )
     cells = levers_of(chain)
     if cells and not chain.unusual:
         travel = max(cell.full_travel for cell in cells)

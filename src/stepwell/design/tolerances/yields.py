@@ -36,7 +36,7 @@ from stepwell.design.tolerances.counted import Counted, varied
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import RelayJudge
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import Tally, why_none
+from stepwell.design.tolerances.tally import HANGS, Tally, why_none
 from stepwell.design.tolerances.tolerances import (
     USUAL,
     Tolerances,
@@ -46,6 +46,7 @@ from stepwell.design.tolerances.tolerances import (
 )
 from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, cycle
+from stepwell.statics import a_ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,6 +108,11 @@ class Yield(Counted):
             order, or nearest to it where none is; None where nothing was judged in closed form,
             or there is no such pair.
         by_engine: how many were followed by the general engine, a few milliseconds each.
+        robust: the ratio of mobilities for which each has to do it; None where only those it has
+            count.
+        proved: how many of the successes do it for all of these by proof: the closed form asks for
+            no mobility, and landings say for themselves. Of the others some landings were only
+            sampled. None where `robust` is.
         assumptions: under which all this holds.
         sensitivities: which part's tolerance counts; None unless asked for.
         advice: where none does what is wanted, why, and what to ask for instead; else "".
@@ -117,6 +123,8 @@ class Yield(Counted):
     outcomes: Mapping[str, int]
     critical: Critical | None
     by_engine: int
+    robust: float | None
+    proved: int | None
     assumptions: str
     sensitivities: Sensitivities | None
     advice: str = ""
@@ -224,6 +232,7 @@ def yields(
     seed: int = 0,
     wanted: str | Iterable[str] | None = None,
     sensitivity: bool = False,
+    robust: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Yield:
     """Make a mechanism n times at random within its tolerances and count those that work.
@@ -231,10 +240,11 @@ def yields(
     All else as for `Chain.yields`.
     """
     _refuse(chain, tolerances, ONE_BY_ONE if n is None else n, seed)
+    robust = None if robust is None else a_ratio("robust", robust)
     states = _states(chain, tolerances, wanted)
     drawing = cycle(chain) if wanted is None or states is not None else None
     target = str(drawing.sequence) if drawing else checked_cycle(str(wanted), chain.last_state)
-    tally = Tally(Draws(chain, tolerances, seed), target, states)
+    tally = Tally(Draws(chain, tolerances, seed), target, states, robust)
     if sensitivity and tally.orders is None:
         raise InputError(
             f"sensitivity = True: neighbours in an order are compared, and {short(target)} has "
@@ -250,6 +260,8 @@ def yields(
         ReadOnly(tally.outcomes()),
         _critical(tally),
         tally.by_engine,
+        robust,
+        None if robust is None else tally.proved,
         "; ".join(filter(None, _assumptions(tally, n, drawing))),
         _sensitivities(tally, n) if sensitivity else None,
         _advice(tally, target),
@@ -303,6 +315,11 @@ def _refuse(chain: Chain, tolerances: Tolerances, n: int, seed: int) -> None:
 def _advice(tally: Tally, wanted: str) -> str:
     if tally.successes:
         return ""
+    if tally.outcomes().get(HANGS):
+        return (
+            "none of those made does it whatever the mobilities of its cells: ask for a smaller "
+            "ratio; or in Python, with Tolerances(mobility=...), how often it works"
+        )
     if tally.states is None:
         return why_none(tally.draws.chain, wanted, tally.by_engine == 0)
     found = reached(tally.draws.chain)
@@ -372,8 +389,19 @@ def _assumptions(tally: Tally, n: int, drawing: Cycle | None) -> Iterator[str]:
     made = varied(tally.draws.chain) + " full cycle" * (tally.states is None)
     fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
     yield f"{made}; {fails}; {how}"
+    if tally.robust is not None:
+        yield _whatever_mobilities(tally, tally.robust)
     yield frictionless(tally.draws.tolerances, tally.draws.chain)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
+
+
+def _whatever_mobilities(tally: Tally, ratio: float) -> str:
+    told = f"counted is what works for all mobilities of the cells up to {ratio:g} apart"
+    if not tally.successes:
+        return told
+    sampled = tally.successes - tally.proved
+    rest = f", and {sampled} had landings that were only sampled" if sampled else ""
+    return f"{told}: of {tally.proved} that is proved{rest}"
 
 
 def _percent(share: float) -> str:

@@ -17,6 +17,7 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches.passages import Passage, Section, passages_of, state_of
 from stepwell.statics import (
     Configuration,
+    Landing,
     Path,
     Problem,
     Segment,
@@ -35,7 +36,7 @@ _ROUNDING = 1e-14
 _BEYOND = 0.1
 
 # The snap that ends a passage, and place and drive after it; None where the drive ends.
-Landing = tuple[Segment, Configuration, float] | None
+After = tuple[Segment, Configuration, float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +135,10 @@ class Branches:
         self._stretches = chain.stretches
         self._levers = not chain.elements
         self._branches: list[Branch] = []
-        self._landings: dict[tuple[int, int], Landing] = {}
+        self._after: dict[tuple[int, int], After] = {}
+        self._landings: dict[tuple[int, int, float], Landing] = {}
         self._where: dict[str, list[int]] = {}
-        self._passages: dict[tuple[int, ...], tuple[Passage, Landing]] = {}
+        self._passages: dict[tuple[int, ...], tuple[Passage, After]] = {}
 
     def __getitem__(self, number: int) -> Branch:
         return self._branches[number]
@@ -163,17 +165,33 @@ class Branches:
             self._branches.append(branch)
             for section in branch.sections:
                 self._where.setdefault(section.state, []).append(number)
-            self._landings[number, +1] = after_up
-            self._landings[number, -1] = after_down
+            self._after[number, +1] = after_up
+            self._after[number, -1] = after_down
         return number
 
     def exit(self, number: int, direction: int) -> Exit | None:
         """The snap at the upper (+1) or lower (-1) end of a branch; None where the drive ends."""
-        landing = self._landings[number, direction]
-        if landing is None:
+        after = self._after[number, direction]
+        if after is None:
             return None
-        snap, place, drive = landing
+        snap, place, drive = after
         return Exit(snap, place, self.at(place, drive))
+
+    def landing(self, number: int, direction: int, ratio: float) -> Landing:
+        """Whether the snap at an end of a branch lands there for all mobilities within a ratio.
+
+        Of several that follow one another at once the first that does not hold, if there is one.
+        """
+        key = number, direction, ratio
+        if key not in self._landings:
+            exit_ = self.exit(number, direction)
+            assert exit_ is not None
+            branch, onto = self[number], self[exit_.branch]
+            # Past this snap, and not as far as the next.
+            past = (exit_.snap.drive[1] + (onto.high if direction > 0 else onto.low)) / 2.0
+            found = path(self.chain, [branch.drive, past], start=branch.begin).landings(ratio)
+            self._landings[key] = next((one for one in found if not one.holds), found[0])
+        return self._landings[key]
 
     def vertex(self, state: str) -> tuple[Configuration, float] | None:
         """Configuration and drive of a state such as "010", or None where it is no equilibrium.
@@ -246,9 +264,7 @@ class Branches:
         travels = (round(s / least) for s in place.travel)
         return (*travels, *place.sheet, round(drive / self.slip), direction)
 
-    def _passage(
-        self, place: Configuration, drive: float, direction: int
-    ) -> tuple[Passage, Landing]:
+    def _passage(self, place: Configuration, drive: float, direction: int) -> tuple[Passage, After]:
         key = self._key(place, drive, direction)
         if key not in self._passages:
             end = self.range[1] if direction > 0 else self.range[0]
@@ -265,8 +281,8 @@ class Branches:
             first = passage.sections[0]
             place, drive = first.place[0], first.drive[0]
             key = self._key(place, drive, direction)
-            landing = None
+            after = None
             if passage.snap is not None and following is not None:
-                after = following.sections[0]
-                landing = (passage.snap, after.place[0], after.drive[0])
-            self._passages.setdefault(key, (passage, landing))
+                begin = following.sections[0]
+                after = passage.snap, begin.place[0], begin.drive[0]
+            self._passages.setdefault(key, (passage, after))

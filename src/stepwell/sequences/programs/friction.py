@@ -30,6 +30,7 @@ def search_with_friction(
     to: str,
     origin: tuple[Configuration, float],
     progress: Callable[[int, int], None] | None,
+    robust: float | None,
 ) -> Program:
     """The first program found, fewest turns first; as `sequences.program`."""
     chain = branches.chain
@@ -50,7 +51,9 @@ def search_with_friction(
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
             if section.state == to:
                 low, high = sorted(section.drive)
-                return _widened(branches, start, to, origin, turns, (low, high))
+                found = _widened(branches, start, to, origin, turns, (low, high), robust)
+                if found is not None:
+                    return found
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
                 middle = sum(section.drive) / 2
                 stopped = path(chain, [drive, middle], start=place).end_configuration
@@ -79,8 +82,12 @@ def _widened(
     origin: tuple[Configuration, float],
     turns: tuple[float, ...],
     ends: tuple[float, float],
-) -> Program:
-    """The program, each window bisected with the other turns where they are."""
+    robust: float | None,
+) -> Program | None:
+    """The program, each window bisected with the other turns where they are.
+
+    None where one of its landings hangs on the mobilities.
+    """
     chain = branches.chain
     points = [origin[1], *turns, sum(ends) / 2]
 
@@ -89,8 +96,11 @@ def _widened(
             found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=origin[0])
         except (StaticsError, ValueError):
             return False
-        return state_of(chain.stretches, found.end_configuration) == to
+        arrives = state_of(chain.stretches, found.end_configuration) == to
+        return arrives and (robust is None or all(x.holds for x in found.landings(robust)))
 
+    if robust is not None and not works(0, points[0]):
+        return None
     windows: list[Turn] = []
     for k in range(1, len(points) - 1):
         rises = points[k] > points[k - 1]
@@ -104,4 +114,5 @@ def _widened(
         points[k] = (low + high) / 2
         windows.append(Turn(points[k], low, high, ()))
     method = ProgramMethod.FRICTION
-    return Program(chain, start, to, origin[1], tuple(windows), *ends, method, False, origin[0])
+    found = chain, start, to, origin[1], tuple(windows), *ends, method, False, origin[0]
+    return Program(*found, robust)

@@ -6,6 +6,7 @@ import heapq
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 
 from stepwell.base import InputError, amount
@@ -21,7 +22,7 @@ from stepwell.sequences.branches import (
 )
 from stepwell.sequences.programs.friction import search_with_friction
 from stepwell.sequences.programs.program import Program, ProgramMethod, Turn, Unreachable
-from stepwell.statics import Configuration, path
+from stepwell.statics import Configuration, Landing, a_ratio, path
 
 # Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
 _LOOKED_AT = 6
@@ -32,7 +33,12 @@ Progress = Callable[[int, int], None]
 
 
 def program(
-    chain: Chain, to: str, *, start: str | None = None, progress: Progress | None = None
+    chain: Chain,
+    to: str,
+    *,
+    start: str | None = None,
+    robust: float | None = None,
+    progress: Progress | None = None,
 ) -> Program:
     """The shortest list of turning points of the actuator from one state to another.
 
@@ -40,16 +46,51 @@ def program(
     """
     start = checked_state(chain, "start", chain.first_state if start is None else start)
     checked_state(chain, "to", to)
+    robust = None if robust is None else a_ratio("robust", robust)
     branches = Branches(chain)
     origin = branches.vertex(start)
     if origin is None:
         raise InputError(f"start: {_unstable(chain, start)}")
     if branches.vertex(to) is None:
         raise Unreachable(_unstable(chain, to), proved=True)
-    if any(cell.friction > 0 for cell in chain.cells):
-        return search_with_friction(branches, start, to, origin, progress)
-    found = _by_fields(branches, start, to, origin) if len(chain) > _LOOKED_AT else None
-    return found or _by_branches(branches, start, to, origin, progress)
+    rubbed = any(cell.friction > 0 for cell in chain.cells)
+    by_fields = None if rubbed else partial(_by_fields, branches, start, to, origin)
+    search = search_with_friction if rubbed else _by_branches
+    found = by_fields() if by_fields and len(chain) > _LOOKED_AT else None
+    found = found or search(branches, start, to, origin, progress, None)
+    if robust is None:
+        return found
+    found = replace(found, robust=robust)
+    if found.hangs is None:
+        return found
+    turned = by_fields(robust) if by_fields else None
+    if turned is not None:
+        shortest = found.shortest and turned.strokes == found.strokes
+        return replace(turned, shortest=shortest)
+    try:
+        return search(branches, start, to, origin, progress, robust)
+    except Unreachable as why:
+        text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
+        raise Unreachable(text, proved=why.proved) from None
+
+
+_NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
+
+
+def _hanging(found: Program, hangs: Landing) -> str:
+    """What stands in the way of a program that works for all mobilities within a ratio."""
+    event, place = hangs.event, hangs.elsewhere[0]
+    at = amount(event.drive, found.chain.drive_unit, 4)
+    way = "up" if event.direction > 0 else "down"
+    cells = ", ".join(found.chain.names[cell] for cell in event.cells)
+    factors = ", ".join(f"{one:.3g}" for one in place.mobility)
+    return (
+        f"no program leads from {found.start} to {found.to} on which every snap lands in one place "
+        f"for all mobilities up to {hangs.ratio:g} apart. On the shortest, {found}, the snap at "
+        f"{at} on the way {way} ({cells}) stands in the way: with {factors} times the mobilities "
+        f"given it lands in {place.state}. Ask for a smaller ratio or another state, or move an "
+        f"anchor."
+    )
 
 
 def _unstable(chain: Chain, state: str) -> str:
@@ -67,9 +108,19 @@ def _unstable(chain: Chain, state: str) -> str:
 
 
 def _by_fields(
-    branches: Branches, start: str, to: str, origin: tuple[Configuration, float]
+    branches: Branches,
+    start: str,
+    to: str,
+    origin: tuple[Configuration, float],
+    robust: float | None = None,
 ) -> Program | None:
-    """The plan of relays, aimed by one run a stroke; None where it may not or does not hold."""
+    """The plan of relays, aimed by one run a stroke; None where it may not or does not hold.
+
+    Under a prescribed stroke one that is to be `robust` turns past vertices only. Which cell is
+    left in transit before them hangs on the mobilities, and they do not.
+
+    Source: theory page, "Stroke programs" (a).
+    """
     chain = branches.chain
     fields = relays(chain)
     if fields is None or fields.skips:
@@ -80,6 +131,8 @@ def _by_fields(
         if not rigid or fewest_strokes(fields, "0" * len(chain), start).blocked is not None:
             return None
     plan = fewest_strokes(fields, start, to)
+    if plan.blocked is not None and robust is not None:
+        return None
     # Under a prescribed force relays are what the cells are.
     order = Order(True, True) if by_force else order_kept(chain, fields)
     if plan.blocked is not None:
@@ -97,17 +150,26 @@ def _by_fields(
             f"{k}{beyond}, unless they were set by hand (theory page, 'Stroke programs').",
             proved=True,
         )
-    aimed = _aimed(branches, origin, plan.states)
+    aimed = _aimed(branches, origin, plan.states, past=robust is not None)
     if aimed is None:
         return None
     method = ProgramMethod.RELAYS if chain.elements else ProgramMethod.FIELDS
-    return Program(chain, start, to, origin[1], *aimed, method, order.leaders_win, origin[0])
+    method = method if robust is None else ProgramMethod.VERTICES
+    found = chain, start, to, origin[1], *aimed, method, order.leaders_win, origin[0]
+    return Program(*found, robust)
 
 
 def _aimed(
-    branches: Branches, origin: tuple[Configuration, float], states: tuple[str, ...]
+    branches: Branches,
+    origin: tuple[Configuration, float],
+    states: tuple[str, ...],
+    *,
+    past: bool = False,
 ) -> tuple[tuple[Turn, ...], float, float] | None:
-    """Windows for turning at each of these states in turn; None where one is not on the way."""
+    """Windows for turning at each of these states in turn; None where one is not on the way.
+
+    With `past` they begin at the state and not after the snap before it.
+    """
     place, drive = origin
     turns: list[Turn] = []
     low = high = drive
@@ -121,7 +183,8 @@ def _aimed(
                 break
         else:
             return None
-        first, last = sorted((passage.sections[0].drive[0], passage.sections[-1].drive[1]))
+        begin = section if past else passage.sections[0]
+        first, last = sorted((begin.drive[0], passage.sections[-1].drive[1]))
         low, high = sorted(section.drive)
         vertices = tuple(p.state for p in passage.sections if "-" not in p.state)
         turns.append(Turn((first + last) / 2, first, last, vertices))
@@ -151,12 +214,13 @@ def _by_branches(
     to: str,
     origin: tuple[Configuration, float],
     progress: Progress | None,
+    robust: float | None,
 ) -> Program:
     first = branches.at(*origin)
     if start == to:
         here = branches[first].sections[branches[first].find(to, origin[1])]
         found = branches.chain, start, to, origin[1], (), *here.drive
-        return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0])
+        return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
     order = count()
     heap: list[tuple[tuple[int, float], int, _Reached]] = []
 
@@ -180,7 +244,7 @@ def _by_branches(
         end = _end(branches, reached, to)
         if end is not None:
             found = branches.chain, start, to, origin[1], reached.turns, *end
-            return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0])
+            return Program(*found, ProgramMethod.BRANCHES, not branches.ties, origin[0], robust)
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
                 f"no program from {start} to {to} with {len(reached.turns)} turns or fewer, and "
@@ -189,8 +253,9 @@ def _by_branches(
             )
         if reached.can_turn:
             push(_turned(branches, reached))
-        exit_ = branches.exit(reached.branch, reached.direction)
-        if exit_ is not None:
+        end_of = reached.branch, reached.direction
+        exit_ = branches.exit(*end_of)
+        if exit_ is not None and (robust is None or branches.landing(*end_of, robust).holds):
             push(replace(reached, branch=exit_.branch, entry=exit_.snap.drive[1], can_turn=True))
     states = sorted({v for number in looked for v in branches[number].vertices})
     raise Unreachable(

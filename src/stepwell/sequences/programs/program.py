@@ -9,11 +9,11 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import ByValue, Quantity, Schema, StepwellError, told_in, write_csv
+from stepwell.base import ByValue, Quantity, Schema, StepwellError, amount, told_in, write_csv
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
-from stepwell.statics import Configuration, Path
+from stepwell.statics import Configuration, Landing, Path
 
 
 class ProgramMethod(StrEnum):
@@ -27,6 +27,10 @@ class ProgramMethod(StrEnum):
     RELAYS = (
         "planned backward from the forces at which the cells leave their phases, and followed by "
         "the engine"
+    )
+    VERTICES = (
+        "planned backward from the cells' F0 and F1, and turned only past states with every cell "
+        "at a stop: those are passed in this order for any mobilities"
     )
     FRICTION = (
         "searched with friction, turning in the middle of every smooth part of every run; each "
@@ -81,6 +85,8 @@ class Program(ByValue):
             `to`: one stroke where a rigid actuator has every cell at a stop.
         method: how it was found and why there is none shorter.
         shortest: whether that is proved.
+        robust: the ratio of mobilities for which it has to work, those of `chain` being given;
+            None where it was not asked for.
     """
 
     chain: Chain
@@ -93,6 +99,7 @@ class Program(ByValue):
     method: ProgramMethod
     shortest: bool
     _start: Configuration = field(repr=False)
+    robust: float | None = None
 
     @classmethod
     def given(
@@ -158,6 +165,41 @@ class Program(ByValue):
     def path(self) -> Path:
         """The chain on its way, by the engine."""
         return self.chain.path(self.turning_points, start=self._start)
+
+    @cached_property
+    def landings(self) -> tuple[Landing, ...]:
+        """Of every snap on its way, whether it lands there for all mobilities within the ratio.
+
+        Empty where that was not asked for, or where it does not count: turned only past states with
+        every cell at a stop, a program works wherever its snaps land.
+        """
+        if self.robust is None or self.method is ProgramMethod.VERTICES:
+            return ()
+        return self.path.landings(self.robust)
+
+    @property
+    def reason(self) -> str:
+        """How it was found, and what is known of its landings where that was asked."""
+        if not self.landings:
+            return self.method
+        if self.hangs is not None:
+            at = amount(self.hangs.event.drive, self.chain.drive_unit, 4)
+            return f"{self.method}; the snap at {at} {str(self.hangs).rstrip('.')}"
+        sampled = [one for one in self.landings if one.proof is None]
+        proved = len(self.landings) - len(sampled)
+        ways = [f"{proved} by proof"] if proved else []
+        if sampled:
+            tried = min(one.samples for one in sampled)
+            ways.append(f"{len(sampled)} in all of {tried} samples")
+        return (
+            f"{self.method}; its snaps land alike for all mobilities up to {self.robust:g} apart, "
+            f"{', '.join(ways)}"
+        )
+
+    @property
+    def hangs(self) -> Landing | None:
+        """The first of its landings that hangs on the mobilities; None where all hold."""
+        return next((one for one in self.landings if not one.holds), None)
 
     @property
     def arrives(self) -> str:

@@ -1,0 +1,122 @@
+"""Yields that ask for all mobilities, and mobilities as a tolerance."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from chains import any_chain, concave_chain
+from sizes import examples
+from stepwell.design.tolerances.draws import Draws
+from stepwell.design.tolerances.tally import HANGS
+
+RATIO = 10.0
+NARROW = sw.Tolerances(stiffness=0.01)
+# On the way up from 010, one of two elements goes on, as their mobilities will.
+RACE = sw.Chain(
+    [
+        sw.elements.trilinear((0.003, 1.3), (0.010, 0.8), 100.0, 800.0),
+        sw.elements.trilinear((0.005, 0.3), (0.008, 0.0), 200.0, 300.0),
+        sw.elements.trilinear((0.004, 1.1), (0.015, -0.3), 400.0, 100.0),
+    ]
+)
+
+
+def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
+    plain, robust = RACE.yields(NARROW, n=5), RACE.yields(NARROW, n=5, robust=RATIO)
+    assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
+    assert (robust.share, robust.robust, robust.proved) == (0.0, RATIO, 0)
+    assert dict(robust.outcomes) == {HANGS: 5}
+    assert "ask for a smaller ratio" in robust.advice
+    assert RACE.yields(NARROW, n=5, robust=1.5).share == 1.0
+
+
+def test_what_is_counted_is_right_and_all_its_landings_hold():
+    chain = any_chain(np.random.default_rng(4), 3, friction=False)
+    found = chain.yields(sw.Tolerances(anchor=0.0005), n=examples(6), robust=RATIO)
+    made = [found.mechanism(number).cycle() for number in range(found.n)]
+    right = [one for one in made if str(one.sequence) == found.wanted and not one.degenerate]
+    holding = [one for one in right if all(x.holds for x in one.path.landings(RATIO))]
+    assert found.successes == len(holding)
+    assert found.outcomes.get(HANGS, 0) == len(right) - len(holding)
+    assert found.proved is not None and 0 <= found.proved <= found.successes
+
+
+@pytest.mark.parametrize("stiffness", [math.inf, 300.0, 0.0])
+def test_what_end_forces_tell_counts_as_proved_for_any_mobilities(stiffness):
+    chain = replace(concave_chain(np.random.default_rng(5), 4), actuator_stiffness=stiffness)
+    plain = chain.yields(n=2000)
+    robust = chain.yields(n=2000, robust=1000.0)
+    assert plain.by_engine == robust.by_engine == 0
+    assert (robust.successes, robust.proved) == (plain.successes, plain.successes)
+    assert dict(robust.outcomes) == dict(plain.outcomes)
+    # And it is: drawn mobilities change nothing that the closed form told.
+    drawn = chain.yields(sw.Tolerances(0.0003, 0.05, mobility=1000.0), n=2000)
+    assert drawn.successes == plain.successes
+    for number in range(examples(5)):
+        assert found_by_engine(drawn, number) == found_by_engine(plain, number)
+
+
+def found_by_engine(found: sw.design.Yield, number: int) -> str:
+    return str(found.mechanism(number).cycle().sequence)
+
+
+def test_states_are_wanted_with_landings_that_hold():
+    states = [label for label in RACE.graph(start="000").reachable() if "-" not in label]
+    wanted = {state.partition("#")[0] for state in states}
+    plain = RACE.yields(NARROW, n=2, wanted=wanted)
+    assert plain.share == 1.0
+    assert dict(RACE.yields(NARROW, n=2, wanted=wanted, robust=RATIO).outcomes) == {HANGS: 2}
+
+
+def test_mobilities_are_drawn_evenly_on_a_scale_of_logarithms_within_their_ratio():
+    tolerances = sw.Tolerances(mobility=25.0)
+    drawn = [Draws(RACE, tolerances, 0).sample(k) for k in range(400)]
+    factors = np.array([[cell.mobility for cell in made.cells] for made in drawn])
+    assert np.all((factors >= 1 / 5) & (factors <= 5))
+    shares = np.sort(np.log(factors * 5).ravel() / math.log(25))
+    even = (np.arange(shares.size) + 0.5) / shares.size
+    assert np.max(np.abs(shares - even)) < 1.6 / math.sqrt(shares.size)
+    assert np.all(np.abs(np.corrcoef(factors.T) - np.eye(3)) < 0.2)
+
+
+def test_mobilities_leave_all_else_as_it_is_drawn():
+    rng = np.random.default_rng(6)
+    chain = sw.Chain([*concave_chain(rng, 2).cells, *RACE.cells])
+    some = sw.Tolerances(anchor=0.001, stiffness=0.05, travel=0.03, friction=0.02)
+    for number in (0, 3, 500):
+        one, other = (
+            Draws(chain, replace(some, mobility=ratio), 7).sample(number) for ratio in (1.0, 10.0)
+        )
+        assert {cell.mobility for cell in one.cells} == {1.0}
+        assert {cell.mobility for cell in other.cells} != {1.0}
+        plain = tuple(replace(cell, mobility=1.0) for cell in other.cells)
+        assert replace(other, cells=plain) == one
+
+
+def test_a_mechanism_by_number_is_the_one_that_was_counted():
+    draws = Draws(RACE, sw.Tolerances(stiffness=0.02, mobility=10.0), 3)
+    rows = np.concatenate([piece.copy() for piece in draws.chunks(200)])
+    assert all(draws.built(rows[k]) == draws.sample(k) for k in (0, 1, 63, 64, 199))
+
+
+def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
+    found = RACE.yields(replace(NARROW, mobility=10.0), n=60)
+    assert 0.5 < found.share < 1.0
+    assert HANGS not in found.outcomes
+
+
+@pytest.mark.parametrize("ratio", [0.9, 0.0, -2.0, math.inf, math.nan])
+def test_a_ratio_below_one_is_refused(ratio):
+    with pytest.raises(ValueError, match="mobility"):
+        sw.Tolerances(mobility=ratio)
+
+
+def test_mobilities_that_no_cell_can_have_are_refused_with_the_ratio_that_is_left():
+    fast = replace(RACE, cells=tuple(replace(cell, mobility=100.0) for cell in RACE.cells))
+    with pytest.raises(ValueError, match="100 at most"):
+        fast.yields(sw.Tolerances(mobility=101.0), n=1)
+    assert fast.yields(sw.Tolerances(mobility=100.0), n=2).n == 2
+    assert RACE.yields(sw.Tolerances(mobility=1e6), n=2).n == 2
