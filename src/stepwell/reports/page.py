@@ -251,8 +251,8 @@ def _assumptions(chain: Chain) -> list[str]:
         f"Quasi-static: the {words.stroke} changes slowly, inertia plays no part between snaps.",
         *([_RIGID] if levers else []),
         *(_curves(elements, words) if elements else []),
-        "After a snap the chain lands where overdamped flow at fixed drive leads it, every "
-        f"{words.travel} being equally mobile; the energy released is lost.",
+        "After a snap the chain lands where overdamped flow at fixed drive leads it, "
+        f"{_mobile(named, words)}; the energy released is lost.",
         _actuator(chain),
         *(bands if levers else []),
         told(
@@ -262,6 +262,14 @@ def _assumptions(chain: Chain) -> list[str]:
         ),
         *([load] if levers else []),
     ]
+
+
+def _mobile(named: list[tuple[str, Cell | Element]], words: Measure) -> str:
+    if len({cell.mobility for _, cell in named}) == 1:
+        return f"every {words.travel} being equally mobile"
+    others = [f"{name} {number(cell.mobility)}" for name, cell in named if cell.mobility != 1.0]
+    rest = "" if len(others) == len(named) else ", all others 1"
+    return f"every cell with its own mobility: {_listed(others)}{rest}"
 
 
 def _curves(elements: list[tuple[str, Element]], words: Measure) -> list[str]:

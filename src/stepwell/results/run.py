@@ -88,8 +88,10 @@ def cycle_schema(chain: Chain) -> Schema:
 
 def cell_schema(chain: Chain) -> Schema:
     """What is told of the cells of a chain: all that holds of an element, where it has any."""
+    unlike = len({cell.mobility for cell in chain.cells}) > 1
+    mobility = Quantity("mobility", head="mobility" if unlike else "")
     if not chain.elements:
-        return CELL
+        return *CELL, mobility
     band = "±" if any(element.error_band for element in chain.elements) else ""
     sheets = "sheets" if _folds(chain) else ""
     schema = (
@@ -102,6 +104,7 @@ def cell_schema(chain: Chain) -> Schema:
         Quantity("travel_high", "mm", "to", "high"),
         Quantity("full_travel", "mm"),
         Quantity("stopped", head="stops", form=lambda ends: _ENDS[*ends]),
+        mobility,
         Quantity("error_band", "N", band, lambda cell: getattr(cell, "error_band", 0.0)),
         Quantity("bistable", read="is_bistable"),
         Quantity("stable", head="stable in", read=_stable, left=True),
