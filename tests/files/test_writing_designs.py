@@ -111,7 +111,9 @@ def test_the_papers_angle_is_written_as_45():
 
 def test_a_design_is_written_as_a_person_would_write_it():
     inner = Cell(Band((-0.01, 0), (0.01, 0)), lever=0.014, name="inner")
-    outer = replace(inner, band=Band((-0.01, 0), (0.02, 0)), name="outer", friction=0.02, mobility=3.0)
+    outer = replace(
+        inner, band=Band((-0.01, 0), (0.02, 0)), name="outer", friction=0.02, mobility=3.0
+    )
     assert dumps(Chain((inner, outer), title="Forward-walking leg")) == (
         """\
 title = "Forward-walking leg"

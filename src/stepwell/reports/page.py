@@ -20,6 +20,7 @@ from stepwell.results import (
     change_columns,
     cycle_schema,
     event_columns,
+    landings_told,
     nearest_changes,
     run_record,
 )
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
     from stepwell.design import Margin
     from stepwell.sequences import Cycle
+    from stepwell.statics import Landing
 
 # Longer tables help nobody; the path's CSV has everything.
 _MOST_ROWS = 200
@@ -44,6 +46,7 @@ def report(
     margin: Margin | None,
     figures: Mapping[str, Figure],
     source: str | None = None,
+    landings: Sequence[Landing] | None = None,
 ) -> str:
     """The results of one design as a self-contained page.
 
@@ -54,11 +57,12 @@ def report(
         margin: how far it is from doing something else; None where that was not computed.
         figures: what to show, in this order, by caption.
         source: the design file's name, for the head of the page.
+        landings: as for `results.run_record`.
 
     Returns:
         HTML text.
     """
-    chain, record = cycle.chain, run_record(cycle, margin)
+    chain, record = cycle.chain, run_record(cycle, margin, landings)
     page = Template((files("stepwell.reports") / "report.html").read_text("utf-8"))
     origin = f"Design file {source}" if source else "A design made in Python"
     return page.substitute(
@@ -186,6 +190,9 @@ def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
         f"A switch is a cell arriving {arriving}; a snap is {jump}. "
         f"{stroke.capitalize()}s are exact, not read off a grid."
     )
+    told = landings_told(events)
+    if told:
+        about += f" Landings: {told}."
     return _table(event_columns(chain, page=True), events, about)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import (
@@ -20,13 +20,19 @@ from stepwell.base import (
 )
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.results.head import head, tie_notes
+from stepwell.results.landings import (
+    checked,
+    elsewhere_columns,
+    landing_schema,
+    landing_text,
+)
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
 
 if TYPE_CHECKING:
     from stepwell.design import Change, Margin
     from stepwell.sequences import Cycle, Program, Unreachable
-    from stepwell.statics import Event
+    from stepwell.statics import Event, Landing
 
 # The states of a chain are as many as its cells, each as long: past this only orders are told.
 LONGEST_SPELLED_OUT = 64
@@ -171,13 +177,21 @@ def change_schema(unit: str) -> Schema:
     )
 
 
-def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None) -> dict[str, Any]:
+def run_record(
+    cycle: Cycle,
+    margin: Margin | None,
+    landings: Sequence[Landing] | None = None,
+    *,
+    design: str | None = None,
+) -> dict[str, Any]:
     """What a design does, as docs/commands.md describes it.
 
     Args:
         margin: how far the design is from doing something else; None where that is not known.
+        landings: what `Path.landings` says of its snaps; None asks it where cells are few.
     """
     chain = cycle.chain
+    landings = checked(cycle.path) if landings is None else landings
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     return {
         **head("stepwell.run/1", design or chain),
@@ -188,7 +202,7 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
         "pathway": plain(cycle.pathway),
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
-        "events": event_records(cycle.events, chain),
+        "events": event_records(cycle.events, chain, landings),
         **record(cycle_schema(chain), cycle),
         "margin": margin
         and record(MARGIN, margin)
@@ -197,10 +211,13 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
     }
 
 
-def event_records(events: Iterable[Event], chain: Chain) -> list[dict[str, Any]]:
-    """The switches and snaps of a chain."""
-    schema = event_schema(chain)
-    return [record(schema, event) for event in events]
+def event_records(
+    events: Iterable[Event], chain: Chain, landings: Iterable[Landing]
+) -> list[dict[str, Any]]:
+    """The switches and snaps of a chain, each with its landing where that is known."""
+    schema, place = event_schema(chain), landing_schema(chain)
+    known = {landing.event: record(place, landing) for landing in landings}
+    return [record(schema, event) | {"landing": known.get(event)} for event in events]
 
 
 def actuator_record(chain: Chain) -> dict[str, Any]:
@@ -248,6 +265,7 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
     forces = (
         (before_, after_) if page else (Column(f"{measure.force} [{before_.sign}]", force, True),)
     )
+    landing = Column("lands alike", lambda event: landing_text(event, chain))
     cause = Column("cause", lambda event: Cause[event["cause"].upper()].value)
     return (
         schema["direction"],
@@ -257,7 +275,13 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
         *forces,
         released,
         *([cause] if page else []),
+        *([landing] if page else []),
     )
+
+
+def elsewhere_of(chain: Chain) -> Columns:
+    """The columns of a table of other places where snaps of a chain land."""
+    return elsewhere_columns(chain, event_schema(chain))
 
 
 def nearest_changes(chain: Chain, changes: list[dict[str, Any]]) -> dict[str, str]:
@@ -327,9 +351,15 @@ def drive_schema(unit: str) -> Schema:
     )
 
 
-def program_record(program: Program, *, design: str | None = None) -> dict[str, Any]:
-    """A program that was found, as docs/commands.md describes it."""
+def program_record(
+    program: Program,
+    landings: Sequence[Landing] | None = None,
+    *,
+    design: str | None = None,
+) -> dict[str, Any]:
+    """A program that was found, as docs/commands.md describes it; `landings` as of a run."""
     path, chain = program.path, program.chain
+    landings = checked(path) if landings is None else landings
     unit, _ = told_in(chain.drive_unit)
     points, *ends = drive_schema(unit)
     return {
@@ -341,7 +371,7 @@ def program_record(program: Program, *, design: str | None = None) -> dict[str, 
         "strokes": program.strokes,
         **record([points], program),
         "sequence": str(program.sequence) if len(chain) <= LONGEST_SPELLED_OUT else None,
-        "events": event_records(path.events, chain),
+        "events": event_records(path.events, chain, landings),
         **record([Quantity("dissipated", "mJ")], path),
         "turns": [record(turn_schema(unit), turn) for turn in program.turns],
         **record(ends, program),

@@ -42,6 +42,15 @@ Json = Annotated[
     bool,
     typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it."),
 ]
+MobilityRatio = Annotated[
+    float | None,
+    typer.Option(
+        "--mobility-ratio",
+        metavar="R",
+        help="Ask of every snap whether it lands in one place for all mobilities of cells up to so "
+        "many times apart; by default 10, for up to 8 cells.",
+    ),
+]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
 
 

@@ -14,13 +14,17 @@ from stepwell.cli.screen import (
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
+    NOT_CHECKED,
     SENSITIVITY,
     built_schema,
     cell_schema,
     change_columns,
     cycle_schema,
     drive_schema,
+    elsewhere_of,
+    elsewhere_rows,
     event_columns,
+    landings_told,
     nearest_changes,
     tolerance_schema,
 )
@@ -44,6 +48,7 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
         "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
         "Margin": _nearest(record["margin"], chain),
+        "Landings": _landings(record["events"]),
     }
     show_facts(record, found, 2 + max(map(len, found)))
     show_records("Cells, innermost first", cell_schema(chain), record["cells"])
@@ -73,9 +78,19 @@ def _nearest(margin: dict[str, Any], chain: Chain) -> str:
     return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
 
 
+def _landings(events: list[dict[str, Any]]) -> str:
+    told = landings_told(events)
+    return f"{told}; --mobility-ratio 10 does" if told == NOT_CHECKED else told
+
+
 def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
     """Print a table of switches and snaps."""
     show_records("Switches and snaps", event_columns(chain), events)
+    show_records(
+        "Landings that other mobilities of the cells change",
+        elsewhere_of(chain),
+        elsewhere_rows(events),
+    )
 
 
 def map_(record: dict[str, Any]) -> None:
@@ -140,6 +155,7 @@ def program(record: dict[str, Any], chain: Chain) -> None:
         "Slack": slack is not None
         and f"every turn may be off by {number(slack, 3)} {off.sign} at once",
         "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
+        "Landings": landings_told(record["events"]),
     }
     show_facts(record, found, 10)
     # Where a turn can go back to is known of programs that were searched for.
