@@ -19,6 +19,8 @@ from stepwell.results import (
     cell_schema,
     change_columns,
     cycle_schema,
+    elsewhere_of,
+    elsewhere_rows,
     event_columns,
     landings_told,
     nearest_changes,
@@ -190,10 +192,19 @@ def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
         f"A switch is a cell arriving {arriving}; a snap is {jump}. "
         f"{stroke.capitalize()}s are exact, not read off a grid."
     )
-    told = landings_told(events)
-    if told:
-        about += f" Landings: {told}."
-    return _table(event_columns(chain, page=True), events, about)
+    return _table(event_columns(chain, page=True), events, about) + _landings(chain, events)
+
+
+def _landings(chain: Chain, events: list[dict[str, Any]]) -> str:
+    told, elsewhere = landings_told(events), elsewhere_rows(events)
+    text = f"<p>Landings: {escape(told)}.</p>" if told else ""
+    if not elsewhere:
+        return text
+    about = (
+        "The same snaps with other mobilities of the cells: where else they land, the first "
+        "mobilities found that lead there, and how many of the samples do."
+    )
+    return text + _table(elsewhere_of(chain), elsewhere, about)
 
 
 def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) -> str:

@@ -70,19 +70,6 @@ def landings_told(events: Sequence[Mapping[str, Any]]) -> str:
     return f"{many if found[1:] else 'holds'} {apart}: {how}"
 
 
-def landing_text(event: Mapping[str, Any], chain: Chain) -> str:
-    """Where a snap lands for other mobilities; "" where that was not asked."""
-    landing = event["landing"]
-    if landing is None:
-        return ""
-    if landing["holds"]:
-        return "proved" if landing["proof"] else f"in all of {landing['samples']} samples"
-    return "; ".join(
-        f"{one['state']} if {_condition(one['mobility'], chain.names)}"
-        for one in landing["elsewhere"]
-    )
-
-
 def elsewhere_rows(events: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Every other place where one of these snaps lands, with the snap."""
     return [

@@ -24,7 +24,6 @@ from stepwell.results.landings import (
     checked,
     elsewhere_columns,
     landing_schema,
-    landing_text,
 )
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
@@ -265,7 +264,6 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
     forces = (
         (before_, after_) if page else (Column(f"{measure.force} [{before_.sign}]", force, True),)
     )
-    landing = Column("lands alike", lambda event: landing_text(event, chain))
     cause = Column("cause", lambda event: Cause[event["cause"].upper()].value)
     return (
         schema["direction"],
@@ -275,7 +273,6 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
         *forces,
         released,
         *([cause] if page else []),
-        *([landing] if page else []),
     )
 
 
