@@ -12,7 +12,7 @@ from stepwell.base import ByValue, Floats, InputError, Ints, check, require
 from stepwell.mechanism import HIGH, LOW, MOBILITIES, Chain, phase_at
 from stepwell.statics.events import Event
 from stepwell.statics.following import Problem, log as logged, stand_all_on
-from stepwell.statics.landings import Snap, factors_of, land_all, snaps_of
+from stepwell.statics.landings import Snap, factors_of, goes_one_way, land_all, snaps_of
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6
@@ -121,11 +121,23 @@ def landings(
     require("samples", samples, "samples =")
     at = 0
     for found in snaps_of(problem, log, *start):
-        cells = sorted({cell for event in events[at : at + found.rows] for cell in event.cells})
+        event, passed = events[at], events[at : at + found.rows]
+        at += found.rows
+        proof = _proof(problem, found, ratio)
+        if proof is not None:
+            yield Landing(event, ratio, proof, 0, ())
+            continue
+        cells = sorted({cell for one in passed for cell in one.cells})
         factors = factors_of(np.array(cells), len(chain), ratio, samples, seed)
         elsewhere = _elsewhere(chain, problem, found, factors)
-        yield Landing(events[at], ratio, None, samples, tuple(elsewhere))
-        at += found.rows
+        yield Landing(event, ratio, None, samples, tuple(elsewhere))
+
+
+def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
+    """What proves that a snap lands where it does, the cheapest first."""
+    if goes_one_way(problem, snap.start, snap.travel, ratio):
+        return Proof.FREEDOM
+    return None
 
 
 def _elsewhere(chain: Chain, problem: Problem, snap: Snap, factors: Floats) -> list[Elsewhere]:

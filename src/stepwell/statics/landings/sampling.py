@@ -14,11 +14,10 @@ from stepwell.statics.following import (
     Problem,
     State,
     choose,
-    log as logged,
     sheets_of,
     snap,
 )
-from stepwell.statics.landings.start import Start, stand_before
+from stepwell.statics.landings.start import Start, room_for, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.
 _SADDLES = 20
@@ -40,17 +39,7 @@ def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
     found = Landings(
         np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
     )
-    state = State(
-        np.empty(n),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n),
-        np.zeros(1),
-        np.zeros(4, np.int64),
-        np.zeros(2, np.int64),
-        logged.empty_log(1, n),
-    )
+    state = room_for(n)
     own = problem._replace(mobility=problem.mobility.copy())
     watched(
         lambda effort: _land_all(own._replace(effort=effort), start, state, factors, found),
