@@ -39,36 +39,35 @@ def race():
 
 
 def snaps(record):
-    return [event for event in record["events"] if event["kind"] == "snap"]
+    return [k for k, event in enumerate(record["events"]) if event["kind"] == "snap"]
 
 
 def test_every_snap_of_a_small_chain_says_whether_its_landing_holds(race):
     cycle, record = race
     wanted = cycle.path.landings()
-    assert len(wanted) == len(snaps(record)) == 4
-    for landing, told in zip(wanted, snaps(record), strict=True):
-        assert told["landing"]["holds"] is landing.holds
-        assert told["landing"]["ratio"] == 10.0
-        assert told["landing"]["samples"] == landing.samples
-        assert told["landing"]["proof"] == (landing.proof and landing.proof.name.lower())
-        for place, one in zip(landing.elsewhere, told["landing"]["elsewhere"], strict=True):
+    assert [told["event"] for told in record["landings"]] == snaps(record)
+    assert len(wanted) == len(record["landings"]) == 4
+    for landing, told in zip(wanted, record["landings"], strict=True):
+        assert told["holds"] is landing.holds
+        assert told["ratio"] == 10.0
+        assert told["samples"] == landing.samples
+        assert told["proof"] == (landing.proof and landing.proof.name.lower())
+        for place, one in zip(landing.elsewhere, told["elsewhere"], strict=True):
             assert tuple(one["mobility"]) == place.mobility
             assert one["travel_mm"] == [s / 1e-3 for s in place.travel]
             assert (one["state"], one["share"]) == (place.state, place.share)
-    switches = [event for event in record["events"] if event["kind"] == "switch"]
-    assert {str(event["landing"]) for event in switches} == {"None"}
     json.dumps(record, allow_nan=False)
 
 
 def test_the_mobilities_that_are_told_lead_where_it_is_told(race):
     _, record = race
-    found = [(event, place) for event in snaps(record) for place in event["landing"]["elsewhere"]]
+    found = elsewhere_rows(record["landings"], record["events"])
     assert found
-    for event, place in found:
+    for place in found:
         mobile = zip(RACE.cells, place["mobility"], strict=True)
         cells = [replace(cell, mobility=m) for cell, m in mobile]
         there = replace(RACE, cells=tuple(cells)).cycle().snaps
-        same = [one for one in there if one.stroke * 1e3 == pytest.approx(event["stroke_mm"])]
+        same = [one for one in there if one.stroke * 1e3 == pytest.approx(place["stroke_mm"])]
         after = {cell: s for one in same for cell, s in zip(one.cells, one.after, strict=True)}
         for cell, s in after.items():
             assert s * 1e3 == pytest.approx(place["travel_mm"][cell], abs=1e-6)
@@ -84,24 +83,22 @@ def test_landings_are_checked_up_to_eight_cells_and_above_where_it_is_asked():
     assert checked(nine.path) == ()
     assert {landing.ratio for landing in checked(nine.path, 3.0)} == {3.0}
     record = results.run_record(nine, None)
-    assert landings_told(record["events"]) == results.NOT_CHECKED
-    assert all(event["landing"] is None for event in record["events"])
+    assert record["landings"] is None
 
 
 def told(**changes) -> dict:
-    landing = {"holds": True, "ratio": 10.0, "proof": None, "samples": 64, "elsewhere": []}
-    return {"kind": "snap", "landing": landing | changes}
+    landing = {"event": 0, "holds": True, "ratio": 10.0, "proof": None, "samples": 64}
+    return landing | {"elsewhere": []} | changes
 
 
 PROVED = told(proof="freedom", samples=0)
 
 
 @pytest.mark.parametrize(
-    ("events", "line"),
+    ("landings", "line"),
     [
         ([], ""),
-        ([{"kind": "switch", "landing": None}], ""),
-        ([{"kind": "snap", "landing": None}], "not checked for other mobilities"),
+        (None, "not checked for other mobilities"),
         ([PROVED], "holds for mobilities up to 10 apart: proved"),
         ([told()], "holds for mobilities up to 10 apart: in all of 64 samples"),
         ([PROVED, PROVED], "all hold for mobilities up to 10 apart: proved"),
@@ -113,8 +110,8 @@ PROVED = told(proof="freedom", samples=0)
         ([told(holds=False)], "no snap lands in one place for mobilities up to 10 apart"),
     ],
 )
-def test_one_line_says_how_many_landings_hold_and_how_that_is_known(events, line):
-    assert landings_told(events) == line
+def test_one_line_says_how_many_landings_hold_and_how_that_is_known(landings, line):
+    assert landings_told(landings) == line
 
 
 @pytest.mark.parametrize(
@@ -127,8 +124,8 @@ def test_one_line_says_how_many_landings_hold_and_how_that_is_known(events, line
 )
 def test_mobilities_are_told_by_names(mobility, words):
     place = {"mobility": mobility, "state": "011", "share": 0.125}
-    event = {"direction": "loading", "stroke_mm": 1.0} | told(holds=False, elsewhere=[place])
-    (row,) = elsewhere_rows([event])
+    event = {"direction": "loading", "stroke_mm": 1.0}
+    (row,) = elsewhere_rows([told(holds=False, elsewhere=[place])], [event])
     _, _, how, state, share = (one.cell(row) for one in results.elsewhere_of(RACE))
     assert (how, state, share) == (words, "011", "12 %")
 
@@ -136,18 +133,18 @@ def test_mobilities_are_told_by_names(mobility, words):
 def test_of_two_cells_the_one_that_is_faster_is_named():
     pair = sw.Chain(RACE.cells[:2])
     place = {"mobility": (1.0, 4.0), "state": "01", "share": 0.5}
-    (row,) = elsewhere_rows([told(holds=False, elsewhere=[place])])
+    (row,) = elsewhere_rows([told(holds=False, elsewhere=[place])], [{}])
     assert results.elsewhere_of(pair)[2].cell(row) == "left is 4 times faster"
 
 
 def test_screen_and_page_tell_the_landings_of_the_record(race, capsys):
     cycle, record = race
     texts.run(record, RACE)
-    screen, line = capsys.readouterr().out, landings_told(record["events"])
+    screen, line = capsys.readouterr().out, landings_told(record["landings"])
     page = report(cycle, sw.margin(RACE), {})
     assert f"Landings    {line}\n" in screen
     assert f"<p>Landings: {line}.</p>" in page
-    rows = elsewhere_rows(record["events"])
+    rows = elsewhere_rows(record["landings"], record["events"])
     assert rows
     for row in rows:
         for column in results.elsewhere_of(RACE):
@@ -167,9 +164,9 @@ def test_a_program_tells_its_landings_too(capsys):
     record = results.program_record(program)
     kinds = [event.kind for event in program.path.events]
     assert kinds.count(EventKind.SNAP) == len(snaps(record)) > 0
-    assert all(event["landing"]["holds"] for event in snaps(record))
+    assert [landing["holds"] for landing in record["landings"]] == [True] * len(snaps(record))
     texts.program(record, program.chain)
-    assert f"Landings  {landings_told(record['events'])}\n" in capsys.readouterr().out
+    assert f"Landings  {landings_told(record['landings'])}\n" in capsys.readouterr().out
 
 
 def test_known_landings_are_not_looked_for_again(race, monkeypatch):
@@ -177,5 +174,5 @@ def test_known_landings_are_not_looked_for_again(race, monkeypatch):
     known = cycle.path.landings()
     monkeypatch.setattr(Path, "landings", lambda *_, **__: pytest.fail("asked again"))
     again = results.run_record(cycle, sw.margin(RACE), known)
-    assert again["events"] == record["events"]
+    assert again["landings"] == record["landings"]
     report(cycle, None, {}, None, known)

@@ -77,7 +77,7 @@ def report(
         warnings=_warnings(record["ties"]),
         figures="\n".join(_figure(caption, figure) for caption, figure in figures.items()),
         cells=_cells(chain, record["cells"]),
-        events=_events(chain, record["events"]),
+        events=_events(chain, record["events"]) + _landings(chain, record),
         margin=_margin(chain, margin, record["margin"]),
         assumptions="\n".join(f"<li>{escape(line)}</li>" for line in _assumptions(chain)),
     )
@@ -192,11 +192,12 @@ def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
         f"A switch is a cell arriving {arriving}; a snap is {jump}. "
         f"{stroke.capitalize()}s are exact, not read off a grid."
     )
-    return _table(event_columns(chain, page=True), events, about) + _landings(chain, events)
+    return _table(event_columns(chain, page=True), events, about)
 
 
-def _landings(chain: Chain, events: list[dict[str, Any]]) -> str:
-    told, elsewhere = landings_told(events), elsewhere_rows(events)
+def _landings(chain: Chain, record: dict[str, Any]) -> str:
+    told = landings_told(record["landings"])
+    elsewhere = elsewhere_rows(record["landings"], record["events"])
     text = f"<p>Landings: {escape(told)}.</p>" if told else ""
     if not elsewhere:
         return text

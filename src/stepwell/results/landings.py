@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Column, Columns, Quantity, Schema, in_measure, number, record
 from stepwell.mechanism import Chain
+from stepwell.statics import EventKind
 
 if TYPE_CHECKING:
-    from stepwell.statics import Landing, Path
+    from stepwell.statics import Event, Landing, Path
 
 # Every landing of these is checked unasked; that of more cells takes its time.
 MOST_CHECKED = 8
@@ -28,55 +29,68 @@ def checked(path: Path, ratio: float | None = None) -> tuple[Landing, ...]:
     return path.landings(ratio)
 
 
-def landing_schema(chain: Chain) -> Schema:
-    """What is told of the landing of a snap of a chain."""
+def landing_records(
+    landings: Sequence[Landing], events: Sequence[Event], chain: Chain
+) -> list[dict[str, Any]] | None:
+    """What is known of the landings of snaps, each with its number among the events.
+
+    None where there are snaps and nothing was asked of them.
+    """
+    if not landings and any(event.kind is EventKind.SNAP for event in events):
+        return None
     folds = any(len(element.laws) > 1 for element in chain.elements)
-    place = (
-        Quantity("state"),
-        Quantity("travel", "mm"),
-        *([Quantity("sheet")] if folds else []),
-        Quantity("mobility"),
-        Quantity("share"),
-    )
-    place = in_measure(place, chain.measure)
-    return (
-        Quantity("holds"),
-        Quantity("ratio"),
-        Quantity("proof"),
-        Quantity("samples"),
-        Quantity(
-            "elsewhere", read=lambda landing: [record(place, one) for one in landing.elsewhere]
-        ),
-    )
+    place = in_measure(_ELSEWHERE if folds else _ELSEWHERE[:-1], chain.measure)
+    found: list[dict[str, Any]] = []
+    at = -1
+    for landing in landings:
+        at = events.index(landing.event, at + 1)
+        elsewhere = [record(place, one) for one in landing.elsewhere]
+        found.append({"event": at, **record(_LANDING, landing), "elsewhere": elsewhere})
+    return found
 
 
-def landings_told(events: Sequence[Mapping[str, Any]]) -> str:
-    """In a line, how many snaps of these records land alike for other mobilities."""
-    snaps = [event for event in events if event["kind"] == "snap"]
-    found = [event["landing"] for event in snaps if event["landing"] is not None]
-    if not snaps:
-        return ""
-    if not found:
+_LANDING: Schema = (
+    Quantity("holds"),
+    Quantity("ratio"),
+    Quantity("proof"),
+    Quantity("samples"),
+)
+_ELSEWHERE: Schema = (
+    Quantity("state", head="in state"),
+    Quantity("travel", "mm"),
+    Quantity("mobility"),
+    Quantity("share"),
+    Quantity("sheet"),
+)
+
+
+def landings_told(landings: Sequence[Mapping[str, Any]] | None) -> str:
+    """In a line, how many snaps land alike for other mobilities; "" where there are no snaps."""
+    if landings is None:
         return NOT_CHECKED
-    holding = [one for one in found if one["holds"]]
-    apart = f"for mobilities up to {number(found[0]['ratio'])} apart"
+    if not landings:
+        return ""
+    holding = [one for one in landings if one["holds"]]
+    apart = f"for mobilities up to {number(landings[0]['ratio'])} apart"
     if not holding:
         return f"no snap lands in one place {apart}"
     proved = sum(one["proof"] is not None for one in holding)
     tried = f"in all of {max(one['samples'] for one in holding)} samples"
     how = tried if proved == 0 else f"{proved} proved, {len(holding) - proved} {tried}"
     how = "proved" if proved == len(holding) else how
-    many = f"{len(holding)} of {len(found)} hold" if len(holding) < len(found) else "all hold"
-    return f"{many if found[1:] else 'holds'} {apart}: {how}"
+    all_hold = len(holding) == len(landings)
+    many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
+    return f"{many if landings[1:] else 'holds'} {apart}: {how}"
 
 
-def elsewhere_rows(events: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def elsewhere_rows(
+    landings: Sequence[Mapping[str, Any]] | None, events: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
     """Every other place where one of these snaps lands, with the snap."""
     return [
-        {**event, **place}
-        for event in events
-        if event["landing"] is not None
-        for place in event["landing"]["elsewhere"]
+        {**events[landing["event"]], **place}
+        for landing in landings or ()
+        for place in landing["elsewhere"]
     ]
 
 
@@ -87,7 +101,7 @@ def elsewhere_columns(chain: Chain, event: Schema) -> Columns:
         told["direction"],
         told["stroke"],
         Column("lands elsewhere if", lambda row: _condition(row["mobility"], chain.names)),
-        Column("in state", lambda row: row["state"]),
+        _ELSEWHERE[0],
         Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
     )
 

@@ -23,7 +23,7 @@ from stepwell.results.head import head, tie_notes
 from stepwell.results.landings import (
     checked,
     elsewhere_columns,
-    landing_schema,
+    landing_records,
 )
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
@@ -201,7 +201,8 @@ def run_record(
         "pathway": plain(cycle.pathway),
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
-        "events": event_records(cycle.events, chain, landings),
+        "events": event_records(cycle.events, chain),
+        "landings": landing_records(landings, cycle.events, chain),
         **record(cycle_schema(chain), cycle),
         "margin": margin
         and record(MARGIN, margin)
@@ -210,13 +211,10 @@ def run_record(
     }
 
 
-def event_records(
-    events: Iterable[Event], chain: Chain, landings: Iterable[Landing]
-) -> list[dict[str, Any]]:
-    """The switches and snaps of a chain, each with its landing where that is known."""
-    schema, place = event_schema(chain), landing_schema(chain)
-    known = {landing.event: record(place, landing) for landing in landings}
-    return [record(schema, event) | {"landing": known.get(event)} for event in events]
+def event_records(events: Iterable[Event], chain: Chain) -> list[dict[str, Any]]:
+    """The switches and snaps of a chain."""
+    schema = event_schema(chain)
+    return [record(schema, event) for event in events]
 
 
 def actuator_record(chain: Chain) -> dict[str, Any]:
@@ -368,7 +366,8 @@ def program_record(
         "strokes": program.strokes,
         **record([points], program),
         "sequence": str(program.sequence) if len(chain) <= LONGEST_SPELLED_OUT else None,
-        "events": event_records(path.events, chain, landings),
+        "events": event_records(path.events, chain),
+        "landings": landing_records(landings, path.events, chain),
         **record([Quantity("dissipated", "mJ")], path),
         "turns": [record(turn_schema(unit), turn) for turn in program.turns],
         **record(ends, program),
