@@ -53,10 +53,10 @@ def run(
     free(out, "run", force, design=text)
     with progress("following") as tell:
         cycle = chain.cycle(progress=tell)
-    with progress("margin") as tell:
-        limits = margin(cycle.chain, progress=tell)
     with usable("--mobility-ratio"), progress("landings"):
         landings = results.checked(cycle.path, mobility_ratio)
+    with progress("margin") as tell:
+        limits = margin(cycle.chain, progress=tell)
     record = results.run_record(cycle, limits, landings, design=text)
     write = partial(reports.write_run, cycle, limits, design=text, source=design, landings=landings)
     finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
