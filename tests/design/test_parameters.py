@@ -9,6 +9,7 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
+from stepwell.design import Tolerances
 from stepwell.design.parameters.parameter import Parameter, parameter, parameters
 from stepwell.design.tolerances.draws import Draws
 
@@ -221,6 +222,6 @@ def test_cells_keep_their_mobilities_whatever_number_is_changed():
 
 
 def test_mechanisms_made_at_random_keep_their_mobilities():
-    tolerances = sw.design.Tolerances(anchor=2e-4, stiffness=0.05, lever=1e-4, friction=0.01)
+    tolerances = Tolerances(anchor=2e-4, stiffness=0.05, lever=1e-4, friction=0.01)
     made = [Draws(MIXED, tolerances, 1).sample(k) for k in range(5)]
     assert all(mobilities(one) == mobilities(MIXED) and one != MIXED for one in made)
