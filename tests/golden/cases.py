@@ -190,7 +190,7 @@ REPROGRAMS = [
 ELEMENTS = [
     *(
         _both(f"elements/{name}", f"run {name}.toml", given=DESIGNS, slow=name != "balloons")
-        for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded")
+        for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded", "race")
     ),
     Case(
         "elements/graph",

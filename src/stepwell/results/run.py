@@ -94,7 +94,7 @@ def cycle_schema(chain: Chain) -> Schema:
 def cell_schema(chain: Chain) -> Schema:
     """What is told of the cells of a chain: all that holds of an element, where it has any."""
     unlike = len({cell.mobility for cell in chain.cells}) > 1
-    mobility = Quantity("mobility", head="mobility" if unlike else "")
+    mobility = Quantity("mobility", head="mobility" if unlike else "", left=False)
     if not chain.elements:
         return *CELL, mobility
     band = "±" if any(element.error_band for element in chain.elements) else ""
