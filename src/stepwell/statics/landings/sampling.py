@@ -83,9 +83,9 @@ def _land(problem: Problem, state: State, direction: int) -> bool:
 def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -> Floats:
     """(samples, N) factors of the mobilities, from 1 to `ratio`.
 
-    First each of some cells fast among slow ones and slow among fast ones; then all of them at
-    random, log-uniform: one in each of as many equal parts as there are samples (McKay, Beckman
-    & Conover 1979).
+    First each of some cells fast among slow ones and slow among fast ones, which is what mostly
+    decides. Then all cells at random: of three samples two have each cell either fast or slow, for
+    the ends of the range lead to more places than what lies between, and one is log-uniform.
 
     Args:
         cells: those that are fast or slow alone.
@@ -94,10 +94,11 @@ def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -
         samples: how many.
         seed: of the random ones.
     """
-    fast, slow = np.ones((len(cells), count)), np.full((len(cells), count), ratio)
-    fast[np.arange(len(cells)), cells], slow[np.arange(len(cells)), cells] = ratio, 1.0
-    corners = np.concatenate([fast, slow])[:samples]
-    left, rng = samples - len(corners), np.random.default_rng(seed)
-    parts = rng.permuted(np.tile(np.arange(left), (count, 1)), axis=1).T
-    drawn = ratio ** ((parts + rng.random((left, count))) / max(left, 1))
-    return np.concatenate([corners, drawn])
+    rng, alone = np.random.default_rng(seed), np.arange(len(cells))
+    powers = rng.random((2 * len(cells) + samples, count))
+    powers[alone], powers[alone + len(cells)] = 0.0, 1.0
+    powers[alone, cells], powers[alone + len(cells), cells] = 1.0, 0.0
+    powers = powers[:samples]
+    ends = np.arange(samples) % 3 > 0
+    powers[ends] = np.round(powers[ends])
+    return ratio**powers
