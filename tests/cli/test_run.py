@@ -54,7 +54,7 @@ def test_landings_are_asked_within_a_ratio_of_mobilities(stepwell):
     assert [landing["ratio"] for landing in record["landings"]] == [3.0, 3.0]
 
 
-@pytest.mark.parametrize("ratio", ["0.999", "1000001", "nan", "-2"])
+@pytest.mark.parametrize("ratio", ["0.999", "1000.1", "nan", "-2"])
 def test_a_ratio_of_mobilities_past_its_ends_is_refused_before_anything_is_written(
     stepwell, tmp_path, ratio
 ):
@@ -64,7 +64,7 @@ def test_a_ratio_of_mobilities_past_its_ends_is_refused_before_anything_is_writt
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("ratio", ["1", "1000000"])
+@pytest.mark.parametrize("ratio", ["1", "1000"])
 def test_a_ratio_of_mobilities_may_be_at_its_ends(stepwell, ratio):
     assert stepwell("run", "forward.toml", "--mobility-ratio", ratio).exit_code == 0
 

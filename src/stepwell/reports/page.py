@@ -202,8 +202,8 @@ def _landings(chain: Chain, record: dict[str, Any]) -> str:
     if not elsewhere:
         return text
     about = (
-        "The same snaps with other mobilities of the cells: where else they land, the first "
-        "mobilities found that lead there, and how many of the samples do."
+        "The same snaps with other mobilities of the cells: where else they land, the mobilities "
+        "nearest to those given that were found to lead there, and how many of the samples do."
     )
     return text + _table(elsewhere_of(chain), elsewhere, about)
 

@@ -75,7 +75,8 @@ def landings_told(landings: Sequence[Mapping[str, Any]] | None) -> str:
     if not holding:
         return f"no snap lands in one place {apart}"
     proved = sum(one["proof"] is not None for one in holding)
-    tried = f"in all of {max(one['samples'] for one in holding)} samples"
+    least = min((one["samples"] for one in holding if one["proof"] is None), default=0)
+    tried = f"in all of {least} samples"
     how = tried if proved == 0 else f"{proved} proved, {len(holding) - proved} {tried}"
     how = "proved" if proved == len(holding) else how
     all_hold = len(holding) == len(landings)
