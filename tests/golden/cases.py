@@ -70,6 +70,10 @@ _QUICK = {"paper-forward", "paper-cell-0-m15", "three-wave", "force-control"}
 
 RUNS = [
     Case("run/json", ("run preset:paper-forward --json", "run preset:paper-identical --json")),
+    Case(
+        "run/mobilities",
+        ("run preset:three-wave --mobility-ratio 100", "run preset:three-wave --mobility-ratio 0"),
+    ),
     *(
         Case(
             f"run/{name}",
