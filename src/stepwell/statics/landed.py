@@ -9,10 +9,25 @@ from enum import Enum
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Ints, check, require
+from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
-from stepwell.statics.following import Problem, find_piece, log as logged, stand_all_on
-from stepwell.statics.landings import Snap, factors_of, goes_one_way, land_all, snaps_of
+from stepwell.statics.following import (
+    COARSE,
+    Problem,
+    find_piece,
+    log as logged,
+    stand_all_on,
+)
+from stepwell.statics.landings import (
+    Snap,
+    enclosed,
+    energy_holds,
+    factors_of,
+    goes_one_way,
+    land_all,
+    snaps_of,
+)
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6
@@ -145,18 +160,28 @@ def landings(
 
 def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
     """What proves that a snap lands where it does, the cheapest first."""
-    if goes_one_way(problem, snap.start, snap.travel, ratio):
+    start, landing = snap.start, snap.travel
+    if goes_one_way(problem, start, landing, ratio):
         return Proof.FREEDOM
-    return None
+    if not np.array_equal(snap.sheet, start.sheet):
+        return None
+    # What the path has spent does not count.
+    fresh = problem._replace(effort=np.array([0, UNLIMITED, 0]))
+    if energy_holds(fresh, start, landing):
+        return Proof.ENERGY
+    return Proof.ENCLOSURE if enclosed(fresh, start, landing, ratio) else None
 
 
 def _sampled(
     chain: Chain, problem: Problem, snap: Snap, factors: Floats
 ) -> tuple[int, list[Elsewhere]]:
-    """How many samples come to rest, and every other place where, most frequent first."""
-    landed = land_all(problem, snap.start, factors)
-    places = [(snap.travel, snap.sheet)]
-    first, hits = [-1], [0]
+    """How many samples come to rest, and every other place where, most frequent first.
+
+    The samples are taken with a coarse flow. Other places are looked for again with a fine one,
+    and those that are not found again do not count.
+    """
+    landed = land_all(problem, snap.start, factors, COARSE)
+    places, first, hits = [(snap.travel, snap.sheet)], [-1], [0]
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
@@ -167,45 +192,45 @@ def _sampled(
             places.append(here)
             first.append(k)
             hits.append(1)
-    rests = sum(hits)
-    if len(places) == 1:
-        return rests, []
-    mobility = _plain(chain, problem, snap, factors[first[1:]], places[1:])
-    order = sorted(range(1, len(places)), key=lambda place: -hits[place])
+    found = [
+        (count, *again)
+        for count, k, place in zip(hits[1:], first[1:], places[1:], strict=True)
+        if (again := _least_apart(chain, problem, snap, factors[k], place)) is not None
+    ]
+    rests = hits[0] + sum(count for count, *_ in found)
     return rests, [
         Elsewhere(
-            tuple(mobility[p - 1].tolist()),
-            tuple(places[p][0].tolist()),
-            tuple(places[p][1].tolist()),
-            _state(chain, *places[p]),
-            hits[p] / rests,
+            tuple(mobility.tolist()),
+            tuple(place[0].tolist()),
+            tuple(place[1].tolist()),
+            _state(chain, *place),
+            count / rests,
         )
-        for p in order
+        for count, mobility, place in sorted(found, key=lambda one: -one[0])
     ]
 
 
-def _plain(
-    chain: Chain, problem: Problem, snap: Snap, factors: Floats, places: list[_Place]
-) -> Floats:
-    """Factors that lead to these places, as alike as will do; the least 1.
+def _least_apart(
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats, place: _Place
+) -> tuple[Floats, _Place] | None:
+    """Factors as alike as will do that lead to a place, the least 1, and the place found again.
 
     Cells that keep still have the least, unless they have a say after all, having moved and come
     back; and of the steps from equal factors to the given ones the first is taken that leads there.
     """
-    plain = factors.copy()
-    for own, (travel, sheet) in zip(plain, places, strict=True):
-        moves = (travel != snap.start.travel) | (sheet != snap.start.sheet)
-        own[~moves] = np.min(own[moves], initial=np.max(own))
-    plain /= np.min(plain, axis=1, keepdims=True)
+    given = factors / np.min(factors)
+    moves = (place[0] != snap.start.travel) | (place[1] != snap.start.sheet)
+    plain = np.where(moves, given, 1.0)
+    if moves.any():
+        plain[moves] /= np.min(plain[moves])
     steps = np.arange(1, _STEPS + 1) / _STEPS
-    tried = (plain[:, None, :] ** steps[:, None]).reshape(-1, len(chain))
+    tried = np.concatenate([plain ** steps[:, None], given[None]])
     landed = land_all(problem, snap.start, tried)
-    found = factors / np.min(factors, axis=1, keepdims=True)
-    for k in reversed(np.flatnonzero(landed.settled).tolist()):
-        place = k // _STEPS
-        if _same(chain, problem, snap, places[place], (landed.travel[k], landed.sheet[k])):
-            found[place] = tried[k]
-    return found
+    for k in np.flatnonzero(landed.settled).tolist():
+        again = landed.travel[k], landed.sheet[k]
+        if _same(chain, problem, snap, place, again):
+            return tried[k], again
+    return None
 
 
 def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Place) -> bool:

@@ -28,7 +28,7 @@ from stepwell.statics.following.pieces import (
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.smooth import LOST, choose
-from stepwell.statics.following.snap import along_line, snap
+from stepwell.statics.following.snap import COARSE, FINE, along_line, snap
 from stepwell.statics.following.state import (
     DONE,
     DUE,

@@ -21,7 +21,7 @@ from stepwell.statics.following.smooth import (
     set_off,
     share,
 )
-from stepwell.statics.following.snap import note_saddle, snap
+from stepwell.statics.following.snap import FINE, note_saddle, snap
 from stepwell.statics.following.state import (
     DONE,
     DUE,
@@ -86,7 +86,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
                 if state.next_snap[TRIGGER] < 0:
                     state.next_snap[TRIGGER], state.next_snap[SENSE] = leader, direction
                     note_saddle(problem, state, leader)
-                status = snap(problem, state, direction)
+                status = snap(problem, state, direction, FINE)
             elif choice == FLAT:
                 share(problem, state, goes)
                 status = drift(problem, state, set_off(problem, state, goes), direction, target)

@@ -46,10 +46,16 @@ from stepwell.statics.following.state import (
     write,
 )
 
+# Accuracies of the flow, as shares of the travel: that of a path, and that of a second look.
+FINE, COARSE = 1e-6, 1e-4
+
 
 @kernel
-def snap(problem: Problem, state: State, direction: int) -> int:
-    """Snap, and write down what moved and what was released."""
+def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int:
+    """Snap, and write down what moved and what was released.
+
+    Unless the accuracy is FINE, ties of the flow are not looked for.
+    """
     laws, pieces = problem.laws, problem.pieces
     begun = begin(problem, state, direction)
     before, trigger = begun.travel, state.next_snap[TRIGGER]
@@ -60,7 +66,8 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     ):
         outcome, close = along_line(problem, state, direction, rubbed)
     if outcome == JOINED or outcome == JUMPED:
-        settled, closer = _by_flow(problem, state, begun.drive, rubbed, outcome == JUMPED)
+        jumped = outcome == JUMPED
+        settled, closer = _by_flow(problem, state, begun.drive, rubbed, jumped, accuracy)
         if not settled:
             return NOT_SETTLED
         close = close or closer
@@ -223,7 +230,7 @@ def _driven_on(line: Line, direction: int, by: float) -> Line:
 
 @kernel
 def _by_flow(
-    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool
+    problem: Problem, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
     """Let the flow bring all cells to rest; whether it did, and whether by a tie.
 
@@ -244,20 +251,21 @@ def _by_flow(
             _leave(problem, state, share)
             rubbed += np.abs(state.travel - start)
         again = state.travel.copy()
-        settled, level = flow(problem, state.travel, drive, force, 1e-6, rubbed)
+        settled, level = flow(problem, state.travel, drive, force, accuracy, rubbed)
         if settled or on_its_way:
             break
     if not settled:
         return False, False
-    # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
-    # between two landings hangs on less than any real mechanism can promise.
-    landed = sheets_of(problem.sheets)
-    stand_all_on(laws, problem.sheets, pieces, sheets)
-    settled, _ = flow(problem, again, drive, force, 1e-4, worn)
+    landed, tie = sheets_of(problem.sheets), False
     state.force[0] = level
-    elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
-    stand_all_on(laws, problem.sheets, pieces, landed)
-    tie = not settled or elsewhere or _elsewhere(problem, state, again)
+    if accuracy == FINE:
+        # The same flow, seen through a coarser glass: where it lands elsewhere, the choice
+        # between two landings hangs on less than any real mechanism can promise.
+        stand_all_on(laws, problem.sheets, pieces, sheets)
+        settled, _ = flow(problem, again, drive, force, COARSE, worn)
+        elsewhere = bool(np.any(sheets_of(problem.sheets) != landed))
+        stand_all_on(laws, problem.sheets, pieces, landed)
+        tie = not settled or elsewhere or _elsewhere(problem, state, again)
     for i in range(len(landed)):
         if abs(state.travel[i] - problem.sheets.ends[i, LOW]) <= 1e-13 * laws.full[i]:
             state.travel[i] = problem.sheets.ends[i, LOW]

@@ -7,6 +7,7 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel, watched
 from stepwell.statics.following import (
+    FINE,
     GOES_ON,
     LOST,
     SENSE,
@@ -33,8 +34,12 @@ class Landings(NamedTuple):
     settled: Ints  # (n,) 1 where it came to rest
 
 
-def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
-    """Where a snap lands with the given mobilities times each row of (n, N) factors."""
+def land_all(problem: Problem, start: Start, factors: Floats, accuracy: float = FINE) -> Landings:
+    """Where a snap lands with the given mobilities times each row of (n, N) factors.
+
+    The accuracy of the flow is a share of the travel: FINE is that of paths, and COARSE, several
+    times as quick, mostly leads to the same place of rest, which is exact in either case.
+    """
     count, n = factors.shape
     found = Landings(
         np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
@@ -42,7 +47,9 @@ def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
     state = room_for(n)
     own = problem._replace(mobility=problem.mobility.copy())
     watched(
-        lambda effort: _land_all(own._replace(effort=effort), start, state, factors, found),
+        lambda effort: _land_all(
+            own._replace(effort=effort), start, state, factors, accuracy, found
+        ),
         long=factors.size > _MANY,
     )
     return found
@@ -50,7 +57,12 @@ def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
 
 @entry(5e-3, "factors")
 def _land_all(
-    problem: Problem, start: Start, state: State, factors: Floats, found: Landings
+    problem: Problem,
+    start: Start,
+    state: State,
+    factors: Floats,
+    accuracy: float,
+    found: Landings,
 ) -> int:
     """Fill in where the snap lands; how often it came to rest."""
     given, rests = problem.mobility.copy(), 0
@@ -58,7 +70,7 @@ def _land_all(
         mobility = given * factors[k]
         problem.mobility[:] = mobility / np.max(mobility)
         stand_before(problem, start, state)
-        settled = _land(problem, state, start.direction)
+        settled = _land(problem, state, start.direction, accuracy)
         found.travel[k], found.sheet[k] = state.travel, sheets_of(problem.sheets)
         found.settled[k] = 1 if settled else 0
         rests += found.settled[k]
@@ -66,12 +78,12 @@ def _land_all(
 
 
 @kernel
-def _land(problem: Problem, state: State, direction: int) -> bool:
+def _land(problem: Problem, state: State, direction: int, accuracy: float) -> bool:
     """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
     goes = np.zeros(len(state.mode), np.int64)
     for _ in range(_SADDLES):
         state.log.used[:] = 0
-        if snap(problem, state, direction) != GOES_ON:
+        if snap(problem, state, direction, accuracy) != GOES_ON:
             return False
         choice, leader = choose(problem, state, direction, goes)
         if choice != LOST:

@@ -1,0 +1,377 @@
+"""Every place at which a chain could come to rest, stably, within a room.
+
+At rest all cells share one λ, so a place is a choice of one branch for each cell and a root of one
+scalar equation. A branch is a stretch of travel on which the force does not fall, or does not rise;
+a place with two falling cells is none (theory page, "Stability").
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import kernel
+from stepwell.mechanism import law
+from stepwell.statics.following import Problem, find_piece, invert
+from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
+from stepwell.statics.landings.start import Start
+
+# So many choices of branches are looked at, and so many intervals of λ: more are declined.
+_MOST_CHOICES, _MOST_INTERVALS = 5_000, 1_000
+# So many places.
+_MOST_PLACES = 64
+# A place whose travels are known to this share of them is known.
+_KNOWN = 1e-8
+# What is nearer to the start than this share of the travels is the start, at rounding of which
+# the place of rest that is lost may still stand.
+NEAR_START = 1e-5
+
+
+class Branches(NamedTuple):
+    """Stretches of all cells on which the force does not turn; R of them, in order of the cell."""
+
+    of_cell: Ints  # (N + 1,) those of cell i are of_cell[i] .. of_cell[i + 1] - 1
+    sign: Ints  # (R,) +1 rising, -1 falling
+    low: Floats  # (R,) travel at its ends
+    high: Floats  # (R,)
+    first: Ints  # (R,) first and last piece
+    last: Ints  # (R,)
+    least: Floats  # (R,) λ at which a cell can rest there, stops included
+    most: Floats  # (R,)
+
+
+@kernel
+def _branches(problem: Problem, room: Room) -> Branches:
+    """The branches of all cells within their room."""
+    pieces, n = problem.pieces, len(room.low)
+    count = 0
+    for i in range(n):
+        count += pieces.among[i, 1] - pieces.among[i, 0] + 4
+    out = Branches(
+        np.zeros(n + 1, np.int64),
+        np.empty(count, np.int64),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count, np.int64),
+        np.empty(count, np.int64),
+        np.empty(count),
+        np.empty(count),
+    )
+    used = 0
+    for i in range(n):
+        low, high = room.low[i], room.high[i]
+        piece = find_piece(pieces, i, low, 1)
+        end = find_piece(pieces, i, high, 0)
+        if not high > low:
+            out.sign[used], out.low[used], out.high[used] = 1, low, high
+            out.first[used], out.last[used] = piece, piece
+            out.least[used], out.most[used] = -np.inf, np.inf
+            used += 1
+            out.of_cell[i + 1] = used
+            continue
+        begun = used
+        if room.stops[i, 0] and pieces.sign[piece] < 0:
+            out.sign[used], out.low[used], out.high[used] = 1, low, low
+            out.first[used], out.last[used] = piece, piece
+            out.least[used], out.most[used] = -np.inf, force_at(problem, i, low)
+            used += 1
+        while piece <= end:
+            sign = -1 if pieces.sign[piece] < 0 else 1
+            begin = piece
+            while piece < end and (pieces.sign[piece + 1] < 0) == (sign < 0):
+                piece += 1
+            a, b = max(pieces.left[begin], low), min(pieces.right[piece], high)
+            fa, fb = force_at(problem, i, a), force_at(problem, i, b)
+            out.sign[used], out.low[used], out.high[used] = sign, a, b
+            out.first[used], out.last[used] = begin, piece
+            out.least[used], out.most[used] = min(fa, fb), max(fa, fb)
+            if sign > 0 and room.stops[i, 0] and a == low:
+                out.least[used] = -np.inf
+            if sign > 0 and room.stops[i, 1] and b == high:
+                out.most[used] = np.inf
+            used += 1
+            piece += 1
+        if room.stops[i, 1] and out.sign[used - 1] < 0:
+            out.sign[used], out.low[used], out.high[used] = 1, high, high
+            out.first[used], out.last[used] = end, end
+            out.least[used], out.most[used] = force_at(problem, i, high), np.inf
+            used += 1
+        assert used > begun
+        out.of_cell[i + 1] = used
+    return out
+
+
+@kernel
+def _travel_at(problem: Problem, branches: Branches, i: int, r: int, force: float) -> float:
+    """Where cell i rests on branch r under a force."""
+    low, high = branches.low[r], branches.high[r]
+    if low == high:
+        return low
+    pieces, rising = problem.pieces, branches.sign[r] > 0
+    for piece in range(branches.first[r], branches.last[r] + 1):
+        end = pieces.force_right[piece]
+        if (end >= force if rising else end <= force) or piece == branches.last[r]:
+            return min(max(invert(problem.laws, pieces, i, piece, force), low), high)
+    return high
+
+
+@kernel
+def _compliance(
+    problem: Problem, room: Room, branches: Branches, i: int, r: int, low: float, high: float
+) -> tuple[float, float]:
+    """Least and largest 1/κ of cell i between two travels of branch r; 0 where a stop holds it."""
+    if branches.low[r] == branches.high[r]:
+        return 0.0, 0.0
+    laws, pieces = problem.laws, problem.pieces
+    softest, stiffest = np.inf, 0.0
+    for piece in range(branches.first[r], branches.last[r] + 1):
+        a, b = max(pieces.left[piece], low), min(pieces.right[piece], high)
+        if a > b:
+            continue
+        one = abs(law(laws, i, pieces.picked[piece], a)[1])
+        two = abs(law(laws, i, pieces.picked[piece], b)[1])
+        softest, stiffest = min(softest, one, two), max(stiffest, one, two)
+    least = 1.0 / stiffest if stiffest > 0.0 else 0.0
+    most = 1.0 / softest if softest > 0.0 else np.inf
+    if branches.sign[r] < 0:
+        return -most, -least
+    stopped = (room.stops[i, 0] and low <= room.low[i]) or (
+        room.stops[i, 1] and high >= room.high[i]
+    )
+    return (0.0 if stopped else least), most
+
+
+class Search(NamedTuple):
+    """What is looked through, and what has been found."""
+
+    branches: Branches
+    choice: Ints  # (N,) a branch of every cell
+    box: Floats  # (2, N) travels between which it rests under some interval of λ
+    places: Floats  # (C, 2, N) the same of every place found
+    counts: Ints  # (2,) places, intervals of λ
+
+
+@kernel
+def _slip(problem: Problem) -> float:
+    """Drives that are closer than this differ by rounding, of the drive and of the forces."""
+    travels = problem.alpha * CLOSE * np.sum(problem.laws.full)
+    return travels + problem.beta * CLOSE_FORCE * problem.scale
+
+
+@kernel
+def _span(problem: Problem, search: Search, low: float, high: float) -> tuple[float, float]:
+    """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
+    branches, choice, box = search.branches, search.choice, search.box
+    slip = CLOSE_FORCE * problem.scale
+    least, most = 0.0, 0.0
+    for i in range(len(choice)):
+        r = choice[i]
+        begin, end = low - slip, high + slip
+        if branches.sign[r] < 0:
+            begin, end = end, begin
+        box[0, i] = _travel_at(problem, branches, i, r, begin)
+        box[1, i] = _travel_at(problem, branches, i, r, end)
+        least += box[0, i]
+        most += box[1, i]
+    return least, most
+
+
+@kernel
+def _stability(problem: Problem, room: Room, search: Search) -> tuple[float, float]:
+    """Least and largest α Σ 1/κ + β in the box."""
+    branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
+    least, most = problem.beta, problem.beta
+    for i in range(len(choice)):
+        r = choice[i]
+        low, high = _compliance(problem, room, branches, i, r, box[0, i], box[1, i])
+        least += alpha * low
+        most += alpha * high
+    return least, most
+
+
+@kernel
+def _noted(problem: Problem, search: Search) -> bool:
+    """Whether the box is the place that was noted last: λ may be free there."""
+    last, box = search.counts[0] - 1, search.box
+    if last < 0:
+        return False
+    for i in range(len(search.choice)):
+        near = 2.0 * _KNOWN * problem.laws.full[i]
+        low, high = search.places[last, 0, i], search.places[last, 1, i]
+        if abs(low - box[0, i]) > near or abs(high - box[1, i]) > near:
+            return False
+    return True
+
+
+@kernel
+def _note(problem: Problem, start: Start, search: Search) -> bool:
+    """Whether the box is known well enough to be noted, which it then is, or is the start."""
+    laws, box, counts = problem.laws, search.box, search.counts
+    here, known = True, True
+    for i in range(len(start.travel)):
+        near = NEAR_START * laws.full[i]
+        if box[0, i] < start.travel[i] - near or box[1, i] > start.travel[i] + near:
+            here = False
+        if box[1, i] - box[0, i] > _KNOWN * laws.full[i]:
+            known = False
+    if here:
+        return True
+    if known and not _noted(problem, search):
+        search.places[counts[0]] = box
+        counts[0] += 1
+    return known
+
+
+@kernel
+def _excess(problem: Problem, start: Start, search: Search, force: float) -> tuple[float, float]:
+    """Least and largest α Σ s + β λ of the choice under one λ, less the drive."""
+    least, most = _span(problem, search, force, force)
+    rest = problem.beta * force - start.drive
+    return problem.alpha * least + rest, problem.alpha * most + rest
+
+
+@kernel
+def _one_place(
+    problem: Problem, start: Start, search: Search, a: float, b: float, way: int
+) -> bool:
+    """Note the place between two λ where the drive only grows, `way` = 1, or falls with λ.
+
+    False where there are too many places.
+    """
+    counts, slip = search.counts, _slip(problem)
+    below, above = _excess(problem, start, search, a), _excess(problem, start, search, b)
+    if way < 0:
+        below, above = (-below[1], -below[0]), (-above[1], -above[0])
+    if below[0] > slip or above[1] < -slip:
+        return True
+    one, two = 0.5 * (below[0] + below[1]), 0.5 * (above[0] + above[1])
+    for step in range(200):
+        _span(problem, search, a, b)
+        if _note(problem, start, search):
+            return True
+        force = 0.5 * (a + b)
+        if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < force < b:
+            break
+        if step % 3 != 2 and two > one:
+            # Not too near to an end, so that both ends close in.
+            share = min(max(-one / (two - one), 0.0), 1.0)
+            force = a + min(max(share, 1e-4), 1.0 - 1e-4) * (b - a)
+        here = _excess(problem, start, search, force)
+        value = way * 0.5 * (here[0] + here[1])
+        if value < 0.0:
+            a, one = force, value
+        else:
+            b, two = force, value
+    _span(problem, search, a, b)
+    if counts[0] >= len(search.places):
+        return False
+    search.places[counts[0]] = search.box
+    counts[0] += 1
+    return True
+
+
+@kernel
+def _places(problem: Problem, room: Room, start: Start, search: Search, ends: Floats) -> bool:
+    """Note the places of one choice between two λ; False where there are too many."""
+    alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
+    counts = search.counts
+    if np.min(search.branches.sign[search.choice]) > 0:
+        if counts[0] >= len(search.places):
+            return False
+        return _one_place(problem, start, search, ends[0], ends[1], 1)
+    lows, highs = np.empty(256), np.empty(256)
+    lows[0], highs[0] = ends[0], ends[1]
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        a, b = lows[waiting], highs[waiting]
+        counts[1] += 1
+        if counts[1] > _MOST_INTERVALS or counts[0] >= len(search.places):
+            return False
+        least, most = _span(problem, search, a, b)
+        if alpha * least + beta * a > drive + slip or alpha * most + beta * b < drive - slip:
+            continue
+        if _note(problem, start, search):
+            continue
+        middle = 0.5 * (a + b)
+        if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < middle < b:
+            search.places[counts[0]] = search.box
+            counts[0] += 1
+            continue
+        least, most = _stability(problem, room, search)
+        if least > 0.0:
+            # Wherever in it the chain were in equilibrium, it would leave it.
+            continue
+        if most < 0.0:
+            if not _one_place(problem, start, search, a, b, -1):
+                return False
+            continue
+        lows[waiting], highs[waiting] = a, middle
+        lows[waiting + 1], highs[waiting + 1] = middle, b
+        waiting += 2
+    return True
+
+
+@kernel
+def places_of_rest(problem: Problem, room: Room, start: Start, places: Floats) -> int:
+    """Fill (C, 2, N) places of rest, but for the start; how many, or -1 where it cannot be told.
+
+    Every stable place of rest in the room lies in one of them; some may hold none.
+    """
+    branches, n = _branches(problem, room), len(room.low)
+    search = Search(
+        branches,
+        np.full(n, -1, np.int64),
+        np.empty((2, n)),
+        places,
+        np.zeros(2, np.int64),
+    )
+    slip = CLOSE_FORCE * problem.scale
+    # For the cells chosen so far: the λ at which they rest, their travels, how many fall; and
+    # what the others can add.
+    least, most = np.empty(n + 1), np.empty(n + 1)
+    below, above = np.zeros(n + 1), np.zeros(n + 1)
+    falls = np.zeros(n + 1, np.int64)
+    least[0], most[0] = room.force[0], room.force[1]
+    rest_low, rest_high = np.zeros(n + 1), np.zeros(n + 1)
+    for i in range(n - 1, -1, -1):
+        rest_low[i] = rest_low[i + 1] + room.low[i]
+        rest_high[i] = rest_high[i + 1] + room.high[i]
+    alpha, beta, drive = problem.alpha, problem.beta, start.drive
+    ends = np.empty(2)
+    tries, level = 0, 0
+    while level >= 0:
+        r = search.choice[level]
+        r = branches.of_cell[level] if r < 0 else r + 1
+        if r == branches.of_cell[level + 1]:
+            search.choice[level] = -1
+            level -= 1
+            continue
+        search.choice[level] = r
+        tries += 1
+        if tries > _MOST_CHOICES:
+            return -1
+        after = level + 1
+        least[after] = max(least[level], branches.least[r])
+        most[after] = min(most[level], branches.most[r])
+        below[after] = below[level] + branches.low[r]
+        above[after] = above[level] + branches.high[r]
+        falls[after] = falls[level] + (branches.sign[r] < 0)
+        low = alpha * (below[after] + rest_low[after]) + beta * least[after]
+        high = alpha * (above[after] + rest_high[after]) + beta * most[after]
+        slack = 2.0 * _slip(problem)
+        if (
+            falls[after] > 1
+            or least[after] > most[after] + slip
+            or low > drive + slack
+            or high < drive - slack
+        ):
+            continue
+        if after < n:
+            level = after
+            continue
+        ends[0] = min(least[n], most[n])
+        ends[1] = max(least[n], most[n])
+        if not _places(problem, room, start, search, ends):
+            return -1
+    return search.counts[0]

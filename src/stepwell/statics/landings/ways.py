@@ -1,0 +1,329 @@
+"""Where the chain can come from the start of a snap: boxes that it can enter, on a grid.
+
+A box is entered from its neighbour only through a face at which some point, some mobilities
+within the ratio and the energy that there is allow it. Forces are bounded by their monotone pieces,
+so nothing is stepped over (theory page, "By enclosure").
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import kernel
+from stepwell.statics.following import Problem
+from stepwell.statics.landings.purse import energy_at, energy_slack, least_energy
+from stepwell.statics.landings.room import (
+    CLOSE_FORCE,
+    Room,
+    force_at,
+    forces_within,
+)
+from stepwell.statics.landings.start import Start
+
+# What lies next to the start decides which of two cells is ahead: nodes stand this share of the
+# widest room apart there, and from there on ever further.
+_NEAREST = 1e-5
+
+
+class Grid(NamedTuple):
+    """A grid over the travels of D cells; under a stroke one more has what the others leave.
+
+    The axes lie one after the other in arrays of M nodes; what lies between a node and the next one
+    has the number of the first.
+    """
+
+    cell: Ints  # (D,)
+    cuts: Ints  # (D,) intervals
+    begin: Ints  # (D,) where the nodes of its axis begin
+    stride: Ints  # (D,) of the number of a box
+    node: Floats  # (M,) travels
+    force: Floats  # (M,) F there
+    energy: Floats  # (M,) see energy_at
+    least: Floats  # (M,) F in between
+    most: Floats  # (M,)
+    last: int  # the cell that has what the others leave, or -1
+    free: float  # what moves has in all, under a stroke; else the drive less what rests
+
+
+@kernel
+def _nodes(low: float, start: float, high: float, near: float, far: float, out: Floats) -> int:
+    """Fill in nodes from `low` to `high`, `near` apart at the start and at most `far`; how many."""
+    used, growth = 0, 8.0 * far
+    for toward in (-1, 1):
+        end = low if toward < 0 else high
+        way, first = 0.0, used
+        while way < abs(end - start):
+            if used == len(out):
+                return used
+            way += min(max(near, way * growth), far)
+            out[used] = end if way > abs(end - start) - 0.5 * near else start + toward * way
+            if out[used] == end:
+                way = abs(end - start)
+            used += 1
+        if toward < 0:
+            out[first:used] = out[first:used][::-1].copy()
+            if used == len(out):
+                return used
+            out[used] = start
+            used += 1
+    return used
+
+
+@kernel
+def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
+    """A grid of at most `most` boxes over the room of the cells that move."""
+    rigid = problem.beta == 0.0
+    width = room.high - room.low
+    last = int(np.argmax(width)) if rigid else -1
+    cell = np.flatnonzero(width > 0.0)
+    cell = cell[cell != last]
+    dims = len(cell)
+    widest = np.max(width)
+    nodes = np.empty((dims, 512))
+    count = np.empty(dims, np.int64)
+    fine = 128.0
+    while True:
+        boxes = 1.0
+        for d in range(dims):
+            i = int(cell[d])
+            # In shares of the widest room.
+            low, high = (
+                (room.low[i] - start.travel[i]) / widest,
+                (room.high[i] - start.travel[i]) / widest,
+            )
+            count[d] = _nodes(low, 0.0, high, _NEAREST, 1.0 / fine, nodes[d]) - 1
+            boxes *= count[d]
+        if boxes <= most or fine < 4.0:
+            break
+        fine *= 0.9
+    begin, stride = np.empty(dims, np.int64), np.empty(dims, np.int64)
+    total, number = 0, 1
+    for d in range(dims):
+        begin[d], stride[d] = total, number
+        total += count[d] + 1
+        number *= count[d]
+    out = np.empty((5, total))
+    free = start.drive
+    for i in range(len(start.travel)):
+        if width[i] == 0.0:
+            free -= start.travel[i]
+    for d in range(dims):
+        i = int(cell[d])
+        for k in range(count[d] + 1):
+            at = begin[d] + k
+            travel = start.travel[i] + widest * nodes[d, k]
+            travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
+            out[0, at], out[1, at] = travel, force_at(problem, i, travel)
+            out[2, at] = energy_at(problem, start, i, travel)
+        for k in range(begin[d], begin[d] + count[d]):
+            out[3, k], out[4, k] = forces_within(problem, i, out[0, k], out[0, k + 1])
+    return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
+
+
+@kernel
+def boxes_of(grid: Grid) -> int:
+    """How many boxes a grid has."""
+    boxes = 1
+    for count in grid.cuts:
+        boxes *= count
+    return boxes
+
+
+@kernel
+def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float]:
+    """Travels of the last cell where the others have gone from `low` to `high` together."""
+    most, least = room.high[grid.last], room.low[grid.last]
+    return min(max(grid.free - high, least), most), min(max(grid.free - low, least), most)
+
+
+@kernel
+def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: Ints) -> bool:
+    """Whether some point of a box takes no more energy than the start.
+
+    What all cells store is bounded with a constant force taken off each of them and given to the
+    drive, which changes nothing in the sum: one near to the λ there bounds it tightly.
+    """
+    node, level = grid.node, start.force
+    low, high = 0.0, 0.0
+    for d in range(len(at)):
+        k = int(grid.begin[d] + at[d])
+        low += node[k]
+        high += node[k + 1]
+    if grid.last >= 0:
+        a, b = _left(room, grid, low, high)
+        least, most = forces_within(problem, grid.last, a, b)
+        force = least - level, most - level
+        tilt = 0.5 * (force[0] + force[1])
+        energy = energy_at(problem, start, grid.last, a), energy_at(problem, start, grid.last, b)
+        # Σ s is what there is to have.
+        total = tilt * (grid.free - a - low) + least_energy(energy, b - a, force, tilt)
+    else:
+        stiffness = problem.alpha / problem.beta
+        begun = 0.0
+        for i in grid.cell:
+            begun += start.travel[i]
+        way = float(0.5 * (low + high) - begun)
+        tilt = -stiffness * way
+        total = -0.5 * stiffness * way * way + tilt * (begun - low)
+    for d in range(len(at)):
+        k = int(grid.begin[d] + at[d])
+        energy, force = (
+            (grid.energy[k], grid.energy[k + 1]),
+            (grid.least[k] - level, grid.most[k] - level),
+        )
+        total += least_energy(energy, node[k + 1] - node[k], force, tilt)
+    return bool(total <= energy_slack(problem))
+
+
+@kernel
+def _can_leave(
+    problem: Problem, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
+) -> bool:
+    """Whether the flow can leave a box through its upper or lower face on an axis.
+
+    Under a stroke cell i rises where Σ m_j (F_i - F_j) < 0, over all that are not pressed against
+    a stop: the least of it takes the largest F_j and gives those that pull it the most mobility.
+    """
+    node, slip = grid.node, CLOSE_FORCE * problem.scale
+    face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
+    own, low, high, total = grid.force[face], node[face], node[face], 0.0
+    for d in range(len(at)):
+        if d == axis:
+            continue
+        k, cell = int(grid.begin[d] + at[d]), int(grid.cell[d])
+        low += node[k]
+        high += node[k + 1]
+        gap = own - grid.most[k] if up else grid.least[k] - own
+        pressed = (
+            room.stops[cell, 1] and at[d] == grid.cuts[d] - 1
+            if up
+            else room.stops[cell, 0] and at[d] == 0
+        )
+        total += _weighed(gap - slip, pressed, problem.mobility[cell], ratio)
+    if grid.last < 0:
+        # The largest λ is where all others have gone least.
+        level = problem.alpha / problem.beta * (grid.free - (low if up else high))
+        return level > own - slip if up else level < own + slip
+    cell = grid.last
+    a, b = _left(room, grid, low, high)
+    least, most = forces_within(problem, cell, a, b)
+    gap = own - most if up else least - own
+    pressed = (
+        room.stops[cell, 1] and b >= room.high[cell]
+        if up
+        else room.stops[cell, 0] and a <= room.low[cell]
+    )
+    return total + _weighed(gap - slip, pressed, problem.mobility[cell], ratio) < 0.0
+
+
+@kernel
+def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
+    """The least that a cell adds; nothing where a stop can hold it."""
+    if gap > 0.0:
+        return 0.0 if pressed else mobility * gap
+    return ratio * mobility * gap
+
+
+@kernel
+def _mark(
+    problem: Problem, room: Room, grid: Grid, low: Floats, high: Floats, value: int, out: Ints
+) -> int:
+    """Mark all boxes that hold a point between travels `low` and `high`; how many."""
+    dims, marked = len(grid.cell), 0
+    begin, end = np.zeros(dims, np.int64), np.zeros(dims, np.int64)
+    for d in range(dims):
+        i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.cuts[d] + 1]
+        near = 1e-9 * problem.laws.full[i]
+        if high[i] < room.low[i] - near or low[i] > room.high[i] + near:
+            return 0
+        begin[d] = max(0, np.searchsorted(nodes, low[i] - near) - 1)
+        end[d] = min(grid.cuts[d], max(np.searchsorted(nodes, high[i] + near), 1))
+    at = begin.copy()
+    while True:
+        number = 0
+        for d in range(dims):
+            number += at[d] * grid.stride[d]
+        out[number] = value
+        marked += 1
+        d = 0
+        while d < dims:
+            at[d] += 1
+            if at[d] < end[d]:
+                break
+            at[d] = begin[d]
+            d += 1
+        if d == dims:
+            return marked
+
+
+@kernel
+def _exists(problem: Problem, room: Room, grid: Grid, at: Ints) -> bool:
+    """Whether a box holds points at which the last cell has what the others leave."""
+    if grid.last < 0:
+        return True
+    low, high = 0.0, 0.0
+    for d in range(len(at)):
+        k = int(grid.begin[d] + at[d])
+        low += grid.node[k]
+        high += grid.node[k + 1]
+    near = 1e-9 * problem.laws.full[grid.last]
+    most, least = room.high[grid.last], room.low[grid.last]
+    return grid.free - low >= least - near and grid.free - high <= most + near
+
+
+_SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
+
+
+@kernel
+def keeps_off(
+    problem: Problem, room: Room, start: Start, grid: Grid, others: Floats, ratio: float
+) -> bool:
+    """Whether no way leads to the (C, 2, N) other places, for all mobilities within a ratio.
+
+    A ratio of inf asks for energy alone.
+    """
+    dims, boxes = len(grid.cell), boxes_of(grid)
+    seen = np.zeros(boxes, np.int64)
+    for c in range(len(others)):
+        _mark(problem, room, grid, others[c, 0], others[c, 1], _ELSEWHERE, seen)
+    begun = np.zeros(boxes, np.int64)
+    _mark(problem, room, grid, start.travel, start.travel, _SEEN, begun)
+    waiting = np.empty(boxes, np.int64)
+    used = 0
+    for number in np.flatnonzero(begun):
+        if seen[number] == _ELSEWHERE:
+            return False
+        seen[number] = _SEEN
+        waiting[used] = number
+        used += 1
+    at, first = np.empty(dims, np.int64), 0
+    while first < used:
+        number = waiting[first]
+        first += 1
+        for d in range(dims):
+            at[d] = number // grid.stride[d] % grid.cuts[d]
+        for d in range(dims):
+            for up in (True, False):
+                step = 1 if up else -1
+                if not 0 <= at[d] + step < grid.cuts[d]:
+                    continue
+                to = number + step * grid.stride[d]
+                if seen[to] == _SEEN or seen[to] == _CLOSED:
+                    continue
+                if np.isfinite(ratio) and not _can_leave(problem, room, grid, at, d, up, ratio):
+                    continue
+                at[d] += step
+                enters = _exists(problem, room, grid, at) and _enough_energy(
+                    problem, room, start, grid, at
+                )
+                at[d] -= step
+                if not enters:
+                    seen[to] = _CLOSED
+                    continue
+                if seen[to] == _ELSEWHERE:
+                    return False
+                seen[to] = _SEEN
+                waiting[used] = to
+                used += 1
+    return True
