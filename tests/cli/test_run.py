@@ -46,6 +46,29 @@ def test_it_prints_what_the_cycle_says(stepwell):
         )
 
 
+def test_landings_are_asked_within_a_ratio_of_mobilities(stepwell):
+    line = "Landings    all hold for mobilities up to {} apart: proved\n"
+    assert line.format(10) in stepwell("run", "forward.toml").stdout
+    assert line.format(1000) in stepwell("run", "forward.toml", "--mobility-ratio", 1e3).stdout
+    record = json.loads(stepwell("run", "forward.toml", "--mobility-ratio", 3, "--json").stdout)
+    assert [landing["ratio"] for landing in record["landings"]] == [3.0, 3.0]
+
+
+@pytest.mark.parametrize("ratio", ["0.999", "1000.1", "nan", "-2"])
+def test_a_ratio_of_mobilities_past_its_ends_is_refused_before_anything_is_written(
+    stepwell, tmp_path, ratio
+):
+    result = stepwell("run", "forward.toml", f"--mobility-ratio={ratio}", "--out", "out")
+    assert result.exit_code == 2
+    assert "--mobility-ratio: ratio = " in " ".join(result.stderr.split())
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("ratio", ["1", "1000"])
+def test_a_ratio_of_mobilities_may_be_at_its_ends(stepwell, ratio):
+    assert stepwell("run", "forward.toml", "--mobility-ratio", ratio).exit_code == 0
+
+
 def test_the_output_of_a_pipe_is_plain(stepwell):
     text = stepwell("run", "forward.toml").stdout
     assert "\x1b" not in text

@@ -9,7 +9,9 @@ from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
+from stepwell.design import Tolerances
 from stepwell.design.parameters.parameter import Parameter, parameter, parameters
+from stepwell.design.tolerances.draws import Draws
 
 
 def cell(x: float, y: float, **parts) -> sw.Cell:
@@ -197,3 +199,29 @@ def test_a_title_and_the_other_cells_are_kept():
     design = parameter(chain, "outer.friction").changed(chain, 0.1)
     assert design.title == "leg"
     assert design.cells[0] is chain.cells[0]
+
+
+MIXED = sw.Chain(
+    [
+        cell(10, 0, mobility=3.0),
+        sw.Element.from_points([0, 0.004, 0.012, 0.02], [0, 0.6, -0.4, 1.5], "clip", mobility=0.2),
+        cell(20, 0),
+    ]
+)
+
+
+def mobilities(chain: sw.Chain) -> list[float]:
+    return [cell.mobility for cell in chain.cells]
+
+
+def test_cells_keep_their_mobilities_whatever_number_is_changed():
+    for one in parameters(MIXED):
+        value = one.value(MIXED)
+        other = (0.003, 0.004) if isinstance(value, tuple) else min(1.01 * value + 1e-3, 1e6)
+        assert mobilities(one.changed(MIXED, other)) == mobilities(MIXED), one.name
+
+
+def test_mechanisms_made_at_random_keep_their_mobilities():
+    tolerances = Tolerances(anchor=2e-4, stiffness=0.05, lever=1e-4, friction=0.01)
+    made = [Draws(MIXED, tolerances, 1).sample(k) for k in range(5)]
+    assert all(mobilities(one) == mobilities(MIXED) and one != MIXED for one in made)

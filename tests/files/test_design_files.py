@@ -5,9 +5,9 @@ import textwrap
 
 import pytest
 
-from stepwell.files import load, loads
+from stepwell.files import DesignError, load, loads
 from stepwell.files.schema.chain import LAWS, BandKeys
-from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
+from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Cubic, Linear, Load, Table
 
 FORWARD = """
 title = "Forward-walking leg"
@@ -155,6 +155,18 @@ def test_a_load_is_a_number_or_a_table_over_travel():
 
 def test_friction_is_in_newtons():
     assert placed("friction_N = 0.02").friction == 0.02
+
+
+@pytest.mark.parametrize("given", MOBILITIES)
+def test_a_mobility_is_a_number_beside_those_of_the_other_cells(given):
+    assert placed("").mobility == 1.0
+    assert placed(f"mobility = {given:g}").mobility == given
+
+
+@pytest.mark.parametrize("given", ["0.000999", "1001", "-1", "nan", "true"])
+def test_a_mobility_past_its_ends_is_refused(given):
+    with pytest.raises(DesignError, match=r"chain.cell\[0\].mobility = .+: must be"):
+        placed(f"mobility = {given}")
 
 
 @pytest.mark.parametrize(("text", "stiffness"), [("0", 0.0), ("35.5", 35.5), ('"rigid"', math.inf)])

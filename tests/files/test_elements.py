@@ -42,9 +42,11 @@ ELEMENTS = {
     "stopped": Element.from_points(TRAVEL, FORCE, stops=True, friction=0.01),
     "table": Element.from_table([*TRAVEL, 6.1e-3], [*FORCE, 3.0], stops=(True, False)),
     "scaled": replace(Element.from_points(TRAVEL, FORCE), force_scale=1.3, travel_scale=0.7),
+    "slow": Element.from_points(TRAVEL, FORCE, mobility=0.001),
     "law": of(Measure.TRAVEL),
     "folded": folded(),
     "noisy": noisy(),
+    "fast and folded": replace(folded(), mobility=1e3),
     "beside": Element.side_by_side([Element.from_points(TRAVEL, FORCE), of(Measure.TRAVEL)]),
 }
 
@@ -109,6 +111,17 @@ def test_every_form_is_the_element_that_its_function_makes():
     pair = cell(f"beside = [{{ {POINTS} }}, {{ {POINTS}, friction_N = 0.1 }}]")
     plain = Element.from_points(TRAVEL, FORCE)
     assert pair == Element.side_by_side([plain, replace(plain, friction=0.1)])
+
+
+def test_elements_side_by_side_have_a_mobility_each_and_may_be_given_one_together():
+    quick = replace(Element.from_points(TRAVEL, FORCE), mobility=3.0)
+    pair = f"beside = [{{ {POINTS} }}, {{ {POINTS}, mobility = 3 }}]"
+    assert cell(pair).mobility == Element.side_by_side([ELEMENTS["points"], quick]).mobility == 0.75
+    assert cell(f"{pair}\nmobility = 2").mobility == 2.0
+
+
+def test_an_element_may_stand_for_a_chain_and_have_a_mobility_of_its_own():
+    assert cell(f"{INSIDE}\nmobility = 5").mobility == 5.0
 
 
 INSIDE = "inside = [{ p_mm = [-10, 0], q_mm = [10, 0] }, { p_mm = [-10, 0], q_mm = [20, 0] }]"
@@ -236,6 +249,7 @@ def test_units_are_those_of_the_keys():
             "chain.cell[0]: friction_kPa: this curve is of travel and force, so it must be "
             "friction_N.",
         ),
+        (f"{POINTS}\nmobility = 0", "chain.cell[0].mobility = 0: must be from 0.001 to 1000."),
         (
             'table_csv = "dome.csv"',
             'chain.cell[0].table_csv = "dome.csv": names a file, which is read where a design file',

@@ -199,6 +199,16 @@ def test_common_assumptions_stand_beside_the_results():
     text = page_of(Chain((Cell(BAND), OUTER))).text
     for line in (*PLAIN, "Quasi-static", "Levers and blocks are rigid", "overdamped flow"):
         assert line in text
+    assert "leads it, every travel being equally mobile;" in text
+
+
+def test_unlike_mobilities_stand_beside_the_results():
+    text = page_of(Chain((Cell(BAND, mobility=3.0), OUTER))).text
+    assert "leads it, every cell with its own mobility: inner 3, all others 1;" in text
+    text = page_of(Chain((Cell(BAND, mobility=3.0), replace(OUTER, mobility=0.5)))).text
+    assert "every cell with its own mobility: inner 3, outer 0.5;" in text
+    alike = Chain((Cell(BAND, mobility=3.0), replace(OUTER, mobility=3.0)))
+    assert "every travel being equally mobile" in page_of(alike).text
 
 
 @pytest.mark.parametrize(

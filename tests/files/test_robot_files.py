@@ -331,11 +331,12 @@ def robots(draw) -> Robot:
     lever, limit = draw(near(0.0142)), draw(near(math.pi / 4))
     names = draw(st.lists(text, min_size=2, max_size=2, unique=True))
     cells = st.builds(
-        lambda p, q, k, rest, friction, name, load: Cell(
-            Band((-p, 0.0), (q, 0.001), k, rest), lever, limit, load, friction, name
+        lambda p, q, k, rest, friction, name, load, mobility: Cell(
+            Band((-p, 0.0), (q, 0.001), k, rest), lever, limit, load, friction, name,
+            mobility=mobility,
         ),
         near(0.01), near(0.015), near(30.0), near(0.01), st.just(0.0) | near(0.01), text,
-        st.none() | near(0.02).map(Load.constant),
+        st.none() | near(0.02).map(Load.constant), st.just(1.0) | near(2.0),
     )  # fmt: skip
     chains = [Chain(draw(st.tuples(cells, cells)), title=draw(text)) for _ in names]
     if draw(st.booleans()):

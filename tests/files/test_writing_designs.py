@@ -9,7 +9,7 @@ from hypothesis import assume, given, strategies as st
 
 from stepwell.files import DesignError, dumps, load, loads, save
 from stepwell.files.text.units import degrees, moved, radians, shortest, toml
-from stepwell.mechanism import Band, Cell, Chain, Cubic, Linear, Load, Table
+from stepwell.mechanism import MOBILITIES, Band, Cell, Chain, Cubic, Linear, Load, Table
 
 
 def within(least: float, most: float) -> st.SearchStrategy[float]:
@@ -61,6 +61,7 @@ def cells(draw) -> Cell:
             draw(st.just(0.0) | within(1e-6, 1.0)),
             draw(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=9)),
             unusual=True,
+            mobility=draw(st.just(1.0) | within(*MOBILITIES)),
         )
     except ValueError:  # a band whose two ends meet
         assume(False)
@@ -110,7 +111,9 @@ def test_the_papers_angle_is_written_as_45():
 
 def test_a_design_is_written_as_a_person_would_write_it():
     inner = Cell(Band((-0.01, 0), (0.01, 0)), lever=0.014, name="inner")
-    outer = replace(inner, band=Band((-0.01, 0), (0.02, 0)), name="outer", friction=0.02)
+    outer = replace(
+        inner, band=Band((-0.01, 0), (0.02, 0)), name="outer", friction=0.02, mobility=3.0
+    )
     assert dumps(Chain((inner, outer), title="Forward-walking leg")) == (
         """\
 title = "Forward-walking leg"
@@ -130,6 +133,7 @@ name = "outer"
 p_mm = [-10, 0]
 q_mm = [20, 0]
 friction_N = 0.02
+mobility = 3
 """
     )
 

@@ -70,6 +70,10 @@ _QUICK = {"paper-forward", "paper-cell-0-m15", "three-wave", "force-control"}
 
 RUNS = [
     Case("run/json", ("run preset:paper-forward --json", "run preset:paper-identical --json")),
+    Case(
+        "run/mobilities",
+        ("run preset:three-wave --mobility-ratio 100", "run preset:three-wave --mobility-ratio 0"),
+    ),
     *(
         Case(
             f"run/{name}",
@@ -190,7 +194,7 @@ REPROGRAMS = [
 ELEMENTS = [
     *(
         _both(f"elements/{name}", f"run {name}.toml", given=DESIGNS, slow=name != "balloons")
-        for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded")
+        for name in ("trilinear", "balloons", "twisting", "mixed", "three", "folded", "race")
     ),
     Case(
         "elements/graph",

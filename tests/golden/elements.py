@@ -83,6 +83,24 @@ name = "snap"
 curve = { travel_mm = [0, 3.5, 0.5, 8.75], force_N = [0, 1, -1, 1.5] }
 """
 
+# What one of the two gives as the large one snaps through, the other need not.
+RACE = """\
+title = "Two that race to give way"
+
+[[chain.cell]]
+name = "large"
+points = { travel_mm = [0, 6, 17, 21], force_N = [0, 1.3, -0.7, 0.5] }
+
+[[chain.cell]]
+name = "left"
+points = { travel_mm = [0, 3, 11, 15], force_N = [0, 0.62, 0.24, 1.44] }
+mobility = 1.5
+
+[[chain.cell]]
+name = "right"
+points = { travel_mm = [0, 3, 11, 15], force_N = [0, 0.73, 0.15, 1.35] }
+"""
+
 DESIGNS = {
     "trilinear.toml": TRILINEAR,
     "balloons.toml": BALLOONS,
@@ -90,4 +108,5 @@ DESIGNS = {
     "mixed.toml": MIXED,
     "three.toml": THREE_PHASES,
     "folded.toml": FOLDED,
+    "race.toml": RACE,
 }

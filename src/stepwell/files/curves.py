@@ -38,6 +38,7 @@ def load_element(
     stops: bool | tuple[bool, bool] = False,
     noise: float | None = None,
     friction: float = 0.0,
+    mobility: float = 1.0,
 ) -> Element:
     """An element whose force curve is in a file.
 
@@ -52,6 +53,7 @@ def load_element(
         stops: whether it is stopped at the low and at the high end of its curve.
         noise: standard deviation of the forces of a table [N], to be smoothed.
         friction: Coulomb friction against travel [N], >= 0.
+        mobility: how fast it moves for a given force, beside the other cells of its chain.
 
     Returns:
         The element; its measure is what the units say.
@@ -68,7 +70,8 @@ def load_element(
     if noise is not None and form != "table":
         raise InputError(f"noise goes with form='table' alone, which is smoothed; form = {form!r}.")
     curve = lab.read_curve(file)
-    options: dict[str, Any] = {"stops": stops, "friction": friction, "measure": curve.measure}
+    options: dict[str, Any] = {"stops": stops, "friction": friction, "mobility": mobility}
+    options["measure"] = curve.measure
     if form == "table":
         options["noise"] = noise
     x, y = _columns(curve, form, half)

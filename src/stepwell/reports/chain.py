@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,13 +12,14 @@ from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
 from stepwell.reports.page import report
 from stepwell.reports.steps import Folder, Progress, bundle, netcdf
-from stepwell.results import boundary_rows, map_record, program_record, run_record
+from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
 
 if TYPE_CHECKING:
     import xarray
 
     from stepwell.design import Boundary, Margin
     from stepwell.sequences import Cycle, Program, TransitionGraph
+    from stepwell.statics import Landing
 
 FIGURES = (".svg", ".png", ".pdf")
 # What writes a graph for other programs, by the end of the file's name.
@@ -32,23 +33,25 @@ def write_run(
     *,
     design: str | None = None,
     source: str | None = None,
+    landings: Sequence[Landing] | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
     """Write what a design does: design.toml, path.csv, result.json, report.html and its figures.
 
-    `source` is the design file's name, for the report.
+    `source` is the design file's name, for the report; `landings` as for `results.run_record`.
     """
     from stepwell import figures
 
+    landings = checked(cycle.path) if landings is None else landings
     text, drawn = design or dumps(cycle.chain), figures.standard(cycle)
     captions = _captions(cycle.chain.measure)
     shown = {captions[name]: figure for name, figure in drawn.items()}
     contents = {
         "design.toml": text,
         "path.csv": cycle.path.to_csv,
-        "result.json": run_record(cycle, margin, design=text),
-        "report.html": report(cycle, margin, shown, source),
+        "result.json": run_record(cycle, margin, landings, design=text),
+        "report.html": report(cycle, margin, shown, source, landings),
     }
     drawn = {name.replace("_", "-"): figure for name, figure in drawn.items()}
     return bundle(folder, "run", contents, drawn, progress=progress, force=force)

@@ -19,7 +19,10 @@ from stepwell.results import (
     cell_schema,
     change_columns,
     cycle_schema,
+    elsewhere_of,
+    elsewhere_rows,
     event_columns,
+    landings_told,
     nearest_changes,
     run_record,
 )
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
     from stepwell.design import Margin
     from stepwell.sequences import Cycle
+    from stepwell.statics import Landing
 
 # Longer tables help nobody; the path's CSV has everything.
 _MOST_ROWS = 200
@@ -44,6 +48,7 @@ def report(
     margin: Margin | None,
     figures: Mapping[str, Figure],
     source: str | None = None,
+    landings: Sequence[Landing] | None = None,
 ) -> str:
     """The results of one design as a self-contained page.
 
@@ -54,11 +59,12 @@ def report(
         margin: how far it is from doing something else; None where that was not computed.
         figures: what to show, in this order, by caption.
         source: the design file's name, for the head of the page.
+        landings: as for `results.run_record`.
 
     Returns:
         HTML text.
     """
-    chain, record = cycle.chain, run_record(cycle, margin)
+    chain, record = cycle.chain, run_record(cycle, margin, landings)
     page = Template((files("stepwell.reports") / "report.html").read_text("utf-8"))
     origin = f"Design file {source}" if source else "A design made in Python"
     return page.substitute(
@@ -71,7 +77,7 @@ def report(
         warnings=_warnings(record["ties"]),
         figures="\n".join(_figure(caption, figure) for caption, figure in figures.items()),
         cells=_cells(chain, record["cells"]),
-        events=_events(chain, record["events"]),
+        events=_events(chain, record["events"]) + _landings(chain, record),
         margin=_margin(chain, margin, record["margin"]),
         assumptions="\n".join(f"<li>{escape(line)}</li>" for line in _assumptions(chain)),
     )
@@ -189,6 +195,19 @@ def _events(chain: Chain, events: list[dict[str, Any]]) -> str:
     return _table(event_columns(chain, page=True), events, about)
 
 
+def _landings(chain: Chain, record: dict[str, Any]) -> str:
+    told = landings_told(record["landings"])
+    elsewhere = elsewhere_rows(record["landings"], record["events"])
+    text = f"<p>Landings: {escape(told)}.</p>" if told else ""
+    if not elsewhere:
+        return text
+    about = (
+        "The same snaps with other mobilities of the cells: where else they land, the mobilities "
+        "nearest to those given that were found to lead there, and how many of the samples do."
+    )
+    return text + _table(elsewhere_of(chain), elsewhere, about)
+
+
 def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) -> str:
     if margin is None or record is None:
         return "<p>Not computed.</p>"
@@ -251,8 +270,8 @@ def _assumptions(chain: Chain) -> list[str]:
         f"Quasi-static: the {words.stroke} changes slowly, inertia plays no part between snaps.",
         *([_RIGID] if levers else []),
         *(_curves(elements, words) if elements else []),
-        "After a snap the chain lands where overdamped flow at fixed drive leads it, every "
-        f"{words.travel} being equally mobile; the energy released is lost.",
+        "After a snap the chain lands where overdamped flow at fixed drive leads it, "
+        f"{_mobile(named, words)}; the energy released is lost.",
         _actuator(chain),
         *(bands if levers else []),
         told(
@@ -262,6 +281,14 @@ def _assumptions(chain: Chain) -> list[str]:
         ),
         *([load] if levers else []),
     ]
+
+
+def _mobile(named: list[tuple[str, Cell | Element]], words: Measure) -> str:
+    if len({cell.mobility for _, cell in named}) == 1:
+        return f"every {words.travel} being equally mobile"
+    others = [f"{name} {number(cell.mobility)}" for name, cell in named if cell.mobility != 1.0]
+    rest = "" if len(others) == len(named) else ", all others 1"
+    return f"every cell with its own mobility: {_listed(others)}{rest}"
 
 
 def _curves(elements: list[tuple[str, Element]], words: Measure) -> list[str]:

@@ -16,6 +16,7 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record
 from stepwell.results.head import head, tie_notes
+from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
 from stepwell.results.map import boundary_rows, map_record
 from stepwell.results.robot import (
     CHANGE,
@@ -38,6 +39,7 @@ from stepwell.results.run import (
     change_columns,
     cycle_schema,
     drive_schema,
+    elsewhere_of,
     event_columns,
     force_scale,
     nearest_changes,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import (
@@ -20,13 +20,18 @@ from stepwell.base import (
 )
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.results.head import head, tie_notes
+from stepwell.results.landings import (
+    checked,
+    elsewhere_columns,
+    landing_records,
+)
 from stepwell.sequences.programs import turn_schema
 from stepwell.statics import Cause
 
 if TYPE_CHECKING:
     from stepwell.design import Change, Margin
     from stepwell.sequences import Cycle, Program, Unreachable
-    from stepwell.statics import Event
+    from stepwell.statics import Event, Landing
 
 # The states of a chain are as many as its cells, each as long: past this only orders are told.
 LONGEST_SPELLED_OUT = 64
@@ -88,8 +93,10 @@ def cycle_schema(chain: Chain) -> Schema:
 
 def cell_schema(chain: Chain) -> Schema:
     """What is told of the cells of a chain: all that holds of an element, where it has any."""
+    unlike = len({cell.mobility for cell in chain.cells}) > 1
+    mobility = Quantity("mobility", head="mobility" if unlike else "", left=False)
     if not chain.elements:
-        return CELL
+        return *CELL, mobility
     band = "±" if any(element.error_band for element in chain.elements) else ""
     sheets = "sheets" if _folds(chain) else ""
     schema = (
@@ -102,6 +109,7 @@ def cell_schema(chain: Chain) -> Schema:
         Quantity("travel_high", "mm", "to", "high"),
         Quantity("full_travel", "mm"),
         Quantity("stopped", head="stops", form=lambda ends: _ENDS[*ends]),
+        mobility,
         Quantity("error_band", "N", band, lambda cell: getattr(cell, "error_band", 0.0)),
         Quantity("bistable", read="is_bistable"),
         Quantity("stable", head="stable in", read=_stable, left=True),
@@ -168,13 +176,21 @@ def change_schema(unit: str) -> Schema:
     )
 
 
-def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None) -> dict[str, Any]:
+def run_record(
+    cycle: Cycle,
+    margin: Margin | None,
+    landings: Sequence[Landing] | None = None,
+    *,
+    design: str | None = None,
+) -> dict[str, Any]:
     """What a design does, as docs/commands.md describes it.
 
     Args:
         margin: how far the design is from doing something else; None where that is not known.
+        landings: what `Path.landings` says of its snaps; None asks it where cells are few.
     """
     chain = cycle.chain
+    landings = checked(cycle.path) if landings is None else landings
     spelled = len(chain) <= LONGEST_SPELLED_OUT
     return {
         **head("stepwell.run/1", design or chain),
@@ -186,6 +202,7 @@ def run_record(cycle: Cycle, margin: Margin | None, *, design: str | None = None
         "loading_order": list(cycle.loading_order),
         "unloading_order": list(cycle.unloading_order),
         "events": event_records(cycle.events, chain),
+        "landings": landing_records(landings, cycle.events, chain),
         **record(cycle_schema(chain), cycle),
         "margin": margin
         and record(MARGIN, margin)
@@ -257,6 +274,11 @@ def event_columns(chain: Chain, *, page: bool = False) -> Columns:
     )
 
 
+def elsewhere_of(chain: Chain) -> Columns:
+    """The columns of a table of other places where snaps of a chain land."""
+    return elsewhere_columns(chain, event_schema(chain))
+
+
 def nearest_changes(chain: Chain, changes: list[dict[str, Any]]) -> dict[str, str]:
     """The smallest change of each kind of thing in words, where there is one."""
     measure = chain.measure
@@ -324,9 +346,15 @@ def drive_schema(unit: str) -> Schema:
     )
 
 
-def program_record(program: Program, *, design: str | None = None) -> dict[str, Any]:
-    """A program that was found, as docs/commands.md describes it."""
+def program_record(
+    program: Program,
+    landings: Sequence[Landing] | None = None,
+    *,
+    design: str | None = None,
+) -> dict[str, Any]:
+    """A program that was found, as docs/commands.md describes it; `landings` as of a run."""
     path, chain = program.path, program.chain
+    landings = checked(path) if landings is None else landings
     unit, _ = told_in(chain.drive_unit)
     points, *ends = drive_schema(unit)
     return {
@@ -340,6 +368,7 @@ def program_record(program: Program, *, design: str | None = None) -> dict[str, 
         **record([points], program),
         "sequence": str(program.sequence) if len(chain) <= LONGEST_SPELLED_OUT else None,
         "events": event_records(path.events, chain),
+        "landings": landing_records(landings, path.events, chain),
         **record([Quantity("dissipated", "mJ")], path),
         "turns": [record(turn_schema(unit), turn) for turn in program.turns],
         **record(ends, program),

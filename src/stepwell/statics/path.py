@@ -65,7 +65,7 @@ class Path(ByValue):
             fold back.
 
     Assumes: quasi-static motion, rigid levers and blocks, and after a snap overdamped flow at
-    fixed drive with equal mobility on every travel (theory page, "Landing").
+    fixed drive, each cell with its mobility, equal unless given (theory page, "Landing").
     """
 
     chain: Chain

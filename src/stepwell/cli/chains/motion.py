@@ -16,6 +16,7 @@ from stepwell.cli.options import (
     ForceFile,
     From,
     Json,
+    MobilityRatio,
     Out,
     Robust,
     To,
@@ -32,10 +33,17 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
 
 
-def run(design: Design, out: Out = None, force: Force = False, as_json: Json = False) -> None:
+def run(
+    design: Design,
+    mobility_ratio: MobilityRatio = None,
+    out: Out = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
     """Say what a design does.
 
-    Its sequence, its forces, every switch and snap, and how far it is from doing otherwise.
+    Its sequence, its forces, every switch and snap, how far it is from doing otherwise, and whether
+    snaps land where they do whatever the mobilities of the cells are.
     With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
     written into a folder, together with the design.
     """
@@ -47,10 +55,12 @@ def run(design: Design, out: Out = None, force: Force = False, as_json: Json = F
     free(out, "run", force, design=text)
     with progress("following") as tell:
         cycle = chain.cycle(progress=tell)
+    with usable("--mobility-ratio"), progress("landings"):
+        landings = results.checked(cycle.path, mobility_ratio)
     with progress("margin") as tell:
         limits = margin(cycle.chain, progress=tell)
-    record = results.run_record(cycle, limits, design=text)
-    write = partial(reports.write_run, cycle, limits, design=text, source=design)
+    record = results.run_record(cycle, limits, landings, design=text)
+    write = partial(reports.write_run, cycle, limits, design=text, source=design, landings=landings)
     finish(record, partial(texts.run, chain=chain), as_json, out, force, write)
 
 

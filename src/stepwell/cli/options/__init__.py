@@ -7,6 +7,7 @@ from stepwell.cli.options.common import (
     Force,
     ForceFile,
     Json,
+    MobilityRatio,
     NoVideo,
     Out,
     Robot,

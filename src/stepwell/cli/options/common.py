@@ -53,6 +53,15 @@ Robust = Annotated[
         max=1e3,
     ),
 ]
+MobilityRatio = Annotated[
+    float | None,
+    typer.Option(
+        "--mobility-ratio",
+        metavar="R",
+        help="Ask of every snap whether it lands in one place for all mobilities of cells up to so "
+        "many times apart; by default 10, for up to 8 cells.",
+    ),
+]
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
 
 

@@ -14,13 +14,17 @@ from stepwell.cli.screen import (
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results import (
+    NOT_CHECKED,
     SENSITIVITY,
     built_schema,
     cell_schema,
     change_columns,
     cycle_schema,
     drive_schema,
+    elsewhere_of,
+    elsewhere_rows,
     event_columns,
+    landings_told,
     nearest_changes,
     tolerance_schema,
 )
@@ -44,10 +48,11 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         "Driven": "".join(f"{points.cell(record)} {points.sign}" for points in driven),
         "Dissipated": f"{dissipated.cell(record)} {dissipated.sign} in a cycle",
         "Margin": _nearest(record["margin"], chain),
+        "Landings": _landings(record),
     }
     show_facts(record, found, 2 + max(map(len, found)))
     show_records("Cells, innermost first", cell_schema(chain), record["cells"])
-    show_events(record["events"], chain)
+    show_events(record, chain)
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",
@@ -73,9 +78,19 @@ def _nearest(margin: dict[str, Any], chain: Chain) -> str:
     return f"no other sequence within {number(margin['reach_mm'])} mm of any anchor"
 
 
-def show_events(events: list[dict[str, Any]], chain: Chain) -> None:
-    """Print a table of switches and snaps."""
-    show_records("Switches and snaps", event_columns(chain), events)
+def _landings(record: dict[str, Any]) -> str:
+    told = landings_told(record["landings"])
+    return f"{told}; --mobility-ratio 10 does" if told == NOT_CHECKED else told
+
+
+def show_events(record: dict[str, Any], chain: Chain) -> None:
+    """Print a table of switches and snaps, and one of other places where these land."""
+    show_records("Switches and snaps", event_columns(chain), record["events"])
+    show_records(
+        "Landings that other mobilities of the cells change",
+        elsewhere_of(chain),
+        elsewhere_rows(record["landings"], record["events"]),
+    )
 
 
 def map_(record: dict[str, Any]) -> None:
@@ -140,6 +155,7 @@ def program(record: dict[str, Any], chain: Chain) -> None:
         "Slack": slack is not None
         and f"every turn may be off by {number(slack, 3)} {off.sign} at once",
         "States": len(record["cells"]) <= MOST_CELLS and record["sequence"],
+        "Landings": landings_told(record["landings"]),
     }
     show_facts(record, found, 10)
     # Where a turn can go back to is known of programs that were searched for.
@@ -149,7 +165,7 @@ def program(record: dict[str, Any], chain: Chain) -> None:
         [Quantity("turn", head="turn"), *columns],
         [{"turn": k} | turn for k, turn in enumerate(record["turns"], 1)],
     )
-    show_events(record["events"], chain)
+    show_events(record, chain)
     show_text(f"{record['reason']}.")
 
 

@@ -239,9 +239,9 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
             "unsolved_designs": unsolved,
             "assumptions": (
                 "quasi-static cycle from all cells at 0 to all at 1 and back; overdamped snaps at "
-                "fixed stroke; closed form only where all cells are proved taut with falling "
-                "force, are two or share one full travel, and the actuator is rigid, the general "
-                "engine elsewhere"
+                "fixed stroke, each cell with its mobility; closed form only where all cells are "
+                "proved taut with falling force, are two or share one full travel, and the "
+                "actuator is rigid, the general engine elsewhere"
             ),
             "source": f"stepwell {__version__}, parameter_map",
         },

@@ -27,6 +27,7 @@ from stepwell.files.schema.elements import (
     CurveKeys,
     ElementKeys,
     Friction,
+    Mobility,
     PartKeys,
     key_in,
 )
@@ -169,6 +170,7 @@ class LeverKeys(Keys):
     load_N: Force | None = None
     load_mm_N: LoadRows | None = None
     friction_N: Friction | None = None
+    mobility: Mobility | None = None
     unusual: Switch | None = None
 
 

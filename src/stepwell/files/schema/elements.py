@@ -8,7 +8,7 @@ from typing import Annotated, Any, NoReturn
 
 from pydantic import Field, PlainValidator, model_validator
 
-from stepwell.base import Measure, told_in
+from stepwell.base import Measure, short, told_in
 from stepwell.files.schema.checks import (
     Keys,
     Line,
@@ -20,6 +20,7 @@ from stepwell.files.schema.checks import (
     refuse,
 )
 from stepwell.files.schema.library import LibraryKeys
+from stepwell.mechanism import MOBILITIES
 
 # Beyond every mechanism, and far from overflow.
 MOST = "1e9"
@@ -106,6 +107,7 @@ Stops = Annotated[bool | tuple[bool, bool], PlainValidator(_stops)]
 SheetNumber = Annotated[int, PlainValidator(_sheet)]
 CsvName = Annotated[str, PlainValidator(_csv)]
 Friction = Annotated[Decimal, bounded("0", "1e6", ">= 0 (up to 1e6)")]
+Mobility = Annotated[Decimal, bounded(*map(short, MOBILITIES))]
 Noise = Annotated[Decimal, above_zero("1e-9", MOST)]
 Scale = Annotated[Decimal, above_zero("1e-6", "1e6")]
 
@@ -232,6 +234,7 @@ class ElementKeys(CurveKeys):
     error_band_mNm: Friction | None = None
     force_scale: Scale | None = None
     travel_scale: Scale | None = None
+    mobility: Mobility | None = None
 
     @property
     def forms(self) -> list[str]:

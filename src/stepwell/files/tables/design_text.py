@@ -94,6 +94,8 @@ def _cell(cell: Cell) -> Written:
             keys["load_mm_N"] = rows
     if cell.friction:
         keys["friction_N"] = cell.friction
+    if cell.mobility != 1.0:
+        keys["mobility"] = cell.mobility
     if cell.unusual or slips(cell):  # what the program made is read again, however odd
         keys["unusual"] = True
     return _written(keys)

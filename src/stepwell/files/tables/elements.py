@@ -65,7 +65,7 @@ def with_options(element: Element, keys: schema.ElementKeys) -> Element:
         number = _of_measure(keys, word, measure)
         if number is not None:
             options[word] = number
-    for key in ("force_scale", "travel_scale"):
+    for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(keys, key) is not None:
             options[key] = si(key, getattr(keys, key))
     return replace(element, **options)
@@ -185,7 +185,7 @@ def _options(element: Element) -> Written:
     if element.friction:
         key = schema.key_in("friction", element.measure.force_unit)
         keys[key] = written(key, element.friction)
-    for key in ("force_scale", "travel_scale"):
+    for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(element, key) != 1.0:
             keys[key] = written(key, getattr(element, key))
     return keys
