@@ -40,7 +40,7 @@ if TYPE_CHECKING:
         TransitionGraph,
         Unreachable,
     )
-    from stepwell.statics import Event, EventKind, Path
+    from stepwell.statics import Elsewhere, Event, EventKind, Landing, Path, Proof
 
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
@@ -51,9 +51,11 @@ _DOORS = {
     "Cubic": "mechanism",
     "Cycle": "sequences",
     "Element": "mechanism",
+    "Elsewhere": "statics",
     "Event": "statics",
     "EventKind": "statics",
     "InputError": "base",
+    "Landing": "statics",
     "Linear": "mechanism",
     "Load": "mechanism",
     "Margin": "design",
@@ -62,6 +64,7 @@ _DOORS = {
     "Phase": "mechanism",
     "Pathway": "sequences",
     "Program": "sequences",
+    "Proof": "statics",
     "Robot": "robot",
     "Sequence": "sequences",
     "StepwellError": "base",
@@ -100,9 +103,11 @@ __all__ = [
     "Cubic",
     "Cycle",
     "Element",
+    "Elsewhere",
     "Event",
     "EventKind",
     "InputError",
+    "Landing",
     "Linear",
     "Load",
     "Margin",
@@ -111,6 +116,7 @@ __all__ = [
     "Phase",
     "Pathway",
     "Program",
+    "Proof",
     "Robot",
     "Sequence",
     "StepwellError",

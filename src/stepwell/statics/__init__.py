@@ -20,6 +20,7 @@ One word for one thing, here and in all rooms above:
 
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following import Problem
+from stepwell.statics.landed import Elsewhere, Landing, Proof
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
 from stepwell.statics.places import Configuration, drive_range, read_state, standing, travel_in
@@ -28,9 +29,12 @@ from stepwell.statics.run import full_cycle, path
 
 __all__ = [
     "Cause",
+    "Elsewhere",
     "Event",
     "EventKind",
+    "Landing",
     "Path",
+    "Proof",
     "Configuration",
     "Segment",
     "SegmentKind",

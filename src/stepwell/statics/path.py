@@ -26,7 +26,7 @@ from stepwell.base import (
 )
 from stepwell.kernels import watched
 from stepwell.mechanism import Chain
-from stepwell.statics.events import Event, Segment, Tie
+from stepwell.statics.events import Event, EventKind, Segment, Tie
 from stepwell.statics.following import (
     EQUILIBRIUM,
     FORCE_SLACK,
@@ -36,6 +36,7 @@ from stepwell.statics.following import (
     log as logged,
     sample,
 )
+from stepwell.statics.landed import Landing, landings
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration
 from stepwell.statics.problem import drive_weights, problem_of
@@ -207,6 +208,29 @@ class Path(ByValue):
             drifts = int(row[logged.KIND]) == logged.DRIFT
             ties.append(Tie(drive, cells, advice_on_tie(self.chain, cells, drive, drifts)))
         return tuple(ties)
+
+    def landings(
+        self, ratio: float = 10.0, *, samples: int = 64, seed: int = 0
+    ) -> tuple[Landing, ...]:
+        """Whether each snap, in order, lands where it does for all mobilities within a ratio.
+
+        Where nothing proves it, the snap is done again with other mobilities, as the engine does
+        it: first with each cell alone fast and alone slow, then with mobilities at random. Samples
+        can find mobilities that land elsewhere, and show them; that none were found is no proof.
+        Snaps that follow one another at once, through saddles, count as one.
+
+        Args:
+            ratio: how far apart the factors beside the given mobilities may be, 1 to 1e6.
+            samples: how many mobilities to try for each snap that is not proved, >= 1.
+            seed: of those at random; the same one tries the same ones.
+
+        Raises:
+            ValueError: a ratio, a number of samples or a seed that is not allowed.
+        """
+        snaps = [event for event in self.events if event.kind is EventKind.SNAP]
+        start = np.array(self.start), np.array(self.start_sheet)
+        args = self.chain, self._problem, self._log, start, snaps
+        return tuple(landings(*args, ratio=ratio, samples=samples, seed=seed))
 
     @property
     def released(self) -> float:

@@ -17,6 +17,7 @@ from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
     cut,
+    find_piece,
     force_scale,
     invert,
     of_curve,
@@ -25,17 +26,25 @@ from stepwell.statics.following.pieces import (
     stand_all_on,
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
+from stepwell.statics.following.smooth import LOST, choose
+from stepwell.statics.following.snap import snap
 from stepwell.statics.following.state import (
     DONE,
+    DUE,
     FREE,
     GAVE_UP,
+    GOES_ON,
     LOG_FULL,
     NOT_SETTLED,
     RUNS_AWAY,
+    SENSE,
+    SLIDES,
     STALLED,
+    TRIGGER,
     Problem,
     State,
     drive_of,
     held_range,
     hold,
+    set_snap,
 )

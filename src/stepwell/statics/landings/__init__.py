@@ -1,0 +1,6 @@
+"""For which mobilities the landing of a snap holds: where it starts, proofs, samples."""
+
+# pyright: reportUnusedImport=false
+
+from stepwell.statics.landings.sampling import factors_of, land_all
+from stepwell.statics.landings.start import Snap, snaps_of

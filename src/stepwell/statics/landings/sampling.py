@@ -1,0 +1,114 @@
+"""Where a snap lands with other mobilities: the engine's own snap, again and again."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import entry, kernel, watched
+from stepwell.statics.following import (
+    GOES_ON,
+    LOST,
+    SENSE,
+    TRIGGER,
+    Problem,
+    State,
+    choose,
+    log as logged,
+    sheets_of,
+    snap,
+)
+from stepwell.statics.landings.start import Start, stand_before
+
+# A snap that leads from saddle to saddle more often than this comes to no end.
+_SADDLES = 20
+# So many numbers are worth a look at Ctrl-C.
+_MANY = 2000
+
+
+class Landings(NamedTuple):
+    """Where a snap lands with other mobilities; n samples, N cells."""
+
+    travel: Floats  # (n, N) [m]
+    sheet: Ints  # (n, N)
+    settled: Ints  # (n,) 1 where it came to rest
+
+
+def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
+    """Where a snap lands with the given mobilities times each row of (n, N) factors."""
+    count, n = factors.shape
+    found = Landings(
+        np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
+    )
+    state = State(
+        np.empty(n),
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(n),
+        np.zeros(1),
+        np.zeros(4, np.int64),
+        np.zeros(2, np.int64),
+        logged.empty_log(1, n),
+    )
+    own = problem._replace(mobility=problem.mobility.copy())
+    watched(
+        lambda effort: _land_all(own._replace(effort=effort), start, state, factors, found),
+        long=factors.size > _MANY,
+    )
+    return found
+
+
+@entry(5e-3, "factors")
+def _land_all(
+    problem: Problem, start: Start, state: State, factors: Floats, found: Landings
+) -> int:
+    """Fill in where the snap lands; how often it came to rest."""
+    given, rests = problem.mobility.copy(), 0
+    for k in range(len(factors)):
+        mobility = given * factors[k]
+        problem.mobility[:] = mobility / np.max(mobility)
+        stand_before(problem, start, state)
+        settled = _land(problem, state, start.direction)
+        found.travel[k], found.sheet[k] = state.travel, sheets_of(problem.sheets)
+        found.settled[k] = 1 if settled else 0
+        rests += found.settled[k]
+    return rests
+
+
+@kernel
+def _land(problem: Problem, state: State, direction: int) -> bool:
+    """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
+    goes = np.zeros(len(state.mode), np.int64)
+    for _ in range(_SADDLES):
+        state.log.used[:] = 0
+        if snap(problem, state, direction) != GOES_ON:
+            return False
+        choice, leader = choose(problem, state, direction, goes)
+        if choice != LOST:
+            return True
+        state.next_snap[TRIGGER], state.next_snap[SENSE] = leader, direction
+    return False
+
+
+def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -> Floats:
+    """(samples, N) factors of the mobilities, from 1 to `ratio`.
+
+    First each of some cells fast among slow ones and slow among fast ones; then all of them at
+    random, log-uniform: one in each of as many equal parts as there are samples (McKay, Beckman
+    & Conover 1979).
+
+    Args:
+        cells: those that are fast or slow alone.
+        count: N.
+        ratio: of the fastest to the slowest, >= 1.
+        samples: how many.
+        seed: of the random ones.
+    """
+    fast, slow = np.ones((len(cells), count)), np.full((len(cells), count), ratio)
+    fast[np.arange(len(cells)), cells], slow[np.arange(len(cells)), cells] = ratio, 1.0
+    corners = np.concatenate([fast, slow])[:samples]
+    left, rng = samples - len(corners), np.random.default_rng(seed)
+    parts = rng.permuted(np.tile(np.arange(left), (count, 1)), axis=1).T
+    drawn = ratio ** ((parts + rng.random((left, count))) / max(left, 1))
+    return np.concatenate([corners, drawn])

@@ -1,0 +1,158 @@
+"""Where a chain stands just before each snap of a path, read off its log."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import kernel
+from stepwell.mechanism import BEFORE, BEYOND
+from stepwell.statics.following import (
+    DUE,
+    FREE,
+    SLIDES,
+    Problem,
+    State,
+    find_piece,
+    hold,
+    log as logged,
+    resting_piece,
+    set_snap,
+    stand_all_on,
+)
+
+
+class Start(NamedTuple):
+    """Where a chain of N cells stands just before a snap, and what sets it off."""
+
+    travel: Floats  # (N,) [m]
+    sheet: Ints  # (N,) by number in the cell
+    force: float  # λ [N]
+    drive: float  # U, which stays as it is
+    leader: int  # the cell that sets it off
+    heading: int  # the sense in which that one moves
+    direction: int  # of the drive
+    cause: int  # as in the log
+    sense: Ints  # (N,) in which a cell slides against friction or lets go of its place, else 0
+    piece: Ints  # (N,) on which a cell moved last, -1 where that does not tell
+
+
+class Snap(NamedTuple):
+    """A snap of a path: from where, and where it landed.
+
+    Where it lands in a saddle and leaves it at once, the snaps that follow belong to it.
+    """
+
+    start: Start
+    travel: Floats  # (N,) after it [m]
+    sheet: Ints  # (N,)
+    rows: int  # of the log
+
+
+def snaps_of(problem: Problem, log: logged.Log, travel: Floats, sheet: Ints) -> Iterator[Snap]:
+    """Every snap of a path in order.
+
+    Args:
+        problem: what was followed.
+        log: what was written down.
+        travel, sheet: (N,) where the path begins [m].
+    """
+    now, on, (count, _) = travel.copy(), sheet.copy(), log.used.tolist()
+    pending: Snap | None = None
+    for k in range(count):
+        row = log.segments[k]
+        snaps = int(row[logged.KIND]) == logged.SNAP
+        if pending is not None and not (snaps and _goes_on(problem, row, now)):
+            yield pending
+            pending = None
+        start = None
+        if snaps and pending is None:
+            start = _start(problem, log, k, now, on)
+        movers = log.movers[log.first[k] : log.first[k + 1]]
+        cells = movers[:, logged.CELL].astype(int)
+        now[cells], on[cells] = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
+        if start is not None:
+            pending = Snap(start, now.copy(), on.copy(), 1)
+        elif pending is not None:
+            pending = Snap(pending.start, now.copy(), on.copy(), pending.rows + 1)
+    if pending is not None:
+        yield pending
+
+
+def _goes_on(problem: Problem, row: Floats, travel: Floats) -> bool:
+    """Whether a snap that follows another one leaves a saddle: nothing came between."""
+    leader = int(row[logged.LEADER])
+    return int(row[logged.CAUSE]) == logged.FOLD and _inside(problem, leader, travel[leader])
+
+
+def _inside(problem: Problem, cell: int, travel: float) -> bool:
+    """Whether a cell rests neither against a stop nor against friction."""
+    ends = problem.sheets.ends
+    free = problem.laws.friction[cell] == 0.0
+    return bool(free and ends[cell, BEFORE] < travel < ends[cell, BEYOND])
+
+
+def _start(problem: Problem, log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
+    """The start of the snap in row k of the log."""
+    n, row = len(travel), log.segments[k]
+    leader, heading = int(row[logged.LEADER]), int(row[logged.HEADING])
+    direction, cause, force = (
+        int(row[logged.DIRECTION]),
+        int(row[logged.CAUSE]),
+        row[logged.FORCE_0],
+    )
+    sense, piece = np.zeros(n, np.int64), np.full(n, -1)
+    last = log.segments[k - 1] if k > 0 else None
+    if (
+        last is not None
+        and int(last[logged.KIND]) in (logged.MOVE, logged.DRIFT)
+        and int(last[logged.DIRECTION]) == direction
+    ):
+        movers = log.movers[log.first[k - 1] : log.first[k]]
+        cells = movers[:, logged.CELL].astype(int)
+        piece[cells] = movers[:, logged.PIECE]
+        sense[cells] = np.sign(movers[:, logged.OFFSET])
+    if cause in (logged.RELEASE, logged.KINK):
+        sense[leader] = heading
+    return Start(
+        travel.copy(),
+        sheet.copy(),
+        float(force),
+        float(row[logged.DRIVE_0]),
+        leader,
+        heading,
+        direction,
+        cause,
+        sense,
+        piece,
+    )
+
+
+@kernel
+def stand_before(problem: Problem, start: Start, state: State) -> None:
+    """Let the chain stand as it does just before a snap."""
+    laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
+    stand_all_on(laws, problem.sheets, pieces, start.sheet)
+    state.travel[:] = start.travel
+    state.force[0] = start.force
+    for i in range(len(start.travel)):
+        travel, piece = state.travel[i], start.piece[i]
+        inside = ends[i, BEFORE] < travel < ends[i, BEYOND]
+        if inside and laws.friction[i] == 0.0:
+            state.mode[i], state.sense[i] = FREE, 0
+        elif start.sense[i] != 0:
+            state.mode[i], state.sense[i] = SLIDES, start.sense[i]
+        else:
+            hold(problem, state, i)
+            continue
+        goes_on = i == start.leader and start.cause in (logged.RELEASE, logged.KINK)
+        if goes_on:
+            state.piece[i] = find_piece(pieces, i, travel, start.heading)
+        elif piece >= 0 and pieces.left[piece] <= travel <= pieces.right[piece]:
+            state.piece[i] = piece
+        else:
+            state.piece[i] = resting_piece(pieces, i, travel)
+    set_snap(state.next_snap, start.leader, start.heading, start.cause)
+    state.next_snap[DUE] = 1
+    state.tie[:] = -1
