@@ -24,7 +24,9 @@ from stepwell.mechanism.geometry import (
     turn_at,
 )
 from stepwell.mechanism.law import (
+    ABOVE,
     BEFORE,
+    BELOW,
     BEYOND,
     CURVE_HIGH,
     CURVE_LOW,

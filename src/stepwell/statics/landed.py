@@ -137,7 +137,7 @@ def _elsewhere(chain: Chain, problem: Problem, snap: Snap, factors: Floats) -> l
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
-            if _same(chain, problem, here, there):
+            if same_place(chain, problem, here, there):
                 hits[place] += 1
                 break
         else:
@@ -150,14 +150,14 @@ def _elsewhere(chain: Chain, problem: Problem, snap: Snap, factors: Floats) -> l
             tuple((factors[first[p]] / np.min(factors[first[p]])).tolist()),
             tuple(places[p][0].tolist()),
             tuple(places[p][1].tolist()),
-            _state(chain, *places[p]),
+            state_of(chain, *places[p]),
             hits[p] / count,
         )
         for p in order
     ]
 
 
-def _same(
+def same_place(
     chain: Chain, problem: Problem, here: tuple[Floats, Ints], there: tuple[Floats, Ints]
 ) -> bool:
     """Whether two landings are one.
@@ -173,10 +173,10 @@ def _same(
     stand_all_on(problem.laws, problem.sheets, problem.pieces, here[1])
     ends, slip = problem.sheets.ends[:, [LOW, HIGH]], _ALIKE * problem.laws.full
     one, two = (np.abs(travel[:, None] - ends) <= slip[:, None] for travel in (here[0], there[0]))
-    return np.array_equal(one, two) and _state(chain, *here) == _state(chain, *there)
+    return np.array_equal(one, two) and state_of(chain, *here) == state_of(chain, *there)
 
 
-def _state(chain: Chain, travel: Floats, sheet: Ints) -> str:
+def state_of(chain: Chain, travel: Floats, sheet: Ints) -> str:
     """The phases of a place, - in transit."""
     cells = zip(chain.stretches, sheet.tolist(), travel.tolist(), strict=True)
     return "".join(phase_at(own, on, s) for own, on, s in cells)

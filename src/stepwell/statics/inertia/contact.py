@@ -74,9 +74,7 @@ def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
 
 
 @kernel
-def blow(
-    low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats
-) -> None:
+def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
     """What is left of the speeds where cells hit their stops, in place.
 
     Args:

@@ -64,7 +64,7 @@ class Motion(NamedTuple):
 
 @kernel
 def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
-    """Travels at which something happens to a cell: a stop, or another sheet; an open end is none."""
+    """Travels at which a cell meets a stop or another sheet; an open end is none."""
     row, ends = problem.sheets.table[problem.sheets.now[cell]], problem.sheets.ends[cell]
     low, high = ends[LOW], ends[HIGH]
     if row[BELOW] < 0.0 and row[LOW] < row[CURVE_LOW]:
@@ -243,7 +243,12 @@ def _broken(
         past = max(low - travel, travel - high)
         worst = max(worst, past / problem.laws.full[i])
         if motion.sense[i] != 0:
-            worst = max(worst, -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed)) if speed != 0.0 else -1.0)
+            worst = max(
+                worst,
+                -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed))
+                if speed != 0.0
+                else -1.0,
+            )
     end = tensions(problem, leg, out[:k], out[k : 2 * k], force)
     m, carried = -1, 0.0
     for i in range(len(motion.travel)):
@@ -310,7 +315,9 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 
 
 @kernel
-def _misses(problem: Problem, body: Body, motion: Motion, leg: Leg, pace: Floats, out: Floats, error: Floats) -> float:
+def _misses(
+    problem: Problem, body: Body, motion: Motion, leg: Leg, pace: Floats, out: Floats, error: Floats
+) -> float:
     """The error of a step, by its tolerance."""
     k, fastest, worst = len(leg.cells), 1e-2 * motion.book[PEAK], 0.0
     for m in range(k):
@@ -404,7 +411,7 @@ def _arrive(problem: Problem, body: Body, motion: Motion, leg: Leg) -> None:
 
 @kernel
 def _settle(problem: Problem, leg: Leg, way: Floats) -> bool:
-    """Newton to the equilibrium of the moving cells near by, `way` from here; whether it is stable."""
+    """Newton to the equilibrium of the moving cells near by; whether there is a stable one."""
     k = len(leg.cells)
     force, pull, still = np.empty(k), np.zeros(k), np.zeros(k)
     place = leg.begin.copy()
