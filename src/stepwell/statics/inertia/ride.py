@@ -32,8 +32,11 @@ GOES_ON, RESTS, STUCK = 0, 1, 2
 
 # Two forces closer than this share of the largest one are equal.
 _SLIP = 1e-12
-# A blow at less than this share of the fastest speed does not rebound.
-_SOFT = 1e-4
+# A contact is met past its place by about this share of travel, speed or force.
+_PAST = 5e-13
+# Less energy than this share of largest force times travel is none: a stop keeps what it leaves
+# with no more, and a blow with no more does not rebound.
+_NONE = 1e-9
 # The motion is over where so small a share of what was lost is still to be lost.
 _SPENT = 1e-10
 
@@ -170,20 +173,29 @@ def _jump(problem: Problem, motion: Motion, i: int, heading: int, rows: Ints) ->
 @kernel
 def _strike(problem: Problem, body: Body, motion: Motion) -> bool:
     """Let cells that run into their stops strike them; whether any does."""
-    n = len(motion.travel)
+    n, speed = len(motion.travel), motion.speed
     low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
+    energy = _NONE * problem.scale * np.min(problem.laws.full)
+    little = np.sqrt(2.0 * energy / np.min(body.mass))
     for i in range(n):
         stop = _stops(problem, i, motion.travel[i])
         if stop != 0:
             low[i], high[i] = (-np.inf, 0.0) if stop < 0 else (0.0, np.inf)
-            if stop * motion.speed[i] > 0.0:
+            if stop * speed[i] > 0.0:
                 strikes = True
-                hard = abs(motion.speed[i]) > _SOFT * motion.book[PEAK]
-                bounce[i] = body.restitution if hard else 0.0
+                bounce[i] = body.restitution if abs(speed[i]) > little else 0.0
     if strikes:
-        before = kinetic(body.mass, body.loose, motion.speed)
-        blow(low, high, bounce, body.loose, motion.speed)
-        motion.book[STRUCK] += before - kinetic(body.mass, body.loose, motion.speed)
+        before, was = kinetic(body.mass, body.loose, speed), speed.copy()
+        blow(low, high, bounce, body.loose, speed)
+        keeps = False
+        for i in range(n):
+            if low[i] < high[i] and abs(speed[i]) <= little:
+                # Or stops would rattle for ever, on what rounding feeds them.
+                low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
+        if keeps:
+            speed[:] = was
+            blow(low, high, bounce, body.loose, speed)
+        motion.book[STRUCK] += before - kinetic(body.mass, body.loose, speed)
     return strikes
 
 
@@ -353,26 +365,26 @@ def _advance(problem: Problem, body: Body, motion: Motion, leg: Leg) -> int:
     past = _broken(problem, body, motion, leg, out, force)
     ended = past > 0.0
     if ended:
-        # Where it changes, to rounding and just past it: the root of `past` over h.
-        low, high, at_low, at_high = 0.0, h, 0.0, past
-        out[: 2 * k] = 0.0
-        out[k : 2 * k] = pace
-        at_low = min(_broken(problem, body, motion, leg, out, force), 0.0)
+        # Where it changes, and just past it: the root over h, by false position (Illinois).
+        low, high, at_high, side = 0.0, h, past - _PAST, 0
+        out[:k], out[k : 2 * k] = 0.0, pace
+        at_low = min(_broken(problem, body, motion, leg, out, force), 0.0) - _PAST
         for turn in range(100):
-            share = 0.5
-            if turn % 3 != 2 and at_low < 0.0:
-                share = min(max(-at_low / (at_high - at_low), 0.01), 0.99)
+            share = at_low / (at_low - at_high) if turn % 4 != 3 else 0.5
             middle = low + share * (high - low)
             if not low < middle < high:
                 break
             if not stride(problem, leg, pace, middle, out, error):
                 return STUCK
             past = _broken(problem, body, motion, leg, out, force)
-            if past > 0.0:
-                high, at_high = middle, past
+            if past > _PAST:
+                at_low *= 0.5 if side > 0 else 1.0
+                high, at_high, side = middle, past - _PAST, 1
             else:
-                low, at_low = middle, past
-            if at_high <= 1e-13 or high - low <= 1e-14 * high:
+                at_high *= 0.5 if side < 0 else 1.0
+                low, at_low, side = middle, past - _PAST, -1
+            if 0.0 < past <= 2.0 * _PAST:
+                high = middle
                 break
         h = high
         if not stride(problem, leg, pace, h, out, error):
