@@ -37,6 +37,8 @@ _PAST = 5e-13
 # Less energy than this share of largest force times travel is none: a stop keeps what it leaves
 # with no more, and a blow with no more does not rebound.
 _NONE = 1e-9
+# A block is between two steps at most so much faster than at either.
+_OVER = 1.02
 # The motion is over where so small a share of what was lost is still to be lost.
 _SPENT = 1e-10
 
@@ -321,8 +323,11 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
         first, last = pace[m], out[k + m]
         b, c = _parabola(first, last, out[m] / h)
         peak = max(peak, abs(last))
-        if c != 0.0 and 0.0 < -b / (2.0 * c) < 1.0 and b * b / abs(c) < 4.0 * abs(last):
-            peak = max(peak, abs(first - b * b / (4.0 * c)))
+        # Between the ends a smooth peak is little higher; what is higher is the step's own overshoot.
+        ends = max(abs(first), abs(last))
+        if c != 0.0 and 0.0 < -b / (2.0 * c) < 1.0:
+            between = abs(first - b * b / (4.0 * c))
+            peak = max(peak, between if between < _OVER * ends else ends)
     return peak
 
 
@@ -330,16 +335,28 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 def _misses(
     problem: Problem, body: Body, motion: Motion, leg: Leg, pace: Floats, out: Floats, error: Floats
 ) -> float:
-    """The error of a step, by its tolerance."""
-    k, fastest, worst = len(leg.cells), 1e-2 * motion.book[PEAK], 0.0
+    """The error of a step, by its tolerance: of travels, speeds and what the dampers take."""
+    k, worst, book = len(leg.cells), 0.0, motion.book
+    # Speeds far below those that the largest force can make are rounding.
+    scale, length = problem.scale, np.min(problem.laws.full)
+    drag = np.max(body.damping) + np.sqrt(scale * np.max(body.mass) / length)
+    fastest = max(1e-2 * book[PEAK], 1e-4 * scale / drag)
     for m in range(k):
         fastest = max(fastest, abs(pace[m]), abs(out[k + m]))
-    length = np.min(problem.laws.full)
+    lost = _lost(book) + out[2 * k]
+    if lost > 1e-12 * scale * length:
+        worst = error[2 * k] / lost
     for m in range(k):
-        worst = max(worst, error[m] / length, error[k + m] / fastest if fastest > 0.0 else 0.0)
+        worst = max(worst, error[m] / length, error[k + m] / fastest)
         if not (np.isfinite(out[m]) and np.isfinite(out[k + m])):
             return np.inf
     return worst / body.tolerance
+
+
+@kernel
+def _lost(book: Floats) -> float:
+    """Energy that was taken so far [J]."""
+    return book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]
 
 
 @kernel
@@ -459,7 +476,7 @@ def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
     Then the last trifle of energy is the dampers', and the place of rest is known to rounding.
     """
     book, k = motion.book, len(leg.cells)
-    lost = book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]
+    lost = _lost(book)
     left = kinetic(body.mass, body.loose, motion.speed)
     if k == 0:
         return True
@@ -491,10 +508,11 @@ def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
         way[:] = exact
     before = 0.0
     for m in range(k):
-        i = leg.cells[m]
-        motion.travel[i] = begin[m] + (way[m] - before)
+        i, here = leg.cells[m], way[m] - before
+        motion.travel[i] = begin[m] + here
         motion.speed[i] = 0.0
         before = way[m]
+        book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * here
     book[DAMPED] += max(trifle, 0.0)
     return True
 
