@@ -9,15 +9,19 @@ from enum import Enum
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Ints, check, require
-from stepwell.mechanism import HIGH, LOW, MOBILITIES, Chain, phase_at
+from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
-from stepwell.statics.following import Problem, log as logged, stand_all_on
-from stepwell.statics.landings import Snap, factors_of, land_all, snaps_of
+from stepwell.statics.following import Problem, find_piece, log as logged, stand_all_on
+from stepwell.statics.landings import Snap, factors_of, goes_one_way, land_all, snaps_of
 
 # Places whose travels differ by less than this share of the full travel are one.
 _ALIKE = 1e-6
-# Cells further apart than the least and the largest mobility can be nobody has.
-MOST_RATIO = MOBILITIES[1] / MOBILITIES[0]
+# From equal mobilities to those that lead elsewhere in so many steps, to tell the least that do.
+_STEPS = 8
+# (N,) travels and sheets.
+_Place = tuple[Floats, Ints]
+# Further apart, the fast ones take more steps than there is time for while the slow ones go.
+_MOST_RATIO = 1e3
 
 
 class Proof(Enum):
@@ -33,11 +37,12 @@ class Elsewhere(ByValue):
     """Another place where a snap lands, with mobilities that lead there; N cells.
 
     Attributes:
-        mobility: (N,) factors beside the given mobilities, the least 1.
+        mobility: (N,) factors beside the given mobilities, the least 1; on the way from equal ones
+            to those that were found to lead there, the first of eight steps that do.
         travel: (N,) where it comes to rest [m].
         sheet: (N,) on which sheets of the cells' curves.
         state: the phases there, - in transit.
-        share: of the samples, those that land there.
+        share: of the samples that came to rest, those that land there.
     """
 
     mobility: tuple[float, ...]
@@ -55,7 +60,7 @@ class Landing(ByValue):
         event: the snap; where it passes through saddles, the first of those that follow at once.
         ratio: of the fastest to the slowest factor beside the given mobilities, >= 1.
         proof: why it holds; None where it was only sampled.
-        samples: how many mobilities were tried; 0 where it is proved.
+        samples: with how many mobilities the cells came to rest; 0 where it is proved.
         elsewhere: every other place that was found, the most frequent first.
     """
 
@@ -67,8 +72,8 @@ class Landing(ByValue):
 
     @property
     def holds(self) -> bool:
-        """Whether no mobilities were found that lead elsewhere."""
-        return not self.elsewhere
+        """Whether it is proved, or sampled and no mobilities were found that lead elsewhere."""
+        return self.proof is not None or (self.samples > 0 and not self.elsewhere)
 
     def __str__(self):
         if self.proof is not None:
@@ -76,6 +81,11 @@ class Landing(ByValue):
         if self.holds:
             return (
                 f"holds in all of {self.samples} samples of mobilities up to {self.ratio:g} apart."
+            )
+        if not self.samples:
+            return (
+                f"cannot be told for mobilities up to {self.ratio:g} apart: the cells come to rest "
+                f"too slowly."
             )
         places = ", ".join(f"{place.state} in {place.share:.0%}" for place in self.elsewhere)
         return (
@@ -109,74 +119,124 @@ def landings(
         ratio, samples, seed: as for `Path.landings`.
 
     Raises:
-        ValueError: a ratio below 1 or above MOST_RATIO, or less than one sample.
+        ValueError: a ratio below 1 or above a thousand, or less than one sample.
     """
     ratio = check.finite("ratio", ratio, "1")
-    if not 1.0 <= ratio <= MOST_RATIO:
+    if not 1.0 <= ratio <= _MOST_RATIO:
         raise InputError(
-            f"ratio = {ratio:g}: must be between 1 and {check.short(MOST_RATIO)}, that of the "
-            f"fastest to the slowest cell."
+            f"ratio = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is that of the fastest "
+            f"to the slowest cell."
         )
     samples, seed = check.whole("samples", samples, 1), check.whole("seed", seed, 0)
     require("samples", samples, "samples =")
     at = 0
     for found in snaps_of(problem, log, *start):
-        cells = sorted({cell for event in events[at : at + found.rows] for cell in event.cells})
-        factors = factors_of(np.array(cells), len(chain), ratio, samples, seed)
-        elsewhere = _elsewhere(chain, problem, found, factors)
-        yield Landing(events[at], ratio, None, samples, tuple(elsewhere))
+        event, passed = events[at], events[at : at + found.rows]
         at += found.rows
+        proof = _proof(problem, found, ratio)
+        if proof is not None:
+            yield Landing(event, ratio, proof, 0, ())
+            continue
+        cells = sorted({cell for one in passed for cell in one.cells})
+        factors = factors_of(np.array(cells), len(chain), ratio, samples, seed)
+        rests, elsewhere = _sampled(chain, problem, found, factors)
+        yield Landing(event, ratio, None, rests, tuple(elsewhere))
 
 
-def _elsewhere(chain: Chain, problem: Problem, snap: Snap, factors: Floats) -> list[Elsewhere]:
-    """Every place but its own where a snap lands with other mobilities, most frequent first."""
-    count = len(factors)
+def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
+    """What proves that a snap lands where it does, the cheapest first."""
+    if goes_one_way(problem, snap.start, snap.travel, ratio):
+        return Proof.FREEDOM
+    return None
+
+
+def _sampled(
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats
+) -> tuple[int, list[Elsewhere]]:
+    """How many samples come to rest, and every other place where, most frequent first."""
     landed = land_all(problem, snap.start, factors)
     places = [(snap.travel, snap.sheet)]
     first, hits = [-1], [0]
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
-            if same_place(chain, problem, here, there):
+            if _same(chain, problem, snap, here, there):
                 hits[place] += 1
                 break
         else:
             places.append(here)
             first.append(k)
             hits.append(1)
+    rests = sum(hits)
+    if len(places) == 1:
+        return rests, []
+    mobility = _plain(chain, problem, snap, factors[first[1:]], places[1:])
     order = sorted(range(1, len(places)), key=lambda place: -hits[place])
-    return [
+    return rests, [
         Elsewhere(
-            tuple((factors[first[p]] / np.min(factors[first[p]])).tolist()),
+            tuple(mobility[p - 1].tolist()),
             tuple(places[p][0].tolist()),
             tuple(places[p][1].tolist()),
-            state_of(chain, *places[p]),
-            hits[p] / count,
+            _state(chain, *places[p]),
+            hits[p] / rests,
         )
         for p in order
     ]
 
 
-def same_place(
-    chain: Chain, problem: Problem, here: tuple[Floats, Ints], there: tuple[Floats, Ints]
-) -> bool:
+def _plain(
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats, places: list[_Place]
+) -> Floats:
+    """Factors that lead to these places, as alike as will do; the least 1.
+
+    Cells that keep still have the least, unless they have a say after all, having moved and come
+    back; and of the steps from equal factors to the given ones the first is taken that leads there.
+    """
+    plain = factors.copy()
+    for own, (travel, sheet) in zip(plain, places, strict=True):
+        moves = (travel != snap.start.travel) | (sheet != snap.start.sheet)
+        own[~moves] = np.min(own[moves], initial=np.max(own))
+    plain /= np.min(plain, axis=1, keepdims=True)
+    steps = np.arange(1, _STEPS + 1) / _STEPS
+    tried = (plain[:, None, :] ** steps[:, None]).reshape(-1, len(chain))
+    landed = land_all(problem, snap.start, tried)
+    found = factors / np.min(factors, axis=1, keepdims=True)
+    for k in reversed(np.flatnonzero(landed.settled).tolist()):
+        place = k // _STEPS
+        if _same(chain, problem, snap, places[place], (landed.travel[k], landed.sheet[k])):
+            found[place] = tried[k]
+    return found
+
+
+def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Place) -> bool:
     """Whether two landings are one.
 
-    Friction makes a continuum of places of rest: on it phases and stops decide.
+    Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
+    and stops decide.
     """
     if not np.array_equal(here[1], there[1]):
         return False
-    if np.all(np.abs(here[0] - there[0]) <= _ALIKE * problem.laws.full):
+    slip = _ALIKE * problem.laws.full
+    if np.all(np.abs(here[0] - there[0]) <= slip):
         return True
-    if not np.any(problem.laws.friction > 0.0):
-        return False
     stand_all_on(problem.laws, problem.sheets, problem.pieces, here[1])
-    ends, slip = problem.sheets.ends[:, [LOW, HIGH]], _ALIKE * problem.laws.full
+    moved = (here[0] != snap.start.travel) | (there[0] != snap.start.travel)
+    rubs = np.any(problem.laws.friction[moved] > 0.0)
+    if not rubs and min(_constant(problem, here[0]), _constant(problem, there[0])) < 2:
+        return False
+    ends = problem.sheets.ends[:, [LOW, HIGH]]
     one, two = (np.abs(travel[:, None] - ends) <= slip[:, None] for travel in (here[0], there[0]))
-    return np.array_equal(one, two) and state_of(chain, *here) == state_of(chain, *there)
+    return np.array_equal(one, two) and _state(chain, *here) == _state(chain, *there)
 
 
-def state_of(chain: Chain, travel: Floats, sheet: Ints) -> str:
+def _constant(problem: Problem, travel: Floats) -> int:
+    """How many cells stand where their force is constant."""
+    pieces = problem.pieces
+    on = [find_piece(pieces, i, s, 0) for i, s in enumerate(travel.tolist())]
+    return int(np.sum(pieces.sign[on] == 0))
+
+
+def _state(chain: Chain, travel: Floats, sheet: Ints) -> str:
     """The phases of a place, - in transit."""
     cells = zip(chain.stretches, sheet.tolist(), travel.tolist(), strict=True)
     return "".join(phase_at(own, on, s) for own, on, s in cells)

@@ -213,7 +213,7 @@ class Path(ByValue):
         return tuple(ties)
 
     def landings(
-        self, ratio: float = 10.0, *, samples: int = 64, seed: int = 0
+        self, ratio: float = 10.0, *, samples: int = 32, seed: int = 0
     ) -> tuple[Landing, ...]:
         """Whether each snap, in order, lands where it does for all mobilities within a ratio.
 
@@ -223,7 +223,7 @@ class Path(ByValue):
         Snaps that follow one another at once, through saddles, count as one.
 
         Args:
-            ratio: how far apart the factors beside the given mobilities may be, 1 to 1e6.
+            ratio: how far apart the factors beside the given mobilities may be, 1 to 1000.
             samples: how many mobilities to try for each snap that is not proved, >= 1.
             seed: of those at random; the same one tries the same ones.
 

@@ -13,6 +13,7 @@ from stepwell.statics.following.certificate import (
     audit,
 )
 from stepwell.statics.following.follow import follow
+from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import (
     MOST_PIECES,
     NO_FORCE,
@@ -28,7 +29,7 @@ from stepwell.statics.following.pieces import (
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.smooth import LOST, choose
-from stepwell.statics.following.snap import snap
+from stepwell.statics.following.snap import along_line, snap
 from stepwell.statics.following.state import (
     DONE,
     DUE,

@@ -58,7 +58,7 @@ def snap(problem: Problem, state: State, direction: int) -> int:
     if not (
         state.next_snap[DUE] and state.next_snap[WHY] == ENDS and jump(problem, state, trigger)
     ):
-        outcome, close = _along_line(problem, state, direction, rubbed)
+        outcome, close = along_line(problem, state, direction, rubbed)
     if outcome == JOINED or outcome == JUMPED:
         settled, closer = _by_flow(problem, state, begun.drive, rubbed, outcome == JUMPED)
         if not settled:
@@ -110,7 +110,7 @@ def note_saddle(problem: Problem, state: State, leader: int) -> None:
 
 
 @kernel
-def _along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
+def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -> tuple[int, bool]:
     """Move one cell, or one pair, to where it lands; the outcome, and whether by a tie.
 
     JOINED where there is more than one degree of freedom, or from where on there is.

@@ -2,5 +2,6 @@
 
 # pyright: reportUnusedImport=false
 
+from stepwell.statics.landings.freedom import goes_one_way
 from stepwell.statics.landings.sampling import factors_of, land_all
 from stepwell.statics.landings.start import Snap, snaps_of

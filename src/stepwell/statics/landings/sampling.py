@@ -14,11 +14,10 @@ from stepwell.statics.following import (
     Problem,
     State,
     choose,
-    log as logged,
     sheets_of,
     snap,
 )
-from stepwell.statics.landings.start import Start, stand_before
+from stepwell.statics.landings.start import Start, room_for, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.
 _SADDLES = 20
@@ -40,17 +39,7 @@ def land_all(problem: Problem, start: Start, factors: Floats) -> Landings:
     found = Landings(
         np.empty((count, n)), np.zeros((count, n), np.int64), np.zeros(count, np.int64)
     )
-    state = State(
-        np.empty(n),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n),
-        np.zeros(1),
-        np.zeros(4, np.int64),
-        np.zeros(2, np.int64),
-        logged.empty_log(1, n),
-    )
+    state = room_for(n)
     own = problem._replace(mobility=problem.mobility.copy())
     watched(
         lambda effort: _land_all(own._replace(effort=effort), start, state, factors, found),
@@ -94,9 +83,9 @@ def _land(problem: Problem, state: State, direction: int) -> bool:
 def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -> Floats:
     """(samples, N) factors of the mobilities, from 1 to `ratio`.
 
-    First each of some cells fast among slow ones and slow among fast ones; then all of them at
-    random, log-uniform: one in each of as many equal parts as there are samples (McKay, Beckman
-    & Conover 1979).
+    First each of some cells fast among slow ones and slow among fast ones, which is what mostly
+    decides. Then all cells at random: of three samples two have each cell either fast or slow, for
+    the ends of the range lead to more places than what lies between, and one is log-uniform.
 
     Args:
         cells: those that are fast or slow alone.
@@ -105,10 +94,11 @@ def factors_of(cells: Ints, count: int, ratio: float, samples: int, seed: int) -
         samples: how many.
         seed: of the random ones.
     """
-    fast, slow = np.ones((len(cells), count)), np.full((len(cells), count), ratio)
-    fast[np.arange(len(cells)), cells], slow[np.arange(len(cells)), cells] = ratio, 1.0
-    corners = np.concatenate([fast, slow])[:samples]
-    left, rng = samples - len(corners), np.random.default_rng(seed)
-    parts = rng.permuted(np.tile(np.arange(left), (count, 1)), axis=1).T
-    drawn = ratio ** ((parts + rng.random((left, count))) / max(left, 1))
-    return np.concatenate([corners, drawn])
+    rng, alone = np.random.default_rng(seed), np.arange(len(cells))
+    powers = rng.random((2 * len(cells) + samples, count))
+    powers[alone], powers[alone + len(cells)] = 0.0, 1.0
+    powers[alone, cells], powers[alone + len(cells), cells] = 1.0, 0.0
+    powers = powers[:samples]
+    ends = np.arange(samples) % 3 > 0
+    powers[ends] = np.round(powers[ends])
+    return ratio**powers

@@ -129,6 +129,21 @@ def _start(problem: Problem, log: logged.Log, k: int, travel: Floats, sheet: Int
     )
 
 
+def room_for(cells: int) -> State:
+    """Room for the state of a chain of so many cells."""
+    return State(
+        np.empty(cells),
+        np.zeros(cells, np.int64),
+        np.zeros(cells, np.int64),
+        np.zeros(cells, np.int64),
+        np.zeros(cells),
+        np.zeros(1),
+        np.zeros(4, np.int64),
+        np.zeros(2, np.int64),
+        logged.empty_log(1, cells),
+    )
+
+
 @kernel
 def stand_before(problem: Problem, start: Start, state: State) -> None:
     """Let the chain stand as it does just before a snap."""

@@ -1,0 +1,294 @@
+"""Whether a snap lands where it does for other mobilities: replayed, proved, sampled."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from chains import any_cell, any_chain
+from sizes import examples
+from stepwell.statics.landings import factors_of, goes_one_way, land_all, snaps_of
+
+PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
+# Its last snap leaves the inner cell or the outer one in transit: whichever is quicker to go.
+RACE = sw.Chain(
+    [PAPER.with_anchors(q=(x * 1e-3, y * 1e-3)) for x, y in ((10, 3), (22, 7), (13, 1))]
+)
+
+
+def snaps(path):
+    return [event for event in path.events if event.kind is sw.EventKind.SNAP]
+
+
+def starts(path):
+    return list(
+        snaps_of(path._problem, path._log, np.array(path.start), np.array(path.start_sheet))
+    )
+
+
+def any_element(rng):
+    """A straight rise, a straight fall and a straight rise, or such a curve folded back."""
+    top = rng.uniform(0.5e-3, 3e-3)
+    bottom = top + rng.uniform(1e-3, 6e-3)
+    peak, valley = rng.uniform(0.2, 1.0), rng.uniform(-1.0, 0.1)
+    s, force = np.array([0.0, top, bottom, bottom + top]), np.array([0.0, peak, valley, peak])
+    rub = rng.uniform(0.01, 0.1) if rng.random() < 0.2 else 0.0
+    if rng.random() < 0.6:
+        return sw.Element.from_points(s, force, friction=rub)
+    # A spring in series, softer than the fall is steep, folds it back.
+    more = 4.0 * top * (peak - valley) / peak
+    dense = np.linspace(-more, bottom + more, 400)
+    ends = (
+        [-more, *s[:3], bottom + more],
+        [-more * peak / top, *force[:3], valley + more * peak / top],
+    )
+    curve = np.interp(dense, *ends)
+    softness = rng.uniform(1.2, 3.0) * (bottom - top) / (peak - valley)
+    return sw.Element.from_curve(dense + softness * curve, curve, friction=rub)
+
+
+def mixed(seed):
+    """A chain of anything, under a stroke, a spring or a force, each cell with its mobility."""
+    rng = np.random.default_rng([14, seed])
+    kinds = rng.random(int(rng.integers(2, 7)))
+    cells = [any_cell(rng) if kind < 0.5 else any_element(rng) for kind in kinds]
+    spread = float(rng.choice([1.0, 10.0, 100.0]))
+    cells = [replace(cell, mobility=spread ** rng.uniform(-0.5, 0.5)) for cell in cells]
+    stiffness = (math.inf, math.inf, 200.0, 30.0, 0.0)[seed % 5]
+    return sw.Chain(cells, actuator_stiffness=stiffness), rng
+
+
+def paths(seeds):
+    """A cycle of each of many chains, and a path that turns back at random."""
+    for seed in seeds:
+        chain, rng = mixed(seed)
+        try:
+            cycle = chain.cycle().path
+            yield cycle
+            low, high = min(cycle.turning_points), max(cycle.turning_points)
+            begin = cycle.turning_points[0]
+            yield chain.path([begin, *rng.uniform(low, high, 4)])
+        except sw.StepwellError:
+            continue
+
+
+# --- replay --------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_snap_done_again_lands_where_the_path_did():
+    again = apart = 0
+    for path in paths(range(examples(40))):
+        full = path._problem.laws.full
+        for snap in starts(path):
+            landed = land_all(path._problem, snap.start, np.ones((1, len(full))))
+            again += 1
+            same = landed.settled[0] and np.array_equal(landed.sheet[0], snap.sheet)
+            apart += not same or np.max(np.abs(landed.travel[0] - snap.travel) / full) > 1e-9
+    assert again > 100
+    assert apart <= 1e-3 * again
+
+
+@pytest.mark.parametrize("name", ["four-shuffle", "countdown", "curved-beam", "friction", "slack"])
+def test_the_snaps_of_a_preset_done_again_land_where_they_did(name):
+    path = sw.load_chain(f"preset:{name}").cycle().path
+    for snap in starts(path):
+        landed = land_all(path._problem, snap.start, np.ones((1, len(path.chain))))
+        assert landed.travel[0] == pytest.approx(snap.travel, abs=1e-15)
+
+
+def test_looking_at_landings_leaves_the_path_as_it_was():
+    path, same = RACE.cycle().path, RACE.cycle().path
+    path.landings()
+    assert path == same
+    assert np.array_equal(path.travel, same.travel)
+    assert path.resampled(5) == same.resampled(5)
+
+
+# --- what samples find ---------------------------------------------------------------------------
+
+
+def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_elsewhere():
+    path = RACE.cycle().path
+    told = path.landings()
+    assert [landing.event for landing in told] == snaps(path)
+    assert [landing.holds for landing in told] == [True, True, True, False]
+    (there,) = told[-1].elsewhere
+    assert there.state == "00-"
+    assert there.mobility == pytest.approx([1.0, 10.0, 10.0])
+    assert 0.1 < there.share < 0.5
+
+
+def test_a_chain_with_the_mobilities_that_were_found_lands_where_they_say():
+    looked = 0
+    for seed in range(examples(40)):
+        chain = any_chain(np.random.default_rng(seed), 4, friction=False)
+        path = chain.cycle().path
+        own = starts(path)
+        for k, landing in enumerate(path.landings(samples=16)):
+            for there in landing.elsewhere:
+                moved = with_mobility(chain, there.mobility).cycle().path
+                others = starts(moved)
+                # An earlier landing may hang on these mobilities as well.
+                if len(others) > k and same_place(others[k].start, own[k].start):
+                    looked += 1
+                    assert others[k].travel == pytest.approx(there.travel, abs=1e-8)
+    assert looked > 3
+
+
+def with_mobility(chain, mobility):
+    cells = zip(chain.cells, mobility, strict=True)
+    return replace(chain, cells=[replace(cell, mobility=times) for cell, times in cells])
+
+
+def same_place(one, two):
+    return np.allclose(one.travel, two.travel, rtol=0.0, atol=1e-9) and one.drive == two.drive
+
+
+def test_given_mobilities_are_where_the_factors_begin():
+    given = (1.0, 10.0, 10.0)
+    told = with_mobility(RACE, given).cycle().path.landings(1.0)[-2]
+    assert told.holds
+    (there,) = with_mobility(RACE, given).cycle().path.landings(10.0)[-2].elsewhere
+    assert there.state == "-00"
+
+
+def test_a_ratio_of_one_finds_nothing_but_the_landing_itself():
+    for path in paths(range(12)):
+        assert all(landing.holds for landing in path.landings(1.0, samples=2))
+
+
+def test_the_same_seed_tries_the_same_mobilities():
+    path = RACE.cycle().path
+    assert path.landings(seed=3) == path.landings(seed=3)
+    assert path.landings(seed=3)[-1] != path.landings(seed=4)[-1]
+
+
+def test_factors_keep_the_ratio_and_begin_with_each_cell_alone():
+    factors = factors_of(np.array([1, 3]), 5, 10.0, 40, 0)
+    assert factors.shape == (40, 5)
+    assert np.min(factors) >= 1.0 and np.max(factors) <= 10.0
+    assert factors[:4].tolist() == [
+        [1, 10, 1, 1, 1],
+        [1, 1, 1, 10, 1],
+        [10, 1, 10, 10, 10],
+        [10, 10, 10, 1, 10],
+    ]
+    assert np.array_equal(factors[:7], factors_of(np.array([1, 3]), 5, 10.0, 7, 0))
+    assert factors_of(np.array([1, 3]), 5, 10.0, 1, 0).shape == (1, 5)
+
+
+def test_friction_makes_no_other_landing_of_a_place_in_the_same_phases():
+    """Where three cells rub they rest a little elsewhere with every mobility, in one state."""
+    rubbed = [replace(cell, friction=0.02) for cell in RACE.cells]
+    told = sw.Chain(rubbed).cycle().path.landings()
+    assert all(there.state != "" for landing in told for there in landing.elsewhere)
+    for landing in told:
+        states = [there.state for there in landing.elsewhere]
+        assert len(set(states)) == len(states)
+
+
+# --- what is proved ------------------------------------------------------------------------------
+
+
+def test_under_a_force_no_landing_hangs_on_mobilities():
+    chain = replace(RACE, actuator_stiffness=0.0)
+    told = chain.cycle().path.landings(1e3)
+    assert told
+    assert all(landing.proof is sw.Proof.FREEDOM and landing.samples == 0 for landing in told)
+
+
+def test_a_pair_at_a_prescribed_stroke_has_one_way_to_go():
+    pair = sw.Chain([PAPER, PAPER.with_anchors(q=(0.020, 0.0))])
+    told = pair.cycle().path.landings(1e3)
+    assert told
+    assert all(landing.proof is sw.Proof.FREEDOM for landing in told)
+
+
+def test_a_cell_behind_a_spring_has_one_way_to_go():
+    alone = sw.Chain([PAPER], actuator_stiffness=30.0)
+    told = alone.cycle().path.landings(1e3)
+    assert told
+    assert all(landing.proof is sw.Proof.FREEDOM for landing in told)
+
+
+def test_a_pair_that_a_third_cell_may_join_is_not_proved_by_its_freedom():
+    path = RACE.cycle().path
+    for landing, snap in zip(path.landings(), starts(path), strict=True):
+        free = goes_one_way(path._problem, snap.start, snap.travel, 10.0)
+        assert free <= landing.holds
+        assert free == (landing.event.cells == (0, 2))
+    # Where they hardly differ nobody joins.
+    one = starts(path)[1]
+    assert goes_one_way(path._problem, one.start, one.travel, 1.01)
+
+
+@pytest.mark.slow
+def test_what_is_proved_no_sample_contradicts():
+    proved = 0
+    for path in paths(range(examples(40))):
+        full, n = path._problem.laws.full, len(path.chain)
+        factors = factors_of(np.arange(n), n, 10.0, examples(60, 500), 0)
+        for landing, snap in zip(path.landings(samples=1), starts(path), strict=True):
+            if landing.proof is None:
+                continue
+            proved += 1
+            landed = land_all(path._problem, snap.start, factors)
+            assert np.all(landed.settled)
+            assert np.all(landed.sheet == snap.sheet)
+            assert np.max(np.abs(landed.travel - snap.travel) / full) < 1e-6
+    assert proved > 50
+
+
+def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
+    anchors = np.random.default_rng(0).uniform((5, -3), (22, 3), (16, 2)) * 1e-3
+    path = sw.Chain([PAPER.with_anchors(q=tuple(q)) for q in anchors]).cycle().path
+    told = path.landings(1.05, samples=2)
+    assert [landing.event for landing in told] == snaps(path)
+    assert any(landing.proof is sw.Proof.FREEDOM for landing in told)
+
+
+# --- what it says --------------------------------------------------------------------------------
+
+
+def test_a_landing_says_in_words_whether_it_holds():
+    told = [str(landing) for landing in RACE.cycle().path.landings()]
+    assert told[0].startswith("holds for mobilities up to 10 apart: ")
+    assert "lands elsewhere: 00- in " in told[-1]
+    assert "SNAP at 4.69327 mm unloading" in repr(RACE.cycle().path.landings()[-1])
+
+
+def test_alike_cells_that_leave_a_saddle_at_once_have_one_landing():
+    alike = sw.Element.from_points([0, 1e-3, 3e-3, 5e-3], [0, 1.0, -1.0, 1.0], stops=True)
+    path = sw.Chain([alike] * 3).cycle().path
+    told = path.landings(samples=4)
+    followed = sum(snap.rows for snap in starts(path))
+    assert len(told) == len(starts(path))
+    assert followed == len(snaps(path))
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e3])
+def test_ratios_from_one_to_a_thousand_are_looked_at(ratio):
+    assert RACE.cycle().path.landings(ratio, samples=2)[0].ratio == ratio
+
+
+@pytest.mark.parametrize("ratio", [0.999, 1001.0, math.inf, math.nan, "x"])
+def test_other_ratios_are_refused(ratio):
+    with pytest.raises(sw.InputError, match="ratio"):
+        RACE.cycle().path.landings(ratio)
+
+
+@pytest.mark.parametrize("samples", [0, -1, 1.5, 10**8])
+def test_no_samples_and_far_too_many_are_refused(samples):
+    with pytest.raises(sw.InputError, match="samples"):
+        RACE.cycle().path.landings(samples=samples)
+
+
+def test_one_sample_is_taken():
+    assert RACE.cycle().path.landings(samples=1)[-1].samples == 1
+
+
+def test_a_path_without_a_snap_has_no_landings():
+    assert sw.load_chain("preset:paper-backward").path([0.0, 1e-3]).landings() == ()
