@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, Measure, amount, check
+from stepwell.base import ByValue, Floats, InputError, Measure, amount, check
 from stepwell.mechanism import Chain
 from stepwell.statics.events import Event
 from stepwell.statics.following import Problem, sheets_of, stand_all_on
@@ -26,7 +26,7 @@ from stepwell.statics.inertia import (
     Motion,
     ride,
 )
-from stepwell.statics.landed import same_place, state_of
+from stepwell.statics.landed import Place, same_place, state_of
 from stepwell.statics.landings import Snap
 from stepwell.statics.outcome import StaticsError
 
@@ -171,9 +171,10 @@ def inertial_landing(
 
     def alike(one: _Ride, two: _Ride) -> bool:
         here, there = ((r.motion.travel, np.array(r.sheet)) for r in (one, two))
-        return _same(chain, problem, here, there)
+        return _same(chain, problem, snap, here, there)
 
-    found, tie = go(_TOLERANCES[0], _PUSH), True
+    tolerance, tie = _TOLERANCES[0], True
+    found = go(tolerance, _PUSH)
     for tolerance in _TOLERANCES[1:]:
         coarse, found = found, go(tolerance, _PUSH)
         speeds = coarse.motion.book[PEAK], found.motion.book[PEAK]
@@ -192,7 +193,7 @@ def inertial_landing(
     book, rows, n = found.motion.book, found.history, len(chain)
     begin = np.concatenate([[0.0], snap.start.travel, np.zeros(n)])
     kept = np.vstack([begin, rows])
-    travel = found.motion.travel
+    travel, sheet = landed = found.motion.travel, np.array(found.sheet)
     return InertialLanding(
         event,
         tuple(body.mass.tolist()),
@@ -200,7 +201,7 @@ def inertial_landing(
         body.restitution,
         tuple(travel.tolist()),
         found.sheet,
-        state_of(chain, travel, np.array(found.sheet)),
+        state_of(chain, travel, sheet),
         float(book[TIME]),
         float(book[PEAK]),
         found.freed,
@@ -208,21 +209,19 @@ def inertial_landing(
         float(book[RUBBED]),
         float(book[STRUCK]),
         float(book[JUMPED]),
-        _same(chain, problem, (travel, np.array(found.sheet)), (snap.travel, snap.sheet)),
+        _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
         tie,
         len(rows),
         History(kept[:, 0], kept[:, 1 : n + 1], kept[:, n + 1 :]) if history else None,
     )
 
 
-def _same(
-    chain: Chain, problem: Problem, here: tuple[Floats, Ints], there: tuple[Floats, Ints]
-) -> bool:
+def _same(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
     """Whether two landings are one; friction may leave them a little apart, or just off a stop."""
     near = np.array_equal(here[1], there[1]) and np.any(problem.laws.friction > 0.0)
     if near and np.all(np.abs(here[0] - there[0]) <= _NEAR * problem.laws.full):
         return True
-    return same_place(chain, problem, here, there)
+    return same_place(chain, problem, snap, here, there)
 
 
 def _body(

@@ -19,7 +19,7 @@ _ALIKE = 1e-6
 # From equal mobilities to those that lead elsewhere in so many steps, to tell the least that do.
 _STEPS = 8
 # (N,) travels and sheets.
-_Place = tuple[Floats, Ints]
+Place = tuple[Floats, Ints]
 # Further apart, the fast ones take more steps than there is time for while the slow ones go.
 _MOST_RATIO = 1e3
 
@@ -160,7 +160,7 @@ def _sampled(
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
-            if _same(chain, problem, snap, here, there):
+            if same_place(chain, problem, snap, here, there):
                 hits[place] += 1
                 break
         else:
@@ -177,7 +177,7 @@ def _sampled(
             tuple(mobility[p - 1].tolist()),
             tuple(places[p][0].tolist()),
             tuple(places[p][1].tolist()),
-            _state(chain, *places[p]),
+            state_of(chain, *places[p]),
             hits[p] / rests,
         )
         for p in order
@@ -185,7 +185,7 @@ def _sampled(
 
 
 def _plain(
-    chain: Chain, problem: Problem, snap: Snap, factors: Floats, places: list[_Place]
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats, places: list[Place]
 ) -> Floats:
     """Factors that lead to these places, as alike as will do; the least 1.
 
@@ -203,12 +203,12 @@ def _plain(
     found = factors / np.min(factors, axis=1, keepdims=True)
     for k in reversed(np.flatnonzero(landed.settled).tolist()):
         place = k // _STEPS
-        if _same(chain, problem, snap, places[place], (landed.travel[k], landed.sheet[k])):
+        if same_place(chain, problem, snap, places[place], (landed.travel[k], landed.sheet[k])):
             found[place] = tried[k]
     return found
 
 
-def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Place) -> bool:
+def same_place(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
     """Whether two landings are one.
 
     Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
@@ -226,7 +226,7 @@ def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Plac
         return False
     ends = problem.sheets.ends[:, [LOW, HIGH]]
     one, two = (np.abs(travel[:, None] - ends) <= slip[:, None] for travel in (here[0], there[0]))
-    return np.array_equal(one, two) and _state(chain, *here) == _state(chain, *there)
+    return np.array_equal(one, two) and state_of(chain, *here) == state_of(chain, *there)
 
 
 def _constant(problem: Problem, travel: Floats) -> int:
@@ -236,7 +236,7 @@ def _constant(problem: Problem, travel: Floats) -> int:
     return int(np.sum(pieces.sign[on] == 0))
 
 
-def _state(chain: Chain, travel: Floats, sheet: Ints) -> str:
+def state_of(chain: Chain, travel: Floats, sheet: Ints) -> str:
     """The phases of a place, - in transit."""
     cells = zip(chain.stretches, sheet.tolist(), travel.tolist(), strict=True)
     return "".join(phase_at(own, on, s) for own, on, s in cells)

@@ -120,7 +120,7 @@ def set_off(problem: Problem, body: Body, motion: Motion, rows: Ints) -> int:
     """Find which cells move from here on, after cells that leave their sheets; how many."""
     n = len(motion.travel)
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    end = _lambda(problem, body, motion.travel)
+    end, count = _lambda(problem, body, motion.travel), 0
     for _ in range(100):
         for i in range(n):
             low[i], high[i] = _bounds(problem, body, motion, i, rows)
@@ -323,7 +323,7 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
         first, last = pace[m], out[k + m]
         b, c = _parabola(first, last, out[m] / h)
         peak = max(peak, abs(last))
-        # Between the ends a smooth peak is little higher; what is higher is the step's own overshoot.
+        # Between the ends a smooth peak is little higher; more is the parabola's own overshoot.
         ends = max(abs(first), abs(last))
         if c != 0.0 and 0.0 < -b / (2.0 * c) < 1.0:
             between = abs(first - b * b / (4.0 * c))
