@@ -92,8 +92,9 @@ def test_friction_stops_a_swing_after_as_many_halves_as_it_should():
         place -= 2 * rub / k
         halves += 1
     centre = 0.012 + (level + 1.0) / k
-    turns = np.diff(np.sign(landing.history.speed[1:-1, 0]))
-    assert abs(halves - int(np.count_nonzero(turns))) <= 1
+    way = landing.history.speed[:, 0]
+    turns = np.count_nonzero(np.diff(np.sign(way[way != 0.0])))
+    assert turns in (halves - 1, halves)
     assert abs(landing.travel[0] - centre) <= rub / k
     assert landing.rubbed == pytest.approx(landing.freed, rel=1e-5)
 
@@ -167,7 +168,8 @@ def test_an_integration_that_knows_no_contacts_lands_in_the_same_place(stiffness
         )
         if landing.tie:
             continue
-        assert there == pytest.approx(np.array(landing.travel), abs=2e-4 * 0.02), event
+        # A stop gives way by a force over its stiffness, some hundredths of a millimetre.
+        assert there == pytest.approx(np.array(landing.travel), abs=1e-4), event
         assert peak == pytest.approx(landing.peak_speed, rel=0.05)
         found += 1
 
@@ -220,6 +222,7 @@ def test_a_rigid_actuator_holds_the_outermost_block_whatever_its_mass():
     light, heavy = (path.inertial_landing(0, [0.01, m], [0.3, 0.3]) for m in (1e-3, 10.0))
     assert light.travel == heavy.travel
     assert light.peak_speed == heavy.peak_speed
+    assert light.steps == heavy.steps
 
 
 def test_volumes_and_angles_move_as_travels_do():

@@ -196,8 +196,8 @@ def inertial_landing(
     travel, sheet = landed = found.motion.travel, np.array(found.sheet)
     return InertialLanding(
         event,
-        tuple(body.mass.tolist()),
-        tuple(body.damping.tolist()),
+        tuple(map(float, masses)),
+        tuple(map(float, damping)),
         body.restitution,
         tuple(travel.tolist()),
         found.sheet,
@@ -256,8 +256,8 @@ def _body(
     inertia = np.array(mass)
     loose = 1.0 / inertia
     if problem.beta == 0.0:
-        # A rigid actuator holds the outermost block: its mass has no say.
-        loose[-1] = 0.0
+        # A rigid actuator holds the outermost block: its mass has no say, in tolerances either.
+        loose[-1], inertia[-1] = 0.0, np.min(inertia[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
     return Body(inertia, loose, np.array(damper), restitution, *args, 0.0, 0.0)

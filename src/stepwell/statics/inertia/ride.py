@@ -34,6 +34,8 @@ GOES_ON, RESTS, STUCK = 0, 1, 2
 _SLIP = 1e-12
 # A contact is met past its place by about this share of travel, speed or force.
 _PAST = 5e-13
+# A law is left by so much, in tolerances of the largest force, past a kink of it.
+_BENT = 1e-2
 # Less energy than this share of largest force times travel is none: a stop keeps what it leaves
 # with no more, and a blow with no more does not rebound.
 _NONE = 1e-9
@@ -220,7 +222,17 @@ def _leg(problem: Problem, body: Body, motion: Motion, rows: Ints) -> Leg:
     level = _lambda(problem, body, motion.travel)
     begin, free = motion.travel[cells], k - 1 if rigid else k
     leg = Leg(
-        cells, mass, body.damping[cells], offset, begin, np.empty(k), level, stiff, free, rows
+        cells,
+        mass,
+        body.damping[cells],
+        offset,
+        begin,
+        np.empty(k),
+        level,
+        stiff,
+        free,
+        np.full((k, len(rows)), -1, np.int64),
+        rows,
     )
     look(problem, leg)
     return leg
@@ -244,7 +256,8 @@ def _broken(
 ) -> float:
     """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
 
-    A cell past its end, as a share of its travel; one that turns against its friction, of the
+    A cell past its end, as a share of its travel; one past a kink of its law, by what it is off
+    there; one that turns against its friction, of the
     fastest speed; one held that no longer can be, of the largest force.
     """
     k = len(leg.cells)
@@ -256,6 +269,10 @@ def _broken(
         low, high = ends_at(problem, i)
         past = max(low - travel, travel - high)
         worst = max(worst, past / problem.laws.full[i])
+        pick_rows(problem.laws, i, travel, leg.room)
+        bent = law(problem.laws, i, leg.room, travel)[0]
+        bent = abs(bent - law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
+        worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
         if motion.sense[i] != 0:
             worst = max(
                 worst,
@@ -276,7 +293,7 @@ def _broken(
             outer = force[m + 1] if m + 1 < k else end
             here += (outer - here) * carried / leg.mass[m]
         carried += body.mass[i]
-        low, high = _bounds(problem, body, motion, i, leg.rows)
+        low, high = _bounds(problem, body, motion, i, leg.room)
         past = max(low - here, here - high) / problem.scale - _SLIP
         worst = max(worst, past)
     return worst
@@ -435,7 +452,7 @@ def _arrive(problem: Problem, body: Body, motion: Motion, leg: Leg) -> None:
         elif motion.travel[i] <= low + slip and motion.speed[i] <= 0.0:
             motion.travel[i] = low
     _strike(problem, body, motion)
-    set_off(problem, body, motion, leg.rows)
+    set_off(problem, body, motion, leg.room)
 
 
 @kernel
@@ -453,8 +470,8 @@ def _settle(problem: Problem, leg: Leg, way: Floats) -> bool:
             low, high = ends_at(problem, i)
             if not low <= travel <= high or abs(travel - place[m]) > 1e-2 * problem.laws.full[i]:
                 return False
-            pick_rows(problem.laws, i, travel, leg.rows)
-            leg.slope[m] = law(problem.laws, i, leg.rows, travel)[1]
+            pick_rows(problem.laws, i, travel, leg.rows[m])
+            leg.slope[m] = law(problem.laws, i, leg.rows[m], travel)[1]
         end = tensions(problem, leg, way, still, force)
         for m in range(leg.free):
             pull[m] = (force[m + 1] if m + 1 < k else end) - force[m]
@@ -491,10 +508,10 @@ def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
         i, at = leg.cells[m], begin[m]
         to = at + (way[m] - before)
         before = way[m]
-        pick_rows(problem.laws, i, at, leg.rows)
-        trifle += stored(problem.laws, i, leg.rows, at) + leg.offset[m] * (at - to)
-        pick_rows(problem.laws, i, to, leg.rows)
-        trifle -= stored(problem.laws, i, leg.rows, to)
+        pick_rows(problem.laws, i, at, leg.room)
+        trifle += stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
+        pick_rows(problem.laws, i, to, leg.room)
+        trifle -= stored(problem.laws, i, leg.room, to)
     # What the actuator does on the way there.
     trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
     if trifle > _SPENT * lost:

@@ -25,15 +25,16 @@ class Leg(NamedTuple):
     level: float  # λ there [N]
     stiff: float  # of the actuator [N/m]; 0 under a dead load
     free: int  # how many groups of blocks move: k, or k - 1 where the outermost is held
-    rows: Ints  # room for pick_rows
+    rows: Ints  # (k, slots) of each law, the same all through a step: there the law is smooth
+    room: Ints  # (slots,) for other rows
 
 
 @kernel
 def look(problem: Problem, leg: Leg) -> None:
-    """Slopes of the cells where the step begins."""
+    """Rows and slopes of the cells where the step begins."""
     for m in range(len(leg.cells)):
-        pick_rows(problem.laws, leg.cells[m], leg.begin[m], leg.rows)
-        leg.slope[m] = law(problem.laws, leg.cells[m], leg.rows, leg.begin[m])[1]
+        pick_rows(problem.laws, leg.cells[m], leg.begin[m], leg.rows[m])
+        leg.slope[m] = law(problem.laws, leg.cells[m], leg.rows[m], leg.begin[m])[1]
 
 
 @kernel
@@ -43,8 +44,7 @@ def tensions(problem: Problem, leg: Leg, way: Floats, pace: Floats, out: Floats)
     for m in range(len(leg.cells)):
         travel, speed = leg.begin[m] + (way[m] - before), pace[m] - fast
         before, fast = way[m], pace[m]
-        pick_rows(problem.laws, leg.cells[m], travel, leg.rows)
-        force = law(problem.laws, leg.cells[m], leg.rows, travel)[0]
+        force = law(problem.laws, leg.cells[m], leg.rows[m], travel)[0]
         out[m] = force + leg.damping[m] * speed + leg.offset[m]
     return leg.level - leg.stiff * way[-1]
 
