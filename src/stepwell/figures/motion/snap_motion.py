@@ -36,7 +36,7 @@ _LOOKS = (
 # Between two steps of the integration travels are parabolas; so many points on each.
 _POINTS = 6
 # A motion begins where a cell has gone this share of its way, and has ended where none is
-# further than it from where it rests; a quarter more is shown.
+# further than a tenth of it from where it rests; a quarter more is shown.
 _STILL, _MORE = 2e-3, 1.25
 
 
@@ -109,7 +109,7 @@ def _curve(name: str, landing: InertialLanding, full: Floats) -> tuple[Floats, F
     if history is None:
         raise InputError(f"landings[{name!r}] has no history: ask for it with history=True.")
     off = np.max(np.abs(history.travel - history.travel[0]) / full, axis=1) > _STILL
-    far = np.max(np.abs(history.travel - history.travel[-1]) / full, axis=1) > _STILL
+    far = np.max(np.abs(history.travel - history.travel[-1]) / full, axis=1) > 0.1 * _STILL
     first = max(int(np.argmax(off)) - 1, 0)
     last = min(int(np.flatnonzero(far)[-1]) + 1 if far.any() else 1, len(off) - 1)
     part = slice(first, last + 1)
