@@ -116,9 +116,8 @@ def independent(chain: sw.Chain, landing: InertialLanding, start: np.ndarray, le
         s, v = np.diff(u, prepend=0.0), np.diff(w, prepend=0.0)
         inside = np.clip(s, 0.0, full)
         past = s - inside
-        carried = np.array(
-            [np.interp(x, *pair) for x, *pair in zip(inside, table, forces, strict=True)]
-        )
+        looked_up = zip(inside, table, forces, strict=True)
+        carried = np.array([np.interp(x, at, force) for x, at, force in looked_up])
         carried += damping * v + stiff * past
         closing = (past != 0.0) & (past * v > 0.0)
         carried += np.where(closing, 3.0 * heavy * v, 0.0)
