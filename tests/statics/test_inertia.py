@@ -216,6 +216,16 @@ def test_a_sheet_that_ends_lets_the_element_jump_and_the_jump_has_its_share():
     assert balanced(landing)
 
 
+def test_a_leader_at_the_end_of_its_sheet_jumps_whatever_friction_holds_the_others():
+    curve = (0.0, 0.006, 0.003, 0.010), (0.0, 1.0, -0.6, 1.2)
+    one, two = (sw.Element.from_curve(*curve, friction=rub) for rub in (0.0, 0.03))
+    path = sw.Chain([one, replace(two, force_scale=1.2)]).cycle().path
+    for number, event in enumerate(snaps_of(path)):
+        landing = path.inertial_landing(number, [1e-6, 1e-6], [5.0, 5.0])
+        assert landing.agrees, event
+        assert landing.jumped > 0.0
+
+
 def test_a_rigid_actuator_holds_the_outermost_block_whatever_its_mass():
     path = sw.preset("paper-forward").cycle().path
     light, heavy = (path.inertial_landing(0, [0.01, m], [0.3, 0.3]) for m in (1e-3, 10.0))

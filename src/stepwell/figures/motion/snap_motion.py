@@ -84,7 +84,9 @@ def snap_motion(
     ax.margins(y=0.08)
     # Those that lie in the frame, which they do not widen.
     ax.set_ylim(ax.get_ylim())
-    for stop in {end * y.factor for i in np.flatnonzero(moved) for end in _stops(chain, i)}:
+    for stop in {
+        end * y.factor for i in np.flatnonzero(moved).tolist() for end in _stops(chain, i)
+    }:
         ax.axhline(stop, color=FAINT, linewidth=0.4, zorder=0)
     lines: list[Line2D] = [
         legends.line(literal(chain.names[i]), colours[i]) for i in np.flatnonzero(moved)

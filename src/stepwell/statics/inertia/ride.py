@@ -495,7 +495,7 @@ def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
     book, k = motion.book, len(leg.cells)
     lost = _lost(book)
     left = kinetic(body.mass, body.loose, motion.speed)
-    if k == 0:
+    if leg.free == 0:
         return True
     if left > _SPENT * lost or lost <= 0.0:
         return False
@@ -553,6 +553,8 @@ def ride(problem: Problem, body: Body, motion: Motion, history: Floats) -> int:
         slots = max(slots, problem.laws.band_first[i + 1] - problem.laws.band_first[i] + 1)
     rows = np.full(slots, -1, np.int64)
     if motion.book[TIME] == 0.0:
+        # The drive has brought a leader to the end of its sheet, whatever friction holds others.
+        _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
         set_off(problem, body, motion, rows)
     for row in range(len(history)):
         leg = _leg(problem, body, motion, rows)
