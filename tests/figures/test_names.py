@@ -59,6 +59,8 @@ def of_chains(name: str) -> Iterator[partial[object]]:
         parameter_boundaries(chain, *parameters),
         {name: (0.01, 30.0)},
     )
+    snap = cycle.path.inertial_landing(0, [0.01, 0.01], [0.3, 0.3], history=True)
+    yield partial(figures.snap_motion, chain, {name: snap})
     yield partial(figures.stroke_program, chain.program("01"))
     yield partial(figures.transition_graph, chain.graph())
     yield partial(figures.yield_bars, spread)

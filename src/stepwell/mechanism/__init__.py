@@ -32,7 +32,9 @@ from stepwell.mechanism.geometry import (
     turn_at,
 )
 from stepwell.mechanism.law import (
+    ABOVE,
     BEFORE,
+    BELOW,
     BEYOND,
     CURVE_HIGH,
     CURVE_LOW,

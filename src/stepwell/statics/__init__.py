@@ -20,6 +20,7 @@ One word for one thing, here and in all rooms above:
 
 from stepwell.statics.events import Cause, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following import Problem
+from stepwell.statics.inertial import History, InertialLanding
 from stepwell.statics.landed import Elsewhere, Landing, Proof, a_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
@@ -32,6 +33,8 @@ __all__ = [
     "Elsewhere",
     "Event",
     "EventKind",
+    "History",
+    "InertialLanding",
     "Landing",
     "Path",
     "Proof",

@@ -34,7 +34,7 @@ _ALIKE = 1e-6
 # From equal mobilities to those that lead elsewhere in so many steps, to tell the least that do.
 _STEPS = 8
 # (N,) travels and sheets.
-_Place = tuple[Floats, Ints]
+Place = tuple[Floats, Ints]
 # Further apart, the fast ones take more steps than there is time for while the slow ones go.
 _MOST_RATIO = 1e3
 
@@ -191,7 +191,7 @@ def _sampled(
     for k in np.flatnonzero(landed.settled).tolist():
         here = landed.travel[k], landed.sheet[k]
         for place, there in enumerate(places):
-            if _same(chain, problem, snap, here, there):
+            if same_place(chain, problem, snap, here, there):
                 hits[place] += 1
                 break
         else:
@@ -209,7 +209,7 @@ def _sampled(
             tuple(mobility.tolist()),
             tuple(place[0].tolist()),
             tuple(place[1].tolist()),
-            _state(chain, *place),
+            state_of(chain, *place),
             count / rests,
         )
         for count, mobility, place in sorted(found, key=lambda one: -one[0])
@@ -217,8 +217,8 @@ def _sampled(
 
 
 def _least_apart(
-    chain: Chain, problem: Problem, snap: Snap, factors: Floats, place: _Place
-) -> tuple[Floats, _Place] | None:
+    chain: Chain, problem: Problem, snap: Snap, factors: Floats, place: Place
+) -> tuple[Floats, Place] | None:
     """Factors as alike as will do that lead to a place, the least 1, and the place found again.
 
     Cells that keep still have the least, unless they have a say after all, having moved and come
@@ -234,12 +234,12 @@ def _least_apart(
     landed = land_all(problem, snap.start, tried)
     for k in np.flatnonzero(landed.settled).tolist():
         again = landed.travel[k], landed.sheet[k]
-        if _same(chain, problem, snap, place, again):
+        if same_place(chain, problem, snap, place, again):
             return tried[k], again
     return None
 
 
-def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Place) -> bool:
+def same_place(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
     """Whether two landings are one.
 
     Friction, and constant forces of two cells, make a continuum of places of rest: on it phases
@@ -257,7 +257,7 @@ def _same(chain: Chain, problem: Problem, snap: Snap, here: _Place, there: _Plac
         return False
     ends = problem.sheets.ends[:, [LOW, HIGH]]
     one, two = (np.abs(travel[:, None] - ends) <= slip[:, None] for travel in (here[0], there[0]))
-    return np.array_equal(one, two) and _state(chain, *here) == _state(chain, *there)
+    return np.array_equal(one, two) and state_of(chain, *here) == state_of(chain, *there)
 
 
 def _constant(problem: Problem, travel: Floats) -> int:
@@ -267,7 +267,7 @@ def _constant(problem: Problem, travel: Floats) -> int:
     return int(np.sum(pieces.sign[on] == 0))
 
 
-def _state(chain: Chain, travel: Floats, sheet: Ints) -> str:
+def state_of(chain: Chain, travel: Floats, sheet: Ints) -> str:
     """The phases of a place, - in transit."""
     cells = zip(chain.stretches, sheet.tolist(), travel.tolist(), strict=True)
     return "".join(phase_at(own, on, s) for own, on, s in cells)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as File
@@ -19,6 +19,7 @@ from stepwell.base import (
     Measure,
     Quantity,
     Schema,
+    check,
     in_measure,
     told_in,
     variables,
@@ -36,7 +37,9 @@ from stepwell.statics.following import (
     log as logged,
     sample,
 )
+from stepwell.statics.inertial import InertialLanding, inertial_landing
 from stepwell.statics.landed import Landing, landings
+from stepwell.statics.landings import snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration
 from stepwell.statics.problem import drive_weights, problem_of
@@ -231,6 +234,64 @@ class Path(ByValue):
         start = np.array(self.start), np.array(self.start_sheet)
         args = self.chain, self._problem, self._log, start, snaps
         return tuple(landings(*args, ratio=ratio, samples=samples, seed=seed))
+
+    def inertial_landing(
+        self,
+        snap: int | Event,
+        masses: Iterable[float],
+        damping: Iterable[float],
+        *,
+        restitution: float = 0.0,
+        history: bool = False,
+    ) -> InertialLanding:
+        """Where a snap comes to rest if its blocks have masses: a second opinion on its landing.
+
+        The drive stays where the snap begins. A block outside cell j moves by s_1 + … + s_j, so the
+        kinetic energy is ½ Σ M_j u̇_j². A rigid actuator holds the outermost block, whose mass then
+        has no say; behind a spring and under a force it moves with its mass. The same holds for
+        volumes, with the inertance of what flows past each cell [kg/m⁴], and for angles, with
+        moments of inertia [kg m²].
+
+        Args:
+            snap: its number among the path's snaps, from 0, or the event itself.
+            masses: (N,) of the block outside each cell, inner first [kg], > 0.
+            damping: (N,) viscous, on each travel [N s/m], >= 0. With 1/mobility and masses that
+                are next to nothing the landing is the path's own.
+            restitution: speed after a blow at a stop by that before, 0 to below 1.
+            history: whether travels and speeds over time are kept.
+
+        Raises:
+            ValueError: no such snap, as many masses or dampers as there are no cells, a number out
+                of range, or nothing at all that takes energy.
+            StaticsError: it does not come to rest.
+
+        Source: ours; blows by Newton's law of restitution (Moreau 1988 for several at once), forces
+        between cells by Gauss's principle of least constraint, steps by extrapolation (Deuflhard
+        1985).
+        """
+        events = [event for event in self.events if event.kind is EventKind.SNAP]
+        number = events.index(snap) if isinstance(snap, Event) and snap in events else snap
+        if isinstance(number, Event) or not 0 <= check.whole("snap", number, 0) < len(events):
+            raise InputError(
+                f"snap = {snap!r}: must be a snap of this path, which has {len(events)}: pass its "
+                f"number, from 0, or the event itself."
+            )
+        first, problem = 0, self._problem
+        start = np.array(self.start), np.array(self.start_sheet)
+        for found in snaps_of(problem, self._log, *start):
+            if number < first + found.rows:
+                return inertial_landing(
+                    self.chain,
+                    problem,
+                    found,
+                    events[first],
+                    tuple(masses),
+                    tuple(damping),
+                    restitution=restitution,
+                    history=history,
+                )
+            first += found.rows
+        raise AssertionError("every snap is in the log")
 
     @property
     def released(self) -> float:

@@ -25,6 +25,7 @@ from stepwell.statics.following.pieces import (
     resting_piece,
     sheets_of,
     stand_all_on,
+    stand_on,
 )
 from stepwell.statics.following.sample import Samples, count_samples, sample
 from stepwell.statics.following.smooth import LOST, choose

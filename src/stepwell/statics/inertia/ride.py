@@ -1,0 +1,568 @@
+"""The inertial motion of a chain at a fixed drive, from contact to contact until it rests."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, Ints
+from stepwell.kernels import entry, kernel
+from stepwell.mechanism import (
+    ABOVE,
+    BELOW,
+    CURVE_HIGH,
+    CURVE_LOW,
+    FIRST,
+    HIGH,
+    LOW,
+    beyond,
+    law,
+    pick_rows,
+    stored,
+    summed,
+)
+from stepwell.statics.following import Problem, stand_on
+from stepwell.statics.inertia.contact import blow, kinetic, rates, taut
+from stepwell.statics.inertia.step import COLUMNS, Leg, look, solve, stride, tensions
+
+# How a ride ended, or that there is more of it.
+GOES_ON, RESTS, STUCK = 0, 1, 2
+
+# What is kept of the motion beside travels and speeds.
+(TIME, STEP, PEAK, DAMPED, RUBBED, STRUCK, JUMPED) = range(7)
+
+# Two forces closer than this share of the largest one are equal.
+_SLIP = 1e-12
+# A contact is met past its place by about this share of travel, speed or force.
+_PAST = 5e-13
+# A law is left by so much, in tolerances of the largest force, past a kink of it.
+_BENT = 1e-2
+# Less energy than this share of largest force times travel is none: a stop keeps what it leaves
+# with no more, and a blow with no more does not rebound.
+_NONE = 1e-9
+# A block is between two steps at most so much faster than at either.
+_OVER = 1.02
+# The motion is over where so small a share of what was lost is still to be lost.
+_SPENT = 1e-10
+
+
+class Body(NamedTuple):
+    """Masses, dampers and where the motion begins; N cells."""
+
+    mass: Floats  # (N,) of the block outside each cell [kg]
+    loose: Floats  # (N,) 1/mass, 0 for a block that is held
+    damping: Floats  # (N,) [N s/m]
+    restitution: float
+    begin: Floats  # (N,) travels [m]
+    force: float  # λ there [N]
+    leader: int  # the cell that sets it off
+    push: float  # on the leader all along [N]
+    tolerance: float  # of a step, as a share of travel and of speed
+
+
+class Motion(NamedTuple):
+    """Where the cells are and how they move; N cells."""
+
+    travel: Floats  # (N,) [m]
+    speed: Floats  # (N,) [m/s]
+    moving: Ints  # (N,) 1 where a cell moves
+    sense: Ints  # (N,) of friction on a cell that moves, else 0
+    book: Floats  # (7,) TIME, STEP, PEAK and the energies [J]
+
+
+@kernel
+def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
+    """Travels at which a cell meets a stop or another sheet; an open end is none."""
+    row, ends = problem.sheets.table[problem.sheets.now[cell]], problem.sheets.ends[cell]
+    low, high = ends[LOW], ends[HIGH]
+    if row[BELOW] < 0.0 and row[LOW] < row[CURVE_LOW]:
+        low = -np.inf
+    if row[ABOVE] < 0.0 and row[HIGH] > row[CURVE_HIGH]:
+        high = np.inf
+    return low, high
+
+
+@kernel
+def _stops(problem: Problem, cell: int, travel: float) -> int:
+    """-1 or +1 where a cell stands at a stop, 0 where it does not."""
+    low, high = ends_at(problem, cell)
+    row = problem.sheets.table[problem.sheets.now[cell]]
+    if travel <= low and row[BELOW] < 0.0:
+        return -1
+    return 1 if travel >= high and row[ABOVE] < 0.0 else 0
+
+
+@kernel
+def _force(problem: Problem, body: Body, cell: int, travel: float, rows: Ints) -> float:
+    """Force of a cell less the push on it [N]."""
+    pick_rows(problem.laws, cell, travel, rows)
+    force = law(problem.laws, cell, rows, travel)[0]
+    return force - body.push if cell == body.leader else force
+
+
+@kernel
+def _lambda(problem: Problem, body: Body, travel: Floats) -> float:
+    """λ of an actuator that is not rigid [N]."""
+    if problem.beta == 0.0:
+        return 0.0
+    return body.force - problem.alpha / problem.beta * summed(travel - body.begin)
+
+
+@kernel
+def _bounds(
+    problem: Problem, body: Body, motion: Motion, i: int, rows: Ints
+) -> tuple[float, float]:
+    """Forces across a cell at rest between which it stays so [N]."""
+    force, rub = _force(problem, body, i, motion.travel[i], rows), problem.laws.friction[i]
+    stop = _stops(problem, i, motion.travel[i])
+    return (-np.inf if stop < 0 else force - rub), (np.inf if stop > 0 else force + rub)
+
+
+@kernel
+def set_off(problem: Problem, body: Body, motion: Motion, rows: Ints) -> int:
+    """Find which cells move from here on, after cells that leave their sheets; how many."""
+    n = len(motion.travel)
+    low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    end, count = _lambda(problem, body, motion.travel), 0
+    for _ in range(100):
+        for i in range(n):
+            low[i], high[i] = _bounds(problem, body, motion, i, rows)
+            if motion.speed[i] != 0.0:
+                rub = problem.laws.friction[i]
+                value = _force(problem, body, i, motion.travel[i], rows)
+                value += body.damping[i] * motion.speed[i]
+                low[i] = high[i] = value + (rub if motion.speed[i] > 0.0 else -rub)
+            force[i] = min(max(0.0, low[i]), high[i])
+        taut(low, high, np.zeros(n), body.loose, end, force)
+        rates(force, body.loose, end, gain)
+        jumps, count = False, 0
+        for i in range(n):
+            motion.moving[i], motion.sense[i] = 0, 0
+            inner = body.loose[i - 1] if i > 0 else 0.0
+            least = 0.1 * _SLIP * problem.scale * (inner + body.loose[i])
+            heading = 0
+            if motion.speed[i] != 0.0:
+                heading = 1 if motion.speed[i] > 0.0 else -1
+            elif abs(gain[i]) > least:
+                heading = 1 if gain[i] > 0.0 else -1
+            if heading != 0 and _jump(problem, motion, i, heading, rows):
+                jumps = True
+            free = low[i] == high[i] and problem.laws.friction[i] == 0.0
+            if heading != 0 or free:
+                motion.moving[i] = 1
+                motion.sense[i] = heading if problem.laws.friction[i] > 0.0 else 0
+                count += 1
+        if not jumps:
+            return count
+    return count
+
+
+@kernel
+def _jump(problem: Problem, motion: Motion, i: int, heading: int, rows: Ints) -> bool:
+    """Let a cell that is driven past the end of its sheet jump to the next; whether it does."""
+    laws, sheets = problem.laws, problem.sheets
+    low, high = ends_at(problem, i)
+    if not (motion.travel[i] >= high if heading > 0 else motion.travel[i] <= low):
+        return False
+    to = beyond(sheets, i, motion.travel[i])
+    if to < 0:
+        return False
+    pick_rows(laws, i, motion.travel[i], rows)
+    before = stored(laws, i, rows, motion.travel[i])
+    stand_on(laws, sheets, problem.pieces, i, to - int(sheets.table[to, FIRST]))
+    pick_rows(laws, i, motion.travel[i], rows)
+    motion.book[JUMPED] += before - stored(laws, i, rows, motion.travel[i])
+    return True
+
+
+@kernel
+def _strike(problem: Problem, body: Body, motion: Motion) -> bool:
+    """Let cells that run into their stops strike them; whether any does."""
+    n, speed = len(motion.travel), motion.speed
+    low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
+    energy = _NONE * problem.scale * np.min(problem.laws.full)
+    little = np.sqrt(2.0 * energy / np.min(body.mass))
+    for i in range(n):
+        stop = _stops(problem, i, motion.travel[i])
+        if stop != 0:
+            low[i], high[i] = (-np.inf, 0.0) if stop < 0 else (0.0, np.inf)
+            if stop * speed[i] > 0.0:
+                strikes = True
+                bounce[i] = body.restitution if abs(speed[i]) > little else 0.0
+    if strikes:
+        before, was = kinetic(body.mass, body.loose, speed), speed.copy()
+        blow(low, high, bounce, body.loose, speed)
+        keeps = False
+        for i in range(n):
+            if low[i] < high[i] and abs(speed[i]) <= little:
+                # Or stops would rattle for ever, on what rounding feeds them.
+                low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
+        if keeps:
+            speed[:] = was
+            blow(low, high, bounce, body.loose, speed)
+        motion.book[STRUCK] += before - kinetic(body.mass, body.loose, speed)
+    return strikes
+
+
+@kernel
+def _leg(problem: Problem, body: Body, motion: Motion, rows: Ints) -> Leg:
+    """The cells that move, as one leg."""
+    cells = np.flatnonzero(motion.moving)
+    k = len(cells)
+    mass, offset = np.zeros(k), np.empty(k)
+    for m in range(k):
+        i = cells[m]
+        after = cells[m + 1] if m + 1 < k else len(motion.travel)
+        for j in range(i, after):
+            mass[m] += body.mass[j]
+        offset[m] = motion.sense[i] * problem.laws.friction[i]
+        if i == body.leader:
+            offset[m] -= body.push
+    rigid = problem.beta == 0.0
+    stiff = 0.0 if rigid else problem.alpha / problem.beta
+    level = _lambda(problem, body, motion.travel)
+    begin, free = motion.travel[cells], k - 1 if rigid else k
+    leg = Leg(
+        cells,
+        mass,
+        body.damping[cells],
+        offset,
+        begin,
+        np.empty(k),
+        level,
+        stiff,
+        free,
+        np.full((k, len(rows)), -1, np.int64),
+        rows,
+    )
+    look(problem, leg)
+    return leg
+
+
+@kernel
+def _pace(motion: Motion, leg: Leg) -> Floats:
+    """Speeds of the groups of blocks, (k,) [m/s]."""
+    pace, total = np.empty(len(leg.cells)), 0.0
+    for m in range(len(leg.cells)):
+        total += motion.speed[leg.cells[m]]
+        pace[m] = total
+    if leg.free < len(pace):
+        pace[-1] = 0.0
+    return pace
+
+
+@kernel
+def _broken(
+    problem: Problem, body: Body, motion: Motion, leg: Leg, out: Floats, force: Floats
+) -> float:
+    """How far the place that a step leads to is past what it takes for granted; 0 or less if not.
+
+    A cell past its end, as a share of its travel; one past a kink of its law, by what it is off
+    there; one that turns against its friction, of the
+    fastest speed; one held that no longer can be, of the largest force.
+    """
+    k = len(leg.cells)
+    worst, before, fast = -1.0, 0.0, 0.0
+    for m in range(k):
+        i = leg.cells[m]
+        travel, speed = leg.begin[m] + (out[m] - before), out[k + m] - fast
+        before, fast = out[m], out[k + m]
+        low, high = ends_at(problem, i)
+        past = max(low - travel, travel - high)
+        worst = max(worst, past / problem.laws.full[i])
+        pick_rows(problem.laws, i, travel, leg.room)
+        bent = law(problem.laws, i, leg.room, travel)[0]
+        bent = abs(bent - law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
+        worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
+        if motion.sense[i] != 0:
+            worst = max(
+                worst,
+                -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed))
+                if speed != 0.0
+                else -1.0,
+            )
+    end = tensions(problem, leg, out[:k], out[k : 2 * k], force)
+    m, carried = -1, 0.0
+    for i in range(len(motion.travel)):
+        if motion.moving[i] == 1:
+            m, carried = m + 1, body.mass[i]
+            continue
+        # Within a group the force goes from that of its inner cell to that of its outer one,
+        # by the masses that it has passed; a group that is held has one force.
+        here = force[0] if m < 0 else force[m]
+        if m >= 0 and m < leg.free:
+            outer = force[m + 1] if m + 1 < k else end
+            here += (outer - here) * carried / leg.mass[m]
+        carried += body.mass[i]
+        low, high = _bounds(problem, body, motion, i, leg.room)
+        past = max(low - here, here - high) / problem.scale - _SLIP
+        worst = max(worst, past)
+    return worst
+
+
+@kernel
+def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
+    """Slope and bend of the speed over a step from its ends and its mean: v0 + b τ + c τ²."""
+    return 6.0 * mean - 4.0 * first - 2.0 * last, 3.0 * (first + last) - 6.0 * mean
+
+
+@kernel
+def _grazes(problem: Problem, leg: Leg, pace: Floats, h: float, out: Floats) -> float:
+    """The share of a step after which a cell turns beyond its end; 1 where none does."""
+    k, share = len(leg.cells), 1.0
+    before, fast, faster = 0.0, 0.0, 0.0
+    for m in range(k):
+        first, last, way = pace[m] - fast, out[k + m] - faster, out[m] - before
+        fast, faster, before = pace[m], out[k + m], out[m]
+        if first * last >= 0.0:
+            continue
+        b, c = _parabola(first, last, way / h)
+        low, high = ends_at(problem, leg.cells[m])
+        # The one change of sign in the step, by bisection.
+        near, far = 0.0, 1.0
+        for _ in range(50):
+            middle = 0.5 * (near + far)
+            if (first + middle * (b + middle * c)) * first > 0.0:
+                near = middle
+            else:
+                far = middle
+        place = leg.begin[m] + h * near * (first + near * (b / 2.0 + near * c / 3.0))
+        slip = 1e-12 * problem.laws.full[leg.cells[m]]
+        if (place > high + slip or place < low - slip) and near < share:
+            share = near
+    return share
+
+
+@kernel
+def _peak(pace: Floats, h: float, out: Floats) -> float:
+    """The fastest that any block is within a step [m/s]."""
+    k, peak = len(pace), 0.0
+    for m in range(k):
+        first, last = pace[m], out[k + m]
+        b, c = _parabola(first, last, out[m] / h)
+        peak = max(peak, abs(last))
+        # Between the ends a smooth peak is little higher; more is the parabola's own overshoot.
+        ends = max(abs(first), abs(last))
+        if c != 0.0 and 0.0 < -b / (2.0 * c) < 1.0:
+            between = abs(first - b * b / (4.0 * c))
+            peak = max(peak, between if between < _OVER * ends else ends)
+    return peak
+
+
+@kernel
+def _misses(
+    problem: Problem, body: Body, motion: Motion, leg: Leg, pace: Floats, out: Floats, error: Floats
+) -> float:
+    """The error of a step, by its tolerance: of travels, speeds and what the dampers take."""
+    k, worst, book = len(leg.cells), 0.0, motion.book
+    # Speeds far below those that the largest force can make are rounding.
+    scale, length = problem.scale, np.min(problem.laws.full)
+    drag = np.max(body.damping) + np.sqrt(scale * np.max(body.mass) / length)
+    fastest = max(1e-2 * book[PEAK], 1e-4 * scale / drag)
+    for m in range(k):
+        fastest = max(fastest, abs(pace[m]), abs(out[k + m]))
+    lost = _lost(book) + out[2 * k]
+    if lost > 1e-12 * scale * length:
+        worst = error[2 * k] / lost
+    for m in range(k):
+        worst = max(worst, error[m] / length, error[k + m] / fastest)
+        if not (np.isfinite(out[m]) and np.isfinite(out[k + m])):
+            return np.inf
+    return worst / body.tolerance
+
+
+@kernel
+def _lost(book: Floats) -> float:
+    """Energy that was taken so far [J]."""
+    return book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]
+
+
+@kernel
+def _advance(problem: Problem, body: Body, motion: Motion, leg: Leg) -> int:
+    """A step, or the part of it up to the first contact that changes."""
+    k, book = len(leg.cells), motion.book
+    pace, force = _pace(motion, leg), np.empty(k)
+    out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
+    h, wanted = book[STEP], book[STEP]
+    while True:
+        fine = stride(problem, leg, pace, h, out, error)
+        worst = _misses(problem, body, motion, leg, pace, out, error) if fine else np.inf
+        if worst <= 1.0:
+            graze = _grazes(problem, leg, pace, h, out)
+            if graze == 1.0:
+                wanted = h * min(4.0, max(0.2, 0.9 * (worst + 1e-9) ** (-1.0 / COLUMNS)))
+                break
+            h *= graze
+        else:
+            h *= max(0.1, 0.9 * worst ** (-1.0 / COLUMNS)) if np.isfinite(worst) else 0.1
+        if not h > 1e-15 * (book[TIME] + book[STEP]):
+            return STUCK
+    past = _broken(problem, body, motion, leg, out, force)
+    ended = past > 0.0
+    if ended:
+        # Where it changes, and just past it: the root over h, by false position (Illinois).
+        low, high, at_high, side = 0.0, h, past - _PAST, 0
+        out[:k], out[k : 2 * k] = 0.0, pace
+        at_low = min(_broken(problem, body, motion, leg, out, force), 0.0) - _PAST
+        for turn in range(100):
+            share = at_low / (at_low - at_high) if turn % 4 != 3 else 0.5
+            middle = low + share * (high - low)
+            if not low < middle < high:
+                break
+            if not stride(problem, leg, pace, middle, out, error):
+                return STUCK
+            past = _broken(problem, body, motion, leg, out, force)
+            if past > _PAST:
+                at_low *= 0.5 if side > 0 else 1.0
+                high, at_high, side = middle, past - _PAST, 1
+            else:
+                at_high *= 0.5 if side < 0 else 1.0
+                low, at_low, side = middle, past - _PAST, -1
+            if 0.0 < past <= 2.0 * _PAST:
+                high = middle
+                break
+        h = high
+        if not stride(problem, leg, pace, h, out, error):
+            return STUCK
+    book[TIME] += h
+    book[DAMPED] += out[2 * k]
+    book[PEAK] = max(book[PEAK], _peak(pace, h, out))
+    book[STEP] = wanted
+    before, fast = 0.0, 0.0
+    for m in range(k):
+        i, way = leg.cells[m], out[m] - before
+        motion.travel[i] = leg.begin[m] + way
+        motion.speed[i] = out[k + m] - fast
+        before, fast = out[m], out[k + m]
+        book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * way
+    if ended:
+        _arrive(problem, body, motion, leg)
+    return GOES_ON
+
+
+@kernel
+def _arrive(problem: Problem, body: Body, motion: Motion, leg: Leg) -> None:
+    """Cells that turn against friction rest, those at an end strike or jump; then who moves on."""
+    for i in leg.cells:
+        if motion.sense[i] != 0 and motion.sense[i] * motion.speed[i] <= 0.0:
+            motion.speed[i] = 0.0
+        low, high = ends_at(problem, i)
+        slip = 1e-13 * problem.laws.full[i]
+        if motion.travel[i] >= high - slip and motion.speed[i] >= 0.0:
+            motion.travel[i] = high
+        elif motion.travel[i] <= low + slip and motion.speed[i] <= 0.0:
+            motion.travel[i] = low
+    _strike(problem, body, motion)
+    set_off(problem, body, motion, leg.room)
+
+
+@kernel
+def _settle(problem: Problem, leg: Leg, way: Floats) -> bool:
+    """Newton to the equilibrium of the moving cells near by; whether there is a stable one."""
+    k = len(leg.cells)
+    force, pull, still = np.empty(k), np.zeros(k), np.zeros(k)
+    place = leg.begin.copy()
+    way[:] = 0.0
+    for _ in range(40):
+        before = 0.0
+        for m in range(k):
+            i, travel = leg.cells[m], place[m] + (way[m] - before)
+            before = way[m]
+            low, high = ends_at(problem, i)
+            if not low <= travel <= high or abs(travel - place[m]) > 1e-2 * problem.laws.full[i]:
+                return False
+            pick_rows(problem.laws, i, travel, leg.rows[m])
+            leg.slope[m] = law(problem.laws, i, leg.rows[m], travel)[1]
+        end = tensions(problem, leg, way, still, force)
+        for m in range(leg.free):
+            pull[m] = (force[m + 1] if m + 1 < k else end) - force[m]
+        if not solve(leg, 1.0, 0.0, pull):
+            return False
+        change = 0.0
+        for m in range(leg.free):
+            way[m] += pull[m]
+            change = max(change, abs(pull[m]))
+        if change <= 1e-15 * np.min(problem.laws.full):
+            break
+    return True
+
+
+@kernel
+def _rests(problem: Problem, body: Body, motion: Motion, leg: Leg) -> bool:
+    """Bring to rest what has nothing left to lose; whether it is so.
+
+    Then the last trifle of energy is the dampers', and the place of rest is known to rounding.
+    """
+    book, k = motion.book, len(leg.cells)
+    lost = _lost(book)
+    left = kinetic(body.mass, body.loose, motion.speed)
+    if leg.free == 0:
+        return True
+    if left > _SPENT * lost or lost <= 0.0:
+        return False
+    way, begin = np.empty(k), leg.begin.copy()
+    if not _settle(problem, leg, way):
+        look(problem, leg)
+        return False
+    before, trifle = 0.0, left
+    for m in range(k):
+        i, at = leg.cells[m], begin[m]
+        to = at + (way[m] - before)
+        before = way[m]
+        pick_rows(problem.laws, i, at, leg.room)
+        trifle += stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
+        pick_rows(problem.laws, i, to, leg.room)
+        trifle -= stored(problem.laws, i, leg.room, to)
+    # What the actuator does on the way there.
+    trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
+    if trifle > _SPENT * lost:
+        look(problem, leg)
+        return False
+    for m in range(k):
+        if leg.cells[m] == body.leader:
+            leg.offset[m] += body.push
+    exact = np.empty(k)
+    if _settle(problem, leg, exact):
+        way[:] = exact
+    before = 0.0
+    for m in range(k):
+        i, here = leg.cells[m], way[m] - before
+        motion.travel[i] = begin[m] + here
+        motion.speed[i] = 0.0
+        before = way[m]
+        book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * here
+    book[DAMPED] += max(trifle, 0.0)
+    return True
+
+
+@entry()
+def ride(problem: Problem, body: Body, motion: Motion, history: Floats) -> int:
+    """Let the chain move on for as many steps as `history` has rows; how it ended.
+
+    Args:
+        problem: the chain, its cells on the sheets on which they are.
+        body: its masses and dampers.
+        motion: where it is, in place.
+        history: (rows, 1 + 2N) time, travels and speeds after each step; NaN where none was done.
+
+    Returns:
+        GOES_ON, RESTS or STUCK.
+    """
+    n = len(motion.travel)
+    slots = 1
+    for i in range(n):
+        slots = max(slots, problem.laws.band_first[i + 1] - problem.laws.band_first[i] + 1)
+    rows = np.full(slots, -1, np.int64)
+    if motion.book[TIME] == 0.0:
+        # The drive has brought a leader to the end of its sheet, whatever friction holds others.
+        _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
+        set_off(problem, body, motion, rows)
+    for row in range(len(history)):
+        leg = _leg(problem, body, motion, rows)
+        if _rests(problem, body, motion, leg):
+            return RESTS
+        if _advance(problem, body, motion, leg) == STUCK:
+            return STUCK
+        history[row, 0] = motion.book[TIME]
+        history[row, 1 : n + 1] = motion.travel
+        history[row, n + 1 :] = motion.speed
+    return GOES_ON

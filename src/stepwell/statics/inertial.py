@@ -1,0 +1,304 @@
+"""Where a snap lands if its blocks have masses: a second opinion on the overdamped landing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, Measure, amount, check
+from stepwell.mechanism import Chain
+from stepwell.statics.events import Event
+from stepwell.statics.following import Problem, sheets_of, stand_all_on
+from stepwell.statics.inertia import (
+    DAMPED,
+    GOES_ON,
+    JUMPED,
+    PEAK,
+    RESTS,
+    RUBBED,
+    STEP,
+    STRUCK,
+    TIME,
+    Body,
+    Motion,
+    ride,
+)
+from stepwell.statics.landed import Place, same_place, state_of
+from stepwell.statics.landings import Snap
+from stepwell.statics.outcome import StaticsError
+
+# The push on the leader that sets it off, as a share of the largest force.
+_PUSH = 1e-7
+# Tolerances of a step, until two agree on landing, peak speed and the balance of energy.
+_TOLERANCES = 1e-6, 1e-7, 1e-8, 1e-9, 1e-10
+_SPEEDS_AGREE, _ENERGIES_AGREE = 1e-2, 1e-5
+# Friction may leave landings that are one so far apart, as a share of the full travel.
+_NEAR = 1e-3
+# So many steps at a time, and so many in all.
+_ROWS, _MOST_STEPS = 1000, 300_000
+
+# Units of mass and damping, by what travel and force are.
+_UNITS = {
+    Measure.TRAVEL: ("kg", "N s/m"),
+    Measure.VOLUME: ("kg/m⁴", "Pa s/m³"),
+    Measure.ANGLE: ("kg m²", "N m s/rad"),
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class History(ByValue):
+    """An inertial snap step by step; n steps, N cells.
+
+    Attributes:
+        time: (n,) [s], from 0.
+        travel: (n, N) [m].
+        speed: (n, N) of each travel [m/s].
+    """
+
+    time: Floats
+    travel: Floats
+    speed: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InertialLanding(ByValue):
+    """Where a snap comes to rest with given masses and dampers; N cells.
+
+    Attributes:
+        event: the snap; where it passes through saddles, the first of those that follow at once.
+        masses: (N,) of the blocks, that outside each cell [kg].
+        damping: (N,) on the travels [N s/m].
+        restitution: of a blow at a stop.
+        travel: (N,) where it comes to rest [m].
+        sheet: (N,) on which sheets of the cells' curves.
+        state: the phases there, - in transit.
+        time: until less than 1e-10 of the energy is left to lose [s]. Near a fold it hangs on
+            how gently the snap is set off, as the square root or less.
+        peak_speed: the fastest that any block is [m/s], to a hundredth of it.
+        freed: energy that the cells and the actuator give [J].
+        damped, rubbed, struck, jumped: what dampers, friction, blows at stops and jumps to other
+            sheets take of it [J].
+        agrees: whether it is where the overdamped snap of the path lands.
+        tie: whether a stronger push or a finer step lands elsewhere: then the landing hangs on less
+            than any real mechanism can promise.
+        steps: of the integration.
+        history: travels and speeds over time, where asked for.
+    """
+
+    event: Event
+    masses: tuple[float, ...]
+    damping: tuple[float, ...]
+    restitution: float
+    travel: tuple[float, ...]
+    sheet: tuple[int, ...]
+    state: str
+    time: float
+    peak_speed: float
+    freed: float
+    damped: float
+    rubbed: float
+    struck: float
+    jumped: float
+    agrees: bool
+    tie: bool
+    steps: int
+    history: History | None
+
+    @property
+    def imbalance(self) -> float:
+        """Certificate: energy that was freed and that nothing took [J]: 1e-5 of it or less."""
+        return self.freed - self.damped - self.rubbed - self.struck - self.jumped
+
+    def __str__(self):
+        where = "where it does without masses" if self.agrees else "elsewhere than without masses"
+        tie = "; a little more push and it lands elsewhere" if self.tie else ""
+        return (
+            f"lands in {self.state} after {amount(self.time, 's')}, {where}{tie}: of "
+            f"{amount(self.freed, 'J')} dampers take {amount(self.damped, 'J')}, blows "
+            f"{amount(self.struck, 'J')}, friction {amount(self.rubbed, 'J')}."
+        )
+
+    def __repr__(self):
+        return f"InertialLanding({self.event!r}: {self})"
+
+
+@dataclass(frozen=True, slots=True)
+class _Ride:
+    """One integration."""
+
+    motion: Motion
+    sheet: tuple[int, ...]
+    history: Floats
+    freed: float
+
+    @property
+    def imbalance(self) -> float:
+        book = self.motion.book
+        return self.freed - float(np.sum(book[[DAMPED, RUBBED, STRUCK, JUMPED]]))
+
+
+def inertial_landing(
+    chain: Chain,
+    problem: Problem,
+    snap: Snap,
+    event: Event,
+    masses: Sequence[float],
+    damping: Sequence[float],
+    *,
+    restitution: float,
+    history: bool,
+) -> InertialLanding:
+    """Where a snap of a chain lands with masses.
+
+    Args:
+        chain: what snaps.
+        problem: that it sets.
+        snap: from where, and where it lands without masses.
+        event: what is told of it.
+        masses, damping, restitution, history: as for `Path.inertial_landing`.
+
+    Raises:
+        ValueError, StaticsError: as for `Path.inertial_landing`.
+    """
+    body = _body(chain, problem, snap, masses, damping, restitution)
+
+    def go(tolerance: float, push: float) -> _Ride:
+        push *= problem.scale * snap.start.heading
+        return _ride(chain, problem, snap, body._replace(tolerance=tolerance, push=push))
+
+    def alike(one: _Ride, two: _Ride) -> bool:
+        here, there = ((r.motion.travel, np.array(r.sheet)) for r in (one, two))
+        return _same(chain, problem, snap, here, there)
+
+    tolerance, tie = _TOLERANCES[0], True
+    found = go(tolerance, _PUSH)
+    for tolerance in _TOLERANCES[1:]:
+        coarse, found = found, go(tolerance, _PUSH)
+        speeds = coarse.motion.book[PEAK], found.motion.book[PEAK]
+        tie = not alike(coarse, found)
+        slow = abs(speeds[1] - speeds[0]) <= _SPEEDS_AGREE * speeds[1]
+        if not tie and slow and abs(found.imbalance) <= _ENERGIES_AGREE * found.freed:
+            break
+    else:
+        if not tie:
+            raise StaticsError(
+                f"the snap at {event.drive:.6g} does not come out right with masses: energies are "
+                f"{amount(found.imbalance, 'J')} apart. Its masses or dampers are too far apart "
+                f"for double precision: look for one that was meant in another unit."
+            )
+    tie = tie or not alike(found, go(tolerance, 10.0 * _PUSH))
+    book, rows, n = found.motion.book, found.history, len(chain)
+    begin = np.concatenate([[0.0], snap.start.travel, np.zeros(n)])
+    kept = np.vstack([begin, rows])
+    travel, sheet = landed = found.motion.travel, np.array(found.sheet)
+    return InertialLanding(
+        event,
+        tuple(map(float, masses)),
+        tuple(map(float, damping)),
+        body.restitution,
+        tuple(travel.tolist()),
+        found.sheet,
+        state_of(chain, travel, sheet),
+        float(book[TIME]),
+        float(book[PEAK]),
+        found.freed,
+        float(book[DAMPED]),
+        float(book[RUBBED]),
+        float(book[STRUCK]),
+        float(book[JUMPED]),
+        _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
+        tie,
+        len(rows),
+        History(kept[:, 0], kept[:, 1 : n + 1], kept[:, n + 1 :]) if history else None,
+    )
+
+
+def _same(chain: Chain, problem: Problem, snap: Snap, here: Place, there: Place) -> bool:
+    """Whether two landings are one; friction may leave them a little apart, or just off a stop."""
+    near = np.array_equal(here[1], there[1]) and np.any(problem.laws.friction > 0.0)
+    if near and np.all(np.abs(here[0] - there[0]) <= _NEAR * problem.laws.full):
+        return True
+    return same_place(chain, problem, snap, here, there)
+
+
+def _body(
+    chain: Chain,
+    problem: Problem,
+    snap: Snap,
+    masses: Sequence[float],
+    damping: Sequence[float],
+    restitution: float,
+) -> Body:
+    """Masses and dampers as the integration takes them."""
+    mass_unit, damping_unit = _UNITS[chain.measure]
+    n = len(chain)
+    mass = check.as_many("masses", masses, mass_unit, "the chain", n)
+    damper = check.as_many("damping", damping, damping_unit, "the chain", n)
+    for i in range(n):
+        check.positive(f"masses[{i}]", mass[i], mass_unit)
+        check.not_negative(f"damping[{i}]", damper[i], damping_unit)
+    restitution = check.not_negative("restitution", restitution, "1")
+    if restitution >= 1.0:
+        raise InputError(
+            f"restitution = {restitution:g}: must be below 1: a blow that takes no energy never "
+            f"ends. 0 is a stop that takes all."
+        )
+    folds = any(len(element.laws) > 1 for element in chain.elements)
+    stops = any(any(cell.stopped) for cell in chain.cells)
+    if not (any(damper) or any(cell.friction for cell in chain.cells) or stops or folds):
+        raise InputError(
+            f"damping = {damping!r}: nothing takes energy, no damper, no friction and no stop, so "
+            f"the snap would never come to rest: give at least one cell damping [{damping_unit}]."
+        )
+    inertia = np.array(mass)
+    loose = 1.0 / inertia
+    if problem.beta == 0.0:
+        # A rigid actuator holds the outermost block: its mass has no say, in tolerances either.
+        loose[-1], inertia[-1] = 0.0, np.min(inertia[:-1], initial=np.inf)
+    start = snap.start
+    args = start.travel.copy(), start.force, start.leader
+    return Body(inertia, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+
+
+def _ride(chain: Chain, problem: Problem, snap: Snap, body: Body) -> _Ride:
+    """The motion until it rests."""
+    n, start, laws = len(chain), snap.start, problem.laws
+    stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
+    still = np.zeros(n, np.int64)
+    motion = Motion(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
+    lightest, shortest = float(np.min(body.mass)), float(np.min(laws.full))
+    motion.book[STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
+    parts: list[Floats] = []
+    status = GOES_ON
+    while status == GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
+        rows = np.full((_ROWS, 1 + 2 * n), np.nan)
+        status = ride(problem, body, motion, rows)
+        parts.append(rows[np.isfinite(rows[:, 0])])
+    if status != RESTS:
+        unit = _UNITS[chain.measure][1]
+        raise StaticsError(
+            f"with these masses the snap does not come to rest in {len(parts) * _ROWS} steps, "
+            f"{amount(float(motion.book[TIME]), 's')}: too little takes its energy. Give every "
+            f"cell some damping [{unit}]."
+        )
+    sheet = tuple(sheets_of(problem.sheets).tolist())
+    freed = math.fsum(_given(chain, problem, snap, body, motion.travel, sheet))
+    return _Ride(motion, sheet, np.concatenate(parts), freed)
+
+
+def _given(
+    chain: Chain, problem: Problem, snap: Snap, body: Body, travel: Floats, sheet: tuple[int, ...]
+) -> Iterator[float]:
+    """Energy that each cell, the actuator and the push on the leader give [J]."""
+    start = snap.start
+    for i, cell in enumerate(chain.cells):
+        yield float(cell.energy_at(start.travel[i], int(start.sheet[i])))
+        yield -float(cell.energy_at(travel[i], sheet[i]))
+    if problem.beta > 0.0:
+        way = math.fsum(travel - start.travel)
+        yield way * (start.force - 0.5 * problem.alpha / problem.beta * way)
+    leader = start.leader
+    yield body.push * float(travel[leader] - start.travel[leader])
