@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
+        ImplicitGraph,
         Pathway,
         Program,
         Sequence,
@@ -53,6 +54,7 @@ _DOORS = {
     "Element": "mechanism",
     "Event": "statics",
     "EventKind": "statics",
+    "ImplicitGraph": "sequences",
     "InputError": "base",
     "Linear": "mechanism",
     "Load": "mechanism",
@@ -102,6 +104,7 @@ __all__ = [
     "Element",
     "Event",
     "EventKind",
+    "ImplicitGraph",
     "InputError",
     "Linear",
     "Load",

@@ -1,0 +1,226 @@
+"""The transition graph of a chain with too many states to be listed: asked state by state."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from stepwell.base import ByValue, require
+from stepwell.concave import relays
+from stepwell.mechanism import Chain
+from stepwell.sequences.branches import Drive, driven, refuse_friction
+from stepwell.sequences.graphs.by_branches import ByBranches
+from stepwell.sequences.graphs.by_fields import ByFields
+from stepwell.sequences.graphs.node import Node, Transition
+from stepwell.sequences.graphs.transition_graph import (
+    TransitionGraph,
+    about,
+    graph,
+    listable,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ImplicitGraph(ByValue):
+    """A transition graph of which only what is asked for is made.
+
+    `node` and `transition` are those of a `TransitionGraph`. Under a prescribed force cells do not
+    feel each other, so that the order of their switching fields tells all, counts included, for any
+    number of cells. Otherwise, and where a cell is no relay, branches are followed by the engine
+    when they are asked for, and remembered.
+
+    A label is a state, such as "010"; of several nodes in one state, such as "0-1", those that are
+    come to later are numbered: "0-1#2".
+
+    Args:
+        chain: with the actuator that drives it; no friction.
+
+    Raises:
+        ValueError: friction.
+
+    Source: Preisach 1935; Terzi and Mungan 2020; the counts are ours where the theory page says so
+    ("Transition graphs", "Relays").
+    """
+
+    chain: Chain
+
+    def __post_init__(self):
+        refuse_friction(self.chain)
+
+    @cached_property
+    def _ways(self) -> ByFields | ByBranches:
+        # Under a force fields may tie: no cell feels which of two goes first.
+        by_force = self.chain.actuator_stiffness == 0
+        fields = relays(self.chain, ties=True) if by_force else None
+        return ByBranches(self.chain) if fields is None else ByFields(self.chain, fields)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each cell is called, inner first."""
+        return self.chain.names
+
+    @property
+    def cells(self) -> int:
+        """How many cells there are."""
+        return len(self.chain)
+
+    @property
+    def actuator(self) -> str:
+        """What drives it, as in `TransitionGraph.actuator`."""
+        return str(about(self.chain)["actuator"])
+
+    @property
+    def unit(self) -> str:
+        """Unit of drives: N under force control, m under others."""
+        return self.chain.drive_unit
+
+    @property
+    def method(self) -> str:
+        """How what it says is found, in words."""
+        return self._ways.method
+
+    @property
+    def by_fields(self) -> bool:
+        """Whether the order of fields tells all; if not, the engine follows branches."""
+        return isinstance(self._ways, ByFields)
+
+    @property
+    def is_listable(self) -> bool:
+        """Whether the limits let `listed` begin with every state."""
+        return listable(self.chain)
+
+    @property
+    def zero(self) -> str:
+        """Label of the node with every cell in its first phase, 0."""
+        return self.chain.first_state
+
+    @property
+    def vertex_count(self) -> int:
+        """How many states with every cell in a phase stand, at some drive."""
+        return self._ways.standing
+
+    @property
+    def transition_count(self) -> int | None:
+        """How many transitions there are; None where only following every branch would tell."""
+        return self._ways.transitions
+
+    @property
+    def reached_count(self) -> int | None:
+        """How many of these vertices can be reached from `zero`, itself included.
+
+        None where that is not known: a cell that can pass a phase of its own by, and under a stroke
+        or a spring all but concave cells of one full travel of which one full cycle of a rigid
+        actuator proves it. That cycle is run by the engine when this is asked.
+        """
+        return self._ways.reached
+
+    @property
+    def garden_count(self) -> int | None:
+        """How many vertices no other leads to, the Garden of Eden; None where it is not known."""
+        return self._ways.gardens
+
+    @property
+    def sub_loop_count(self) -> int | None:
+        """How many loops can be reached from `zero`, the main one left out; None likewise."""
+        return self._ways.sub_loops
+
+    def node(self, label: str) -> Node:
+        """Where a node stands: its window of the drive, forces and travels.
+
+        Under a force the number of its branch is that of the state among all, counted from 0 with
+        the innermost cell as the first digit.
+
+        Raises:
+            ValueError: a state that the chain cannot have, in which it cannot stand, or with cells
+                in transit and not come to yet.
+        """
+        return self._ways.node(label)
+
+    def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
+        """Where the drive's rise (+1) or fall (-1) leads from a node; None where it ends.
+
+        Raises:
+            ValueError: as for `node`.
+            StaticsError: the engine could not go on; its text says what to do.
+        """
+        return self._ways.transition(label, direction)
+
+    def up(self, label: str) -> tuple[str, Transition] | None:
+        """Where the drive's rise leads from a node, and what happens; None where it ends."""
+        return self.transition(label, +1)
+
+    def down(self, label: str) -> tuple[str, Transition] | None:
+        """Where the drive's fall leads from a node, and what happens; None where it ends."""
+        return self.transition(label, -1)
+
+    def walk(self, start: str | None = None, *, most: int = 1000) -> Iterator[Node]:
+        """Nodes that the actuator can bring the chain to, those after fewest transitions first.
+
+        Args:
+            start: label to begin with; all cells at 0 by default.
+            most: nodes after which it ends. If fewer come, they are all.
+
+        Yields:
+            Each node once, as soon as it is come to.
+
+        Raises:
+            ValueError: as for `node`, or more than the limit of nodes.
+        """
+        require("walked", most, "the walk may have")
+        start = self.zero if start is None else start
+        seen, waiting = {start}, deque([start])
+        while waiting and most > 0:
+            label = waiting.popleft()
+            yield self.node(label)
+            most -= 1
+            for direction in (+1, -1) if len(waiting) < most else ():
+                way = self.transition(label, direction)
+                if way is not None and way[0] not in seen:
+                    seen.add(way[0])
+                    waiting.append(way[0])
+
+    def listed(
+        self, start: str | None = None, *, progress: Callable[[int, int], None] | None = None
+    ) -> TransitionGraph:
+        """The same graph listed. All else as for `Chain.graph`."""
+        return graph(self.chain, start=start, progress=progress)
+
+    def __repr__(self):
+        return f"ImplicitGraph({self.cells} cells driven by {self.actuator})"
+
+    def __str__(self):
+        return "\n".join(
+            [
+                f"{self.cells} cells driven by {self.actuator}: {shown_count(self.vertex_count)} "
+                f"vertices, not listed",
+                f"transitions          {shown_count(self.transition_count)}",
+                f"from all at 0        {shown_count(self.reached_count)}",
+                f"sub-loops            {shown_count(self.sub_loop_count)}",
+                f"Garden of Eden       {shown_count(self.garden_count)}",
+            ]
+        )
+
+
+# A longer number is told by its first digits.
+_DIGITS = 15
+
+
+def shown_count(count: int | None) -> str:
+    """A number of states for people, in full or by its first digits and its power of ten."""
+    if count is None:
+        return "not known"
+    power = int((count.bit_length() - 1) * math.log10(2.0)) if count else 0
+    if power < _DIGITS:
+        return str(count)
+    # Of a power that may be one too small.
+    first = count // 10 ** (power - 4)
+    power += len(str(first)) - 5
+    return f"{first / 10 ** (len(str(first)) - 1):.3f}e{power}"
+
+
+def implicit_graph(chain: Chain, drive: Drive = None) -> ImplicitGraph:
+    """The transition graph of a chain, not listed. All else as for `Chain.implicit_graph`."""
+    return ImplicitGraph(driven(chain, drive))
