@@ -15,7 +15,6 @@ from stepwell.concave.cell import (
 )
 from stepwell.concave.certificate import certified, certify, closed, concave_disc, concave_line
 from stepwell.concave.counts import (
-    Levels,
     garden_states,
     ideals,
     landings,

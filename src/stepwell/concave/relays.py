@@ -46,7 +46,7 @@ class Relays:
 
     @property
     def windows(self) -> tuple[tuple[tuple[float, float], ...], ...]:
-        """By cell and phase: the forces between which the phase holds [N], without end at the ends."""
+        """By cell and phase: the forces between which it holds [N], infinite at the ends."""
         ends = zip(self.first.tolist(), self.first[1:].tolist(), strict=False)
         up, down = self.up.tolist(), self.down.tolist()
         return tuple(

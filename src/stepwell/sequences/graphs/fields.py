@@ -151,9 +151,7 @@ def _flips(chain: Chain, travels: Travels, fields: Floats, direction: int) -> _F
     return found
 
 
-def heat_of(
-    chain: Chain, travels: Travels, switch: tuple[int, int, int], force: float
-) -> float:
+def heat_of(chain: Chain, travels: Travels, switch: tuple[int, int, int], force: float) -> float:
     """Energy [J] that a cell turns into heat as it goes from a phase to another, all by itself.
 
     Args:

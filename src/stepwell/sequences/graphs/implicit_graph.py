@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cached_property
 
 from stepwell.base import ByValue, require
@@ -156,6 +156,21 @@ class ImplicitGraph(ByValue):
         """Where the drive's fall leads from a node, and what happens; None where it ends."""
         return self.transition(label, -1)
 
+    def stroke(self, label: str, direction: int) -> Iterator[tuple[str, Transition]]:
+        """Where the drive's rise (+1) or fall (-1) leads from a node, until the drive ends.
+
+        From `zero` up, and down again from where that ends, it goes round the main loop.
+
+        Yields:
+            One node after the other, by label, and what happened on the way there.
+
+        Raises:
+            ValueError, StaticsError: as for `transition`.
+        """
+        while (way := self.transition(label, direction)) is not None:
+            label = way[0]
+            yield way
+
     def walk(self, start: str | None = None, *, most: int = 1000) -> Iterator[Node]:
         """Nodes that the actuator can bring the chain to, those after fewest transitions first.
 
@@ -192,33 +207,40 @@ class ImplicitGraph(ByValue):
         return f"ImplicitGraph({self.cells} cells driven by {self.actuator})"
 
     def __str__(self):
-        return "\n".join(
-            [
-                f"{self.cells} cells driven by {self.actuator}: {shown_count(self.vertex_count)} "
-                f"vertices, not listed",
-                f"transitions          {shown_count(self.transition_count)}",
-                f"from all at 0        {shown_count(self.reached_count)}",
-                f"sub-loops            {shown_count(self.sub_loop_count)}",
-                f"Garden of Eden       {shown_count(self.garden_count)}",
-            ]
-        )
+        counts = {
+            "transitions": self.transition_count,
+            "from all at 0": self.reached_count,
+            "sub-loops": self.sub_loop_count,
+            "Garden of Eden": self.garden_count,
+        }
+        known = {name: shown_count(count) for name, count in counts.items() if count is not None}
+        if self.by_fields:
+            up = self._order(self.zero, +1)
+            down = self._order(self.chain.last_state, -1)
+            known = {"main loop, up": up, "main loop, down": down} | known
+            known |= {"return-point memory": "holds", "avalanches": "none"}
+        lost = ", ".join(name for name, count in counts.items() if count is None)
+        if lost:
+            known["not counted"] = f"{lost}: only following all of it tells"
+        vertices = shown_count(self.vertex_count)
+        head = f"{self.cells} cells driven by {self.actuator}: {vertices} vertices, not listed"
+        return "\n".join([head, *(f"{name:<20} {told}" for name, told in known.items())])
+
+    def _order(self, label: str, direction: int) -> str:
+        """The cells that move on a stroke from there, by name."""
+        order = [self.names[i] for _, snap in self.stroke(label, direction) for i in snap.cells]
+        more = f" and {len(order) - _SHOWN} more" if len(order) > _SHOWN else ""
+        return f"{', '.join(order[:_SHOWN])}{more}"
 
 
+_SHOWN = 6  # cells of an order
 # A longer number is told by its first digits.
 _DIGITS = 15
 
 
-def shown_count(count: int | None) -> str:
+def shown_count(count: int) -> str:
     """A number of states for people, in full or by its first digits and its power of ten."""
-    if count is None:
-        return "not known"
-    power = int((count.bit_length() - 1) * math.log10(2.0)) if count else 0
-    if power < _DIGITS:
-        return str(count)
-    # Of a power that may be one too small.
-    first = count // 10 ** (power - 4)
-    power += len(str(first)) - 5
-    return f"{first / 10 ** (len(str(first)) - 1):.3f}e{power}"
+    return str(count) if count < 10**_DIGITS else f"{Decimal(count):.3e}".replace("e+", "e")
 
 
 def implicit_graph(chain: Chain, drive: Drive = None) -> ImplicitGraph:

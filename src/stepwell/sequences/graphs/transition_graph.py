@@ -236,6 +236,7 @@ def _require_listable(chain: Chain, limit: str) -> None:
 
 
 def overdrawn(chain: Chain) -> str:
+    """Why a state is no equilibrium."""
     if chain.elements:
         return "no one force keeps every cell in its phase"
     return "a cell at 1 pushes harder than one at 0 holds"
