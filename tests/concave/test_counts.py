@@ -168,3 +168,17 @@ def test_of_bistable_cells_a_quarter_is_a_garden_of_eden_if_two_cells_go_first()
     assert standing_states(known) == 2**1000
     alike = int(np.argmin(up)) == int(np.argmax(down))
     assert garden_states(known) == (0 if alike else 2**998)
+
+
+@pytest.mark.slow
+def test_ten_thousand_cells_are_counted():
+    rng = np.random.default_rng(7)
+    n = 10_000
+    windows = two_phases(rng.permutation(n) + 1.0, -rng.permutation(n) - 1.0)
+    known = levels(windows, 0.0)
+    relays = switches(known)
+    assert relays is not None
+    assert standing_states(known) == 2**n
+    assert garden_states(known) in (0, 2 ** (n - 2))
+    # Fewer falling subsequences than those of any n numbers, more than those of any two.
+    assert n + 1 < ideals(relays) < sub_loops(relays) < 2**n

@@ -319,8 +319,8 @@ def test_what_it_says_names_what_it_cannot_count():
     chain = sw.Chain([band(0.010 + 0.0005 * k) for k in range(24)])
     assert str(chain.implicit_graph("force")).splitlines() == [
         "24 cells driven by force: 16777216 vertices, not listed",
-        "main loop, up        cell 1, cell 2, cell 3, cell 4, cell 5, cell 6 and 18 more",
-        "main loop, down      cell 1, cell 2, cell 3, cell 4, cell 5, cell 6 and 18 more",
+        "main loop, up        cell 1, cell 2, cell 3, cell 4, cell 5, cell 6, ...",
+        "main loop, down      cell 1, cell 2, cell 3, cell 4, cell 5, cell 6, ...",
         "transitions          33554430",
         "from all at 0        16777216",
         "sub-loops            33554406",
@@ -411,9 +411,12 @@ def test_what_cannot_be_listed_says_who_still_answers():
         (10**15, "1.000e15"),
         (2**100, "1.268e30"),
         (10**400 - 1, "1.000e400"),
-        (10**9999, "1.000e9999"),
         (2**1000, "1.072e301"),
     ],
 )
 def test_numbers_of_states_can_be_read(count, text):
     assert shown_count(count) == text
+
+
+def test_even_a_number_that_python_does_not_write_can_be_read():
+    assert shown_count(3**10_000) == "1.631e4771"

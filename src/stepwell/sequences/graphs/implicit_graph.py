@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
+from itertools import islice
 
 from stepwell.base import ByValue, require
 from stepwell.concave import relays
@@ -227,10 +228,10 @@ class ImplicitGraph(ByValue):
         return "\n".join([head, *(f"{name:<20} {told}" for name, told in known.items())])
 
     def _order(self, label: str, direction: int) -> str:
-        """The cells that move on a stroke from there, by name."""
-        order = [self.names[i] for _, snap in self.stroke(label, direction) for i in snap.cells]
-        more = f" and {len(order) - _SHOWN} more" if len(order) > _SHOWN else ""
-        return f"{', '.join(order[:_SHOWN])}{more}"
+        """The cells that move first on a stroke from there, by name."""
+        first = islice(self.stroke(label, direction), _SHOWN + 1)
+        names = [self.names[i] for _, snap in first for i in snap.cells]
+        return ", ".join([*names[:_SHOWN], *["..."] * (len(names) > _SHOWN)])
 
 
 _SHOWN = 6  # cells of an order
