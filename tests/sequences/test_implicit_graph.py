@@ -323,7 +323,7 @@ def test_what_it_says_names_what_it_cannot_count():
         "main loop, down      cell 1, cell 2, cell 3, cell 4, cell 5, cell 6, ...",
         "transitions          33554430",
         "from all at 0        16777216",
-        "sub-loops            33554406",
+        "sub-loops            16777214",
         "Garden of Eden       0",
         "return-point memory  holds",
         "avalanches           none",

@@ -1,6 +1,6 @@
 """The results of commands about chains as people read them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -140,7 +140,7 @@ def implicit_graph(record: dict[str, Any], graph: ImplicitGraph) -> None:
     readable = len(names) <= MOST_CELLS
     number = {node["label"]: k for k, node in enumerate(walk, 1)}
 
-    def state(node: dict[str, Any]) -> str:
+    def state(node: Mapping[str, Any]) -> str:
         if readable:
             return node["label"]
         last = zip(names, node["label"], start, graph.chain.last_state, strict=False)
@@ -149,7 +149,7 @@ def implicit_graph(record: dict[str, Any], graph: ImplicitGraph) -> None:
         ]
         return _order(range(len(left)), left, _FEW) or "nothing"
 
-    def leads(way: str, node: dict[str, Any]) -> str:
+    def leads(way: str, node: Mapping[str, Any]) -> str:
         if node[way] is None:
             return ""
         to = number.get(node[way]["to"])

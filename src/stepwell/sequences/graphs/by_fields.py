@@ -78,14 +78,14 @@ class ByFields:
         own = [cell[k] for cell, k in zip(self._windows, phases, strict=True)]
         low = max(max(low for low, _ in own), self._ends[0])
         high = min(min(high for _, high in own), self._ends[1])
-        travels = (
+        begin, end = (
             tuple(self._travels.at(i, k, force) for i, k in enumerate(phases))
             for force in (low, high)
         )
         number = 0
         for cell, k in zip(self._windows, phases, strict=True):
             number = number * len(cell) + k
-        return Node(label, label, low, high, low, high, *travels, number)
+        return Node(label, label, low, high, low, high, begin, end, number)
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
         """Where the force leads from a state."""
