@@ -252,7 +252,7 @@ def test_the_page_says_at_which_size_which_question_is_answered():
     assert {name for _, name in named} == {"relays", "graph_cells", "branches", "cells", "walked"}
     assert [LIMITS[name].most for _, name in named] == [int(number) for number, _ in named]
     assert f"| {MOST_STATES} states |" in page
-    assert f"else {_MOST_BRANCHES} branches |" in page
+    assert f"else {_MOST_BRANCHES} branches are looked at |" in page
 
 
 @pytest.mark.slow

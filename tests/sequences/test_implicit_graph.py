@@ -353,6 +353,17 @@ def test_it_follows_no_branch_that_is_not_asked_for(monkeypatch):
     assert len(runs) == 2
 
 
+def test_ties_are_told_as_far_as_branches_were_followed():
+    alike = sw.Chain([band(0.02), band(0.02)])
+    implicit = alike.implicit_graph()
+    assert implicit.ties == ()
+    implicit.up("00")
+    assert implicit.ties
+    forced = alike.implicit_graph("force")
+    assert len(list(forced.walk())) == 2
+    assert forced.ties == ()
+
+
 def test_it_is_what_its_chain_is():
     one, other = (sw.Chain([band(0.02), band(0.01)]).implicit_graph("force") for _ in range(2))
     assert list(one.walk())

@@ -136,6 +136,7 @@ def implicit_graph_record(
         "start": start,
         "walk": walk,
         "walk_whole": len(walk) < most,
+        "ties": tie_notes(graph.ties, graph.chain),
     }
 
 

@@ -169,6 +169,8 @@ def implicit_graph(record: dict[str, Any], graph: ImplicitGraph) -> None:
         ),
         walk,
     )
+    if record["ties"]:
+        show_lines("", "Too close to call", *record["ties"])
 
 
 def program(record: dict[str, Any], chain: Chain) -> None:

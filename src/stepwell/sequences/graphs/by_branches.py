@@ -12,6 +12,7 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches import Branches, checked_state, order_kept
 from stepwell.sequences.graphs.node import Node, Transition
 from stepwell.sequences.graphs.transition_graph import node_of, overdrawn, way_on
+from stepwell.statics import Tie
 
 
 class ByBranches:
@@ -31,6 +32,11 @@ class ByBranches:
         self._sections: dict[str, tuple[int, int]] = {}
         self._labels: dict[tuple[int, int], str] = {}
         self._sharing: Counter[str] = Counter()
+
+    @property
+    def ties(self) -> tuple[Tie, ...]:
+        """Those on the branches that were followed."""
+        return tuple(self._branches.ties)
 
     @cached_property
     def standing(self) -> int:

@@ -21,6 +21,7 @@ from stepwell.sequences.branches import Branches, checked_state
 from stepwell.sequences.graphs.fields import Travels, heat_of
 from stepwell.sequences.graphs.node import Node, Transition, TransitionKind
 from stepwell.sequences.graphs.transition_graph import overdrawn
+from stepwell.statics import Tie
 
 
 class ByFields:
@@ -34,6 +35,7 @@ class ByFields:
     """
 
     method = "switching fields: cells under a prescribed force do not feel each other"
+    ties: tuple[Tie, ...] = ()
 
     def __init__(self, chain: Chain, fields: Relays):
         self.chain = chain

@@ -22,6 +22,7 @@ from stepwell.sequences.graphs.transition_graph import (
     graph,
     listable,
 )
+from stepwell.statics import Tie
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +83,15 @@ class ImplicitGraph(ByValue):
     def method(self) -> str:
         """How what it says is found, in words."""
         return self._ways.method
+
+    @property
+    def ties(self) -> tuple[Tie, ...]:
+        """Where the model cannot tell two outcomes apart, as far as branches were followed.
+
+        Cells whose fields tie under a force are none: they leave together, and where they arrive no
+        order tells.
+        """
+        return self._ways.ties
 
     @property
     def by_fields(self) -> bool:
