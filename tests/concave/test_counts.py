@@ -151,6 +151,14 @@ def test_elements_whose_fields_rise_are_as_many_relays(steps, random):
     assert check([[*map(tuple, cell)] for cell in cells]) is not None
 
 
+def test_a_state_stands_to_the_last_digit_as_the_engine_says_and_fields_of_one_way_tie():
+    hair = math.nextafter(0.6, 1.0)
+    cells = two_phases([0.6, 2.0, 2.0 + 1e-12], [-1.0, hair, -1.0])
+    assert levels(cells, 1e-9) == [[(-1, 1), (0, 4)], [(-1, 3), (2, 4)], [(-1, 3), (0, 4)]]
+    # At no force is the first cell still at 0 and the second still at 1.
+    assert standing_states(levels(cells, 1e-9)) == len(Listed(cells).states) == 6
+
+
 def test_both_extremes_of_relays_have_their_numbers():
     nested = [(k, -k) for k in range(24)]
     following = [(k, k) for k in range(24)]

@@ -99,6 +99,13 @@ def test_of_ten_cells_too(cells):
         assert_the_same(chain.implicit_graph(), chain.graph())
 
 
+def test_so_it_is_where_one_field_is_another_but_for_rounding():
+    chain = forced(1_000_003, 4)
+    ups, downs = np.array([pair for one in chain.elements for pair in one.fields]).T
+    assert np.min(np.abs(ups[:, None] - downs)) < 1e-15
+    assert_the_same(chain.implicit_graph(), chain.graph())
+
+
 def test_where_all_states_stand_branches_have_the_numbers_of_the_listed_graph():
     chain = sw.Chain([band(d) for d in (0.010, 0.014, 0.020)], actuator_stiffness=0.0)
     implicit, listed = chain.implicit_graph(), chain.graph()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from itertools import groupby, pairwise
 
@@ -16,22 +15,32 @@ Levels = list[list[tuple[int, int]]]
 
 
 def levels(windows: Windows, slip: float) -> Levels:
-    """The ends of windows as numbers in the order of all fields; ties have one number.
+    """The ends of windows as numbers in the order of all fields.
+
+    Upper ends that tie have one number, and so have lower ends. Whether a state stands hangs on an
+    upper and a lower end, and those are compared as they are.
 
     Args:
         windows: of every phase of every cell [N].
-        slip: fields no further apart than this are one [N].
+        slip: ends no further apart than this tie [N].
     """
-    ends = {end for cell in windows for window in cell for end in window if math.isfinite(end)}
-    firsts: list[float] = []
+    low, high = (
+        _firsts({window[end] for cell in windows for window in cell}, slip) for end in (0, 1)
+    )
+    order = sorted(filter(math.isfinite, {*low.values(), *high.values()}))
+    number = {end: k for k, end in enumerate(order)} | {-math.inf: -1, math.inf: len(order)}
+    return [[(number[low[a]], number[high[b]]) for a, b in cell] for cell in windows]
+
+
+def _firsts(ends: set[float], slip: float) -> dict[float, float]:
+    """By end the first of those that it ties with."""
+    found: dict[float, float] = {}
+    first = -math.inf
     for before, end in pairwise([-math.inf, *sorted(ends)]):
-        if end - before > slip:
-            firsts.append(end)
-
-    def number(end: float) -> int:
-        return len(firsts) if end == math.inf else bisect_right(firsts, end) - 1
-
-    return [[(number(low), number(high)) for low, high in cell] for cell in windows]
+        if not end - before <= slip:
+            first = end
+        found[end] = first
+    return found
 
 
 def standing_states(known: Levels) -> int:
