@@ -20,9 +20,11 @@ from stepwell.design import (
     transition_map,
     yields,
 )
+from stepwell.figures.graphs.transition_graph import MOST_STATES
 from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
 from stepwell.robot import Arena, Body, Cylinder, Wall
+from stepwell.sequences.programs.plan import _MOST_BRANCHES
 from stepwell.simulation.runs.video import VideoError
 
 CHAIN = preset_text("paper-forward")
@@ -127,6 +129,7 @@ CASES = {
     ),
     "a graph": ("graph_cells", lambda: leg().graph(), 2),
     "a graph of relays": ("relays", lambda: leg().graph("force"), 2),
+    "nodes of a walk": ("walked", lambda: [*leg().implicit_graph().walk(most=4)], 4),
     "branches": ("branches", lambda: leg().graph(), 2),
 }
 FAST = simulated(time_step=5e-3, contact_time=1e-2)
@@ -241,6 +244,15 @@ def test_the_page_has_every_limit_and_its_number():
     tested = {name for name, _, _ in CASES.values()}
     elsewhere = {"design_bytes", "recording_bytes", "readings"}
     assert LIMITS.keys() - tested == elsewhere, "give the limit a case above"
+
+
+def test_the_page_says_at_which_size_which_question_is_answered():
+    page = (Path(__file__).resolve().parents[1] / "docs" / "limits.md").read_text("utf-8")
+    named = re.findall(r"(\d+) \w+ \(`(\w+)`\)", page)
+    assert {name for _, name in named} == {"relays", "graph_cells", "branches", "cells", "walked"}
+    assert [LIMITS[name].most for _, name in named] == [int(number) for number, _ in named]
+    assert f"| {MOST_STATES} states |" in page
+    assert f"else {_MOST_BRANCHES} branches are looked at |" in page
 
 
 @pytest.mark.slow

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
     from stepwell.sequences import (
         Cycle,
+        ImplicitGraph,
         Pathway,
         Program,
         Sequence,
@@ -54,6 +55,7 @@ _DOORS = {
     "Elsewhere": "statics",
     "Event": "statics",
     "EventKind": "statics",
+    "ImplicitGraph": "sequences",
     "InputError": "base",
     "Landing": "statics",
     "Linear": "mechanism",
@@ -106,6 +108,7 @@ __all__ = [
     "Elsewhere",
     "Event",
     "EventKind",
+    "ImplicitGraph",
     "InputError",
     "Landing",
     "Linear",

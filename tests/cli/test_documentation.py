@@ -180,6 +180,7 @@ def motion_records() -> list[dict[str, Any]]:
         design("00>01>11>10>00", holes=0.04)
     return [
         *(results.graph_record(graph) for graph in graphs),
+        results.implicit_graph_record(wave.implicit_graph("force")),
         results.program_record(found),
         results.program_record(sw.preset("force-control").program("01")),
         results.unreachable_record(forward, None, "01", unreachable.value),

@@ -106,3 +106,82 @@ def test_too_many_states_for_a_figure_are_refused_with_a_way_out(stepwell, tmp_p
     assert result.exit_code == 2
     assert "128 states" in result.output
     assert stepwell("graph", "seven.toml", "-o", "seven.dot").exit_code == 0
+
+
+def long_chain(cells: int, **more) -> sw.Chain:
+    """Concave cells in an order that is neither that of F0 nor that of F1."""
+    bands = [
+        sw.Band((0.0, 0.0), ((10 + 9.6 * (7 * k % cells) / cells) / 1e3, (5 * k % 24) / 3e3 - 3e-3))
+        for k in range(cells)
+    ]
+    return sw.Chain([sw.Cell(band) for band in bands], title="Long", **more)
+
+
+@pytest.mark.parametrize("cells", [24, 101])
+def test_what_is_too_long_to_be_listed_is_counted_and_walked(stepwell, tmp_path, cells):
+    chain = long_chain(cells, actuator_stiffness=0.0)
+    sw.save(chain, tmp_path / "long.toml")
+    implicit = chain.implicit_graph()
+    result = stepwell("graph", "long.toml")
+    assert result.exit_code == 0
+    title, empty, *rest = result.stdout.splitlines()
+    assert (title, empty) == ("Long", "")
+    told = str(implicit).splitlines()
+    assert rest[: len(told)] == told
+    rows = rest[len(told) + 3 :]
+    assert [int(row.split()[0]) for row in rows] == list(range(1, 25))
+    assert "nothing" in rows[0]
+    record = json.loads(stepwell("graph", "long.toml", "--json").stdout)
+    assert record["schema"] == "stepwell.implicit_graph/1"
+    assert record["vertices"] == implicit.vertex_count
+    assert record["reached"] == implicit.reached_count
+    assert record["sub_loop_count"] == implicit.sub_loop_count
+    assert record["garden_of_eden_count"] == implicit.garden_count
+    assert record["transitions"] == 2 * implicit.vertex_count - 2
+    assert record["start"] == record["walk"][0]["label"] == "0" * cells
+    assert record["walk_whole"] is False
+    for node, told in zip(implicit.walk(most=24), record["walk"], strict=True):
+        assert (told["label"], told["low_N"], told["high_N"]) == (node.label, node.low, node.high)
+        for key, way in (("up", implicit.up(node.label)), ("down", implicit.down(node.label))):
+            assert (way is None) == (told[key] is None)
+            if way is not None:
+                assert told[key]["to"] == way[0]
+                assert told[key]["drive_N"] == way[1].drive
+                assert told[key]["cells"] == list(way[1].cells)
+                assert told[key]["released_mJ"] == pytest.approx(way[1].released * 1e3)
+
+
+def test_its_walk_begins_where_start_says(stepwell, tmp_path):
+    sw.save(long_chain(24), tmp_path / "long.toml")
+    record = json.loads(
+        stepwell("graph", "long.toml", "--drive", "force", "--start", "1" * 24, "--json").stdout
+    )
+    assert record["start"] == record["walk"][0]["label"] == "1" * 24
+    assert record["walk"][0]["up"] is None
+    wrong = stepwell("graph", "long.toml", "--drive", "force", "--start", "111")
+    assert wrong.exit_code == 2
+    assert "must be 24 characters 0 or 1" in wrong.output
+
+
+def test_along_a_stroke_it_walks_too_and_says_what_is_not_counted(stepwell, tmp_path):
+    sw.save(long_chain(11), tmp_path / "long.toml")
+    shown = stepwell("graph", "long.toml").stdout
+    assert "11 cells driven by stroke: 2048 vertices, not listed" in shown
+    assert "not counted          transitions, sub-loops, Garden of Eden" in shown
+    assert "A walk from 00000000000: the first 24 nodes" in shown
+    record = json.loads(stepwell("graph", "long.toml", "--json").stdout)
+    assert (
+        record["transitions"] is record["sub_loop_count"] is record["garden_of_eden_count"] is None
+    )
+    assert record["walk"][1]["label"].count("-") == 1
+    assert record["walk"][0]["up"]["kind"] == "switch"
+
+
+def test_a_file_of_what_cannot_be_listed_is_refused_with_who_still_answers(stepwell, tmp_path):
+    sw.save(long_chain(24, actuator_stiffness=0.0), tmp_path / "long.toml")
+    result = stepwell("graph", "long.toml", "-o", "long.dot")
+    assert result.exit_code == 2
+    told = " ".join(result.output.split())
+    assert "24 cells of which all 2^N states are sorted: at most 16 are taken" in told
+    assert "ask chain.implicit_graph(), which counts states" in told
+    assert not (tmp_path / "long.dot").exists()

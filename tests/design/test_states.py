@@ -204,3 +204,15 @@ def test_concave_chains_reach_their_ideals_at_least():
                     (c.force_0 for c in chain.levers), (c.force_1 for c in chain.levers)
                 )
                 assert surely <= set(reached(chain).states)
+
+
+@pytest.mark.parametrize("cells", [9, 40])
+def test_under_a_force_what_long_chains_reach_is_known_whole(cells):
+    chain = concave_chain(np.random.default_rng(cells), cells)
+    forced = sw.Chain(chain.cells, actuator_stiffness=0.0)
+    found = reached(forced)
+    assert found.whole
+    assert found.count == forced.implicit_graph().reached_count
+    if cells == 9:
+        listed = forced.graph()
+        assert set(found.states) == listed.reachable()

@@ -16,7 +16,7 @@ from docs.short_claims import replaced, short
 
 PAGES = [
     *("README.md", "docs/index.md", "docs/tutorial.md", "docs/gallery.md"),
-    *("docs/theory.md", "docs/robot-theory.md"),
+    *("docs/theory.md", "docs/robot-theory.md", "docs/limits.md"),
 ]
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (

@@ -99,6 +99,12 @@ MAPS = [
     ),
 ]
 
+# Too long for a graph that is listed.
+_LONG = "[chain]\nactuator_stiffness_N_per_m = 0\n" + "".join(
+    f"[[chain.cell]]\np_mm = [0, 0]\nq_mm = [{10 + 0.4 * (7 * k % 24):.1f}, {5 * k % 24 / 5 - 3}]\n"
+    for k in range(24)
+)
+
 GRAPHS = [
     Case("graph/three-wave", ("graph preset:three-wave", "graph preset:three-wave --json")),
     Case(
@@ -117,6 +123,17 @@ GRAPHS = [
             "graph preset:paper-forward --drive 100 --json",
             "graph preset:countdown --start 000",
         ),
+    ),
+    Case(
+        "graph/not-listed",
+        (
+            "graph long.toml",
+            f"graph long.toml --start {'1' * 24} --json",
+            "graph long.toml --drive stroke",
+            "graph long.toml --out long.svg",
+        ),
+        given={"long.toml": _LONG},
+        slow=True,
     ),
 ]
 

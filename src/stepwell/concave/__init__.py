@@ -14,6 +14,15 @@ from stepwell.concave.cell import (
     travel_at,
 )
 from stepwell.concave.certificate import certified, certify, closed, concave_disc, concave_line
+from stepwell.concave.counts import (
+    garden_states,
+    ideals,
+    landings,
+    levels,
+    standing_states,
+    sub_loops,
+    switches,
+)
 from stepwell.concave.ends import (
     end_force,
     end_force_field,

@@ -25,12 +25,14 @@ class Relays:
             it out of phase k + 1 [N].
         first: (N + 1,) relays of cell i are first[i] .. first[i + 1].
         equal: whether all cells are proved concave and share one full travel.
+        slip: fields no further apart than this tie [N].
     """
 
     up: Floats
     down: Floats
     first: Ints
     equal: bool
+    slip: float = 0.0
 
     @property
     def cell(self) -> Ints:
@@ -41,6 +43,15 @@ class Relays:
     def step(self) -> Ints:
         """(M,) k: out of which phase of its cell each relay leads."""
         return np.arange(len(self.up)) - self.first[self.cell]
+
+    @property
+    def windows(self) -> tuple[tuple[tuple[float, float], ...], ...]:
+        """By cell and phase: the forces between which it holds [N], infinite at the ends."""
+        ends = zip(self.first.tolist(), self.first[1:].tolist(), strict=False)
+        up, down = self.up.tolist(), self.down.tolist()
+        return tuple(
+            tuple(zip((-np.inf, *down[a:b]), (*up[a:b], np.inf), strict=True)) for a, b in ends
+        )
 
     @property
     def skips(self) -> bool:
@@ -62,11 +73,11 @@ class Relays:
         return "".join(map(str, counts.tolist()))
 
 
-def relays(chain: Chain) -> Relays | None:
+def relays(chain: Chain, *, ties: bool = False) -> Relays | None:
     """The switching fields of a chain.
 
     None where a lever cell is not proved concave, where an element has friction or a curve that
-    folds back, or where two fields tie.
+    folds back, or where two fields tie, unless `ties` says that they may.
     """
     fields: list[Floats | None] = []
     levers: list[Simple] = []
@@ -88,9 +99,10 @@ def relays(chain: Chain) -> Relays | None:
     first = np.append(0, np.cumsum([len(part) for part in parts]))
     pairs = np.concatenate(parts)
     size = np.max(np.abs(pairs), initial=0.0)
-    if np.any(np.diff(np.sort(pairs, axis=0), axis=0) <= TIED * size):
+    if not ties and np.any(np.diff(np.sort(pairs, axis=0), axis=0) <= TIED * size):
         return None
-    return Relays(pairs[:, 0], pairs[:, 1], first, not chain.elements and one_travel(chain))
+    equal = not chain.elements and one_travel(chain)
+    return Relays(pairs[:, 0], pairs[:, 1], first, equal, TIED * float(size))
 
 
 @dataclass(frozen=True)

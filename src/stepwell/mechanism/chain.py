@@ -15,7 +15,7 @@ from stepwell.mechanism.sizes import SlipError
 
 if TYPE_CHECKING:
     from stepwell.design import Margin, Reprogramming, Robustness, Survival, Tolerances, Yield
-    from stepwell.sequences import Cycle, Program, TransitionGraph
+    from stepwell.sequences import Cycle, ImplicitGraph, Program, TransitionGraph
     from stepwell.statics import Configuration, Path
 
 # Springs of an actuator [N/m]. A double holds a drive to a share of 1e-16: behind a softer spring
@@ -232,6 +232,25 @@ class Chain(ByValue):
         from stepwell import sequences
 
         return sequences.graph(self, drive, start=start, progress=progress)
+
+    def implicit_graph(self, drive: str | float | None = None) -> ImplicitGraph:
+        """The transition graph of a chain, asked state by state and never listed.
+
+        For chains of any length: it counts states, tells the window of each and where its ends
+        lead, and walks from one to the next.
+
+        Args:
+            drive: as for `graph`.
+
+        Returns:
+            The graph; nothing is computed before it is asked for.
+
+        Raises:
+            ValueError: friction, or no such drive.
+        """
+        from stepwell import sequences
+
+        return sequences.implicit_graph(self, drive)
 
     def program(
         self,

@@ -14,7 +14,7 @@ from stepwell.results.design import (
     tolerance_schema,
     yield_record,
 )
-from stepwell.results.graph import graph_record
+from stepwell.results.graph import graph_record, implicit_graph_record
 from stepwell.results.head import head, tie_notes
 from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
 from stepwell.results.map import boundary_rows, map_record
@@ -54,6 +54,7 @@ __all__ = [
     "force_scale",
     "graph_record",
     "head",
+    "implicit_graph_record",
     "impossible_record",
     "map_record",
     "maze_record",

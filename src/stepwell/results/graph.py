@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ from stepwell.base import Quantity, Schema, record, told_in
 from stepwell.results.head import head, tie_notes
 
 if TYPE_CHECKING:
-    from stepwell.sequences import TransitionGraph
+    from stepwell.sequences import ImplicitGraph, Transition, TransitionGraph
     from stepwell.sequences.memory import Latch, ReturnPointMemory
 
 _DIRECTION = Quantity("direction", read=lambda one: "loading" if one.direction > 0 else "unloading")
@@ -89,3 +90,63 @@ def _latch(latch: Latch, unit: str) -> dict[str, Any]:
     told = (_DIRECTION, Quantity("drive", unit))
     ways = [{"from": a, "to": b, **record(told, way)} for a, b, way in latch.ways]
     return {"left": list(latch.nodes), "ways": ways}
+
+
+# Nodes of a walk that show how it goes on.
+WALKED = 24
+
+
+def implicit_graph_record(
+    graph: ImplicitGraph,
+    *,
+    start: str | None = None,
+    most: int = WALKED,
+    design: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Any]:
+    """What a graph that is not listed says, as docs/commands.md describes it.
+
+    Args:
+        graph: of any chain.
+        start: where the walk begins; all cells at 0 by default.
+        most: nodes of the walk.
+        design: text of the design file.
+        progress: called with (done, total) nodes.
+    """
+    start = graph.zero if start is None else start
+    unit, _ = told_in(graph.unit)
+    ends = Quantity("low", unit), Quantity("high", unit)
+    walk: list[dict[str, Any]] = []
+    for done, node in enumerate(graph.walk(start, most=most)):
+        if progress is not None:
+            progress(done, most)
+        up, down = (_way(graph.transition(node.label, way), unit) for way in (+1, -1))
+        walk.append({"label": node.label} | record(ends, node) | {"up": up, "down": down})
+    return {
+        **head("stepwell.implicit_graph/1", design or graph.chain),
+        "title": graph.chain.title,
+        "actuator": graph.actuator,
+        "cells": list(graph.names),
+        "method": graph.method,
+        "vertices": _count(graph.vertex_count),
+        "transitions": _count(graph.transition_count),
+        "reached": _count(graph.reached_count),
+        "sub_loop_count": _count(graph.sub_loop_count),
+        "garden_of_eden_count": _count(graph.garden_count),
+        "start": start,
+        "walk": walk,
+        "walk_whole": len(walk) < most,
+        "ties": tie_notes(graph.ties, graph.chain),
+    }
+
+
+def _way(way: tuple[str, Transition] | None, unit: str) -> dict[str, Any] | None:
+    if way is None:
+        return None
+    told = Quantity("drive", unit), Quantity("cells"), Quantity("released", "mJ")
+    return {"to": way[0], "kind": way[1].kind.name.lower(), **record(told, way[1])}
+
+
+def _count(count: int | None) -> int | None:
+    # Python writes no whole number of more than 4300 digits.
+    return None if count is None or count.bit_length() > 14_000 else count

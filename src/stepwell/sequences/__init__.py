@@ -12,6 +12,7 @@ from stepwell.sequences.cycles import Sequence
 
 if TYPE_CHECKING:
     from stepwell.sequences.graphs import (
+        ImplicitGraph,
         Node,
         Transition,
         TransitionGraph,
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
         from_json,
         from_switching_fields,
         graph,
+        implicit_graph,
         switching_fields,
         to_dot,
         to_graphml,
@@ -43,6 +45,7 @@ __all__ = [
     "Counting",
     "Cycle",
     "Forgetting",
+    "ImplicitGraph",
     "Latch",
     "Loop",
     "Node",
@@ -64,6 +67,7 @@ __all__ = [
     "from_json",
     "from_switching_fields",
     "graph",
+    "implicit_graph",
     "program",
     "read_memory",
     "switching_fields",

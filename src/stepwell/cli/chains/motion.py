@@ -91,15 +91,26 @@ def graph(
 
     Its transition graph in the terms of the field: main loop and sub-loops, Garden-of-Eden
     states, return-point memory, scrambling, accumulators, latches, and states out of reach.
-    With --out, the graph is drawn, or written for other programs.
+    With --out, the graph is drawn, or written for other programs. A graph of too many states to
+    be listed is counted, and walked from all cells at 0 or from --start.
     """
     from stepwell import reports, results
+    from stepwell.cli.text import chains as texts
 
     text, chain = read_chain(design)
     free_file(out, force)
     if out is not None:
         with usable("--out"):
             reports.checked_suffix(out)
+    with usable(design):
+        implicit = chain.implicit_graph(drive_of(drive, chain))
+    if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
+        with usable(design), progress("graph") as tell:
+            record = results.implicit_graph_record(
+                implicit, start=start, design=text, progress=tell
+            )
+        finish(record, partial(texts.implicit_graph, graph=implicit), as_json)
+        return
     with usable(design), progress("graph") as tell:
         found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         record = results.graph_record(found, design=text)

@@ -1,6 +1,7 @@
 """The results of commands about chains as people read them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from stepwell.base import Column, Quantity, number, signed, told_in
@@ -28,7 +29,7 @@ from stepwell.results import (
     nearest_changes,
     tolerance_schema,
 )
-from stepwell.sequences import Pathway
+from stepwell.sequences import ImplicitGraph, Pathway
 from stepwell.sequences.programs import turn_schema
 
 # The states of a longer chain are too long to be read.
@@ -63,9 +64,9 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         show_lines("", "Too close to call", *record["ties"])
 
 
-def _order(cells: list[int], names: list[str]) -> str:
-    shown = ", ".join(names[cell] for cell in cells[:12])
-    return shown + f" and {len(cells) - 12} more" * (len(cells) > 12)
+def _order(cells: Sequence[int], names: Sequence[str], most: int = 12) -> str:
+    shown = ", ".join(names[cell] for cell in cells[:most])
+    return shown + f" and {len(cells) - most} more" * (len(cells) > most)
 
 
 def _nearest(margin: dict[str, Any], chain: Chain) -> str:
@@ -138,6 +139,53 @@ _BOUNDARY = (
     Quantity("method", head="how"),
     Column("within", _error),
 )
+
+
+_FEW = 4  # cells of a row
+# What is said of a cell that has moved; where it has two phases, its name tells that it did.
+_PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
+
+
+def implicit_graph(record: dict[str, Any], graph: ImplicitGraph) -> None:
+    """Print what `results.implicit_graph_record` returns of a graph."""
+    show_facts(record, {}, 0)
+    show_lines(*str(graph).splitlines())
+    unit, _ = told_in(graph.unit)
+    names, start, walk = graph.names, record["start"], record["walk"]
+    readable = len(names) <= MOST_CELLS
+    number = {node["label"]: k for k, node in enumerate(walk, 1)}
+
+    def state(node: Mapping[str, Any]) -> str:
+        if readable:
+            return node["label"]
+        last = zip(names, node["label"], start, graph.chain.last_state, strict=False)
+        left = [
+            name + _PLACE.get(at + most, f" at {at}") for name, at, was, most in last if at != was
+        ]
+        return _order(range(len(left)), left, _FEW) or "nothing"
+
+    def leads(way: str, node: Mapping[str, Any]) -> str:
+        if node[way] is None:
+            return ""
+        to = number.get(node[way]["to"])
+        return _order(node[way]["cells"], names, _FEW) + (f" → {to}" if to else "")
+
+    begin = start if readable else "all cells at 0" if start == graph.zero else "the start"
+    count = "all" if record["walk_whole"] else "the first"
+    show_records(
+        f"A walk from {begin}: {count} {len(walk)} nodes, those near by first",
+        (
+            Column("node", lambda node: str(number[node["label"]]), True),
+            Column("state" if readable else "unlike the start", state),
+            Quantity("low", unit, "from"),
+            Quantity("high", unit, "to"),
+            Column("up", partial(leads, "up")),
+            Column("down", partial(leads, "down")),
+        ),
+        walk,
+    )
+    if record["ties"]:
+        show_lines("", "Too close to call", *record["ties"])
 
 
 def program(record: dict[str, Any], chain: Chain) -> None:

@@ -7,6 +7,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from stepwell.base import InputError, Ints
+from stepwell.concave import ideals
 from stepwell.sequences import Sequence
 
 
@@ -145,13 +146,9 @@ class Orders:
 
     @property
     def count(self) -> int:
-        """How many these states are: antichains, counted without listing them (theory page)."""
-        place = {cell: k for k, cell in enumerate(self.unloading)}
-        ending: list[int] = []  # antichains whose cell of largest F0 is this one
-        for j, cell in enumerate(self.loading):
-            before = zip(ending, self.loading[:j], strict=True)
-            ending.append(1 + sum(n for n, other in before if place[other] < place[cell]))
-        return 1 + sum(ending)
+        """How many these states are, counted without listing them (theory page)."""
+        place = {cell: -k for k, cell in enumerate(self.unloading)}
+        return ideals((k, place[cell]) for k, cell in enumerate(self.loading))
 
     @property
     def nested(self) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from stepwell.base import ByValue
-from stepwell.concave import one_travel, proved_cells
+from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders.orders import Orders, by_cells_at_1
 from stepwell.mechanism import Chain
 from stepwell.sequences import cycle, graph
@@ -48,8 +48,9 @@ def reached(chain: Chain) -> Reached:
 
     Args:
         chain: up to eight cells are followed along every branch. Of longer ones, concave cells
-            with one full travel surely reach the ideals of their two orders, and those are all
-            states where every two loops are nested; any others, what one full cycle passes.
+            reach the ideals of their two orders under a force, and with one full travel surely
+            those under a stroke, which are all states where every two loops are nested; any
+            others, what one full cycle passes.
 
     Source: theory page, "Transition graphs" and "Stroke programs" (a, b).
     """
@@ -63,6 +64,8 @@ def reached(chain: Chain) -> Reached:
             how = f"a tie: {ties[0].advice}" if ties else "every branch was followed to both ends"
             return Reached(by_cells_at_1(states), not ties, how)
     sequence = cycle(chain).sequence
+    if sequence.orders is not None and chain.actuator_stiffness == 0 and relays(chain) is not None:
+        return Reached(Orders(*sequence.orders), True, "under a force no cell feels another")
     if sequence.orders is None or not (one_travel(chain) and proved_cells(chain)):
         return Reached(by_cells_at_1(sequence.states), False, why)
     orders = Orders(*sequence.orders)

@@ -57,7 +57,7 @@ def preisach(chain: Chain, fields: Relays) -> TransitionGraph:
     low[0], high[-1] = Branches(chain).range
     stands = np.flatnonzero(low <= high)
     labels = labels_of(digits)
-    travels = _Travels(chain)
+    travels = Travels(chain)
     rows = zip(
         stands.tolist(),
         low[stands].tolist(),
@@ -105,7 +105,7 @@ def labels_of(digits: Ints) -> list[str]:
     return [text[k : k + n] for k in range(0, len(text), n)]
 
 
-class _Travels:
+class Travels:
     """Travels of the cells of a chain in their phases, by force."""
 
     def __init__(self, chain: Chain):
@@ -131,13 +131,13 @@ class _Travels:
 _Flips = dict[tuple[int, int], tuple[tuple[Transition], int]]
 
 
-def _flips(chain: Chain, travels: _Travels, fields: Floats, direction: int) -> _Flips:
+def _flips(chain: Chain, travels: Travels, fields: Floats, direction: int) -> _Flips:
     """What every cell does all by itself; states share it, since none feels the others.
 
     `fields` are the forces at which it leaves each phase in this direction, (N, P).
     """
     found: _Flips = {}
-    for i, (cell, leaves) in enumerate(zip(chain.cells, fields.tolist(), strict=True)):
+    for i, leaves in enumerate(fields.tolist()):
         for phase, force in enumerate(leaves):
             if math.isinf(force):
                 continue
@@ -145,11 +145,24 @@ def _flips(chain: Chain, travels: _Travels, fields: Floats, direction: int) -> _
             # At this force it would leave these phases too.
             while direction * (leaves[target] - force) < 0:
                 target += direction
-            a, b = travels.at(i, phase, force), travels.at(i, target, force)
-            heat = force * (b - a) - (_energy(cell, target, b) - _energy(cell, phase, a))
+            heat = heat_of(chain, travels, (i, phase, target), force)
             flip = Transition(TransitionKind.SNAP, direction, force, (i,), heat)
             found[i, phase] = (flip,), target
     return found
+
+
+def heat_of(chain: Chain, travels: Travels, switch: tuple[int, int, int], force: float) -> float:
+    """Energy [J] that a cell turns into heat as it goes from a phase to another, all by itself.
+
+    Args:
+        chain: whose cell it is.
+        travels: of its cells.
+        switch: numbers of the cell, of the phase it leaves and of the one it lands in.
+        force: at which it goes [N].
+    """
+    i, phase, target = switch
+    cell, (a, b) = chain.cells[i], (travels.at(i, k, force) for k in (phase, target))
+    return force * (b - a) - (_energy(cell, target, b) - _energy(cell, phase, a))
 
 
 def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
@@ -250,7 +263,7 @@ def switching_fields(graph: TransitionGraph) -> Floats:
     let_go = np.where(digits == 1, forces[:, 1], forces[:, 0])
     if stiffness == 0:
         return let_go
-    travels = _Travels(chain)
+    travels = Travels(chain)
     columns = [np.sum(travels.of(digits, force), axis=1) for force in let_go.T]
     return np.column_stack(columns) + let_go / stiffness
 

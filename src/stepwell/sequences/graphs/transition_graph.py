@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import product
 from typing import TYPE_CHECKING
 
 import networkx as nx
@@ -16,6 +16,7 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
     Branches,
     Drive,
+    Section,
     checked_state,
     driven,
     refuse_friction,
@@ -183,15 +184,15 @@ def graph(
     """The transition graph of a chain. All else as for `Chain.graph`."""
     chain = driven(chain, drive)
     refuse_friction(chain)
-    states = [range(int(last) + 1) for last in chain.last_state]
     fields = relays(chain) if chain.actuator_stiffness == 0 else None
+    if start is None:
+        _require_listable(chain, "graph_cells" if fields is None else "relays")
     if fields is not None and start is None:
-        _require("relays", states)
         from stepwell.sequences.graphs.fields import preisach
 
         return preisach(chain, fields)
-    if start is None:
-        _require("graph_cells", states)
+    branches = Branches(chain)
+    states = [range(int(last) + 1) for last in chain.last_state]
     branches = Branches(chain)
     starts = ["".join(map(str, one)) for one in product(*states)] if start is None else [start]
     first: list[int] = []
@@ -203,7 +204,7 @@ def graph(
             first.append(branches.at(*place))
         elif start is not None:
             raise InputError(
-                f"start = {start!r}: is no equilibrium: {_overdrawn(chain)}. Start from another "
+                f"start = {start!r}: is no equilibrium: {overdrawn(chain)}. Start from another "
                 f"state, or leave start out to see all."
             )
     found = sorted(branches.all_from(first, progress))
@@ -212,18 +213,30 @@ def graph(
     return _assembled(branches, found, start)
 
 
-def _require(limit: str, states: list[range]) -> None:
-    # As many states as so many cells of two have.
-    cells = (math.prod(map(len, states)) - 1).bit_length()
+def listable(chain: Chain) -> bool:
+    """Whether the limits let the graph of a chain be listed from every state."""
+    limit = "relays" if chain.actuator_stiffness == 0 and relays(chain) else "graph_cells"
+    return _as_cells(chain) <= most(limit)
+
+
+def _as_cells(chain: Chain) -> int:
+    """How many cells of two phases have as many states."""
+    return (math.prod(map(len, chain.stretches)) - 1).bit_length()
+
+
+def _require_listable(chain: Chain, limit: str) -> None:
+    cells = _as_cells(chain)
     if cells > most(limit):
-        what = "the chain has" if cells == len(states) else "the chain has as many states as"
+        what = "the chain has" if cells == len(chain) else "the chain has as many states as"
         raise InputError(
-            f"{problem(limit, cells, what)} Or pass start= to see what can be reached from one "
-            f"state, or ask chain.program(to=...) for one way."
+            f"{problem(limit, cells, what)} Or ask chain.implicit_graph(), which counts states and "
+            f"walks from one to the next without listing them, pass start= to list what can be "
+            f"reached from one state, or ask chain.program(to=...) for one way."
         )
 
 
-def _overdrawn(chain: Chain) -> str:
+def overdrawn(chain: Chain) -> str:
+    """Why a state is no equilibrium."""
     if chain.elements:
         return "no one force keeps every cell in its phase"
     return "a cell at 1 pushes harder than one at 0 holds"
@@ -232,34 +245,20 @@ def _overdrawn(chain: Chain) -> str:
 def _assembled(branches: Branches, numbers: list[int], start: str | None) -> TransitionGraph:
     """The branches as a graph."""
     chain = branches.chain
-    stretches = chain.stretches
     names = _labels(branches, numbers)
     found = TransitionGraph()
     for place, number in enumerate(numbers):
         for k, section in enumerate(branches[number].sections):
             label = names[number, k]
-            node = Node(
-                label, section.state, *section.drive, *section.force, *section.travel, place
-            )
-            found.add_node(label, node=node)
+            found.add_node(label, node=node_of(label, section, place))
     for number in numbers:
-        sections = branches[number].sections
-        for k, (lower, upper) in enumerate(pairwise(sections)):
-            cells = _unlike(lower.state, upper.state)
-            for a, b, direction in ((k, k + 1, +1), (k + 1, k, -1)):
-                at = lower.drive[1]
-                switch = Transition(TransitionKind.SWITCH, direction, at, cells)
-                join(found, names[number, a], names[number, b], switch)
-        for direction, k in ((+1, len(sections) - 1), (-1, 0)):
-            exit_ = branches.exit(number, direction)
-            if exit_ is None:
-                continue
-            snap, at = exit_.snap, exit_.snap.drive[0]
-            onto = branches[exit_.branch]
-            target = onto.find(state_of(stretches, exit_.place), at)
-            cells = _changed(snap, sections[k].state, onto.sections[target].state)
-            what = TransitionKind.SNAP, direction, at, cells, snap.released, snap.tie
-            join(found, names[number, k], names[exit_.branch, target], Transition(*what))
+        last = len(branches[number].sections) - 1
+        inner = (end for k in range(last) for end in ((k, +1), (k + 1, -1)))
+        for k, direction in (*inner, (last, +1), (0, -1)):
+            way = way_on(branches, number, k, direction)
+            if way is not None:
+                target, transition = way
+                join(found, names[number, k], names[target], transition)
     found.graph.update(
         **about(chain),
         ties=tuple(branches.ties),
@@ -267,6 +266,41 @@ def _assembled(branches: Branches, numbers: list[int], start: str | None) -> Tra
         method="every branch followed to both ends by the engine",
     )
     return nx.freeze(found)
+
+
+def node_of(label: str, section: Section, branch: int) -> Node:
+    """A section of a branch as a node."""
+    return Node(label, section.state, *section.drive, *section.force, *section.travel, branch)
+
+
+def way_on(
+    branches: Branches, number: int, k: int, direction: int
+) -> tuple[tuple[int, int], Transition] | None:
+    """Where the drive leads from a section of a branch; None where it ends.
+
+    Args:
+        branches: of a chain.
+        number, k: of the branch, and of the section on it.
+        direction: +1 where the drive rises, -1 where it falls.
+
+    Returns:
+        Numbers of branch and section, and what happens on the way there.
+    """
+    sections = branches[number].sections
+    beside = k + direction
+    if 0 <= beside < len(sections):
+        cells = _unlike(sections[k].state, sections[beside].state)
+        at = sections[min(k, beside)].drive[1]
+        return (number, beside), Transition(TransitionKind.SWITCH, direction, at, cells)
+    exit_ = branches.exit(number, direction)
+    if exit_ is None:
+        return None
+    snap, at = exit_.snap, exit_.snap.drive[0]
+    onto = branches[exit_.branch]
+    target = onto.find(state_of(branches.chain.stretches, exit_.place), at)
+    cells = _changed(snap, sections[k].state, onto.sections[target].state)
+    what = TransitionKind.SNAP, direction, at, cells, snap.released, snap.tie
+    return (exit_.branch, target), Transition(*what)
 
 
 def about(chain: Chain) -> dict[str, object]:
