@@ -37,6 +37,7 @@ STROKE, COMPLIANT, FORCE = 0, 1, 2
 
 BINS = 128  # per travel, for the local stiffness that limits the time step
 SAMPLES_PER_BIN = 16
+QUIET = 1e-3  # of the force scale: driven by less, cells only creep to where they will rest
 RAMP_STEPS = 16  # time steps over which one drive increment is applied
 REFINE = 7  # a drive step that jumps is halved up to this many times
 GENTLE = 10  # and the step that leaves a vertex is begun with this many halvings
@@ -367,19 +368,19 @@ def _stiffness_table(geometry, bands, loads):
 
 
 @njit(cache=True)
-def _speed(i, lam, s, force, geometry):
+def _speed(i, lam, s, force, mobility, geometry):
     """Speed of one cell under the actuator force λ; a cell at a stop moves only inward."""
     up = force[i] + geometry[i, FRICTION]
     down = force[i] - geometry[i, FRICTION]
     if lam > up and s[i] < geometry[i, HIGH]:
-        return geometry[i, MOBILITY] * (lam - up)
+        return mobility[i] * (lam - up)
     if lam < down and s[i] > geometry[i, LOW]:
-        return geometry[i, MOBILITY] * (lam - down)
+        return mobility[i] * (lam - down)
     return 0.0
 
 
 @njit(cache=True)
-def _multiplier(w, c, near, s, force, geometry):
+def _multiplier(w, c, near, s, force, mobility, geometry):
     """The λ that solves Σ_i speed_i(λ) + c λ = w, exactly; nearest to `near` if many do.
 
     The left side is piecewise linear and never falls. Its kinks are F_i + f_i of the cells
@@ -397,15 +398,15 @@ def _multiplier(w, c, near, s, force, geometry):
             if s[i] >= geometry[i, HIGH]:
                 continue
             kink = force[i] + geometry[i, FRICTION]
-            ups += geometry[i, MOBILITY]
+            ups += mobility[i]
         else:
             if s[i] <= geometry[i, LOW]:
                 continue
             kink = force[i] - geometry[i, FRICTION]
-            downs += geometry[i, MOBILITY]
+            downs += mobility[i]
         g = c * kink - w
         for m in range(n):
-            g += _speed(m, kink, s, force, geometry)
+            g += _speed(m, kink, s, force, mobility, geometry)
         if g < 0.0:
             if not lo_known or kink > lo:
                 lo, g_lo, lo_known = kink, g, True
@@ -484,6 +485,7 @@ def _advance(
     mean = np.empty(n)
     trial = np.empty(n)
     kappa = np.empty(n)
+    mobility = geometry[:, MOBILITY].copy()
     moving = np.zeros(n, dtype=np.bool_)
     longest = 0.0
     for i in range(n):
@@ -495,7 +497,7 @@ def _advance(
     # implicitly and only to first order, hence the smaller step there, and smaller still
     # while the chain is on its way to a new place.
     courant = 0.1 if mode == COMPLIANT else 0.25
-    hardest = 0.0
+    hardest = scale
     work = 0.0
     rubbed = 0.0
     viscous = 0.0
@@ -511,16 +513,20 @@ def _advance(
         total = 0.0
         pushed = 0.0
         holding = 0.0
+        # Where the cells are all but at rest no race is left to be run, and mobilities that are
+        # all alike beside the stiffness bring every cell there in few steps.
+        creeping = not ramping and hardest < QUIET * scale
         for i in range(n):
             force[i] = _cell_force(i, s[i], geometry, bands, loads)
-            mobility = geometry[i, MOBILITY]
+            moving[i] = abs(v[i]) > idle * mobility[i]
             at = min(int(s[i] / geometry[i, SPAN] * BINS), BINS - 1)
-            kappa[i] = mobility * max(table[int(geometry[i, ROW]), at], soft)
-            moving[i] = abs(v[i]) > idle * mobility
+            steepest = max(table[int(geometry[i, ROW]), at], soft)
+            mobility[i] = soft / steepest if creeping else geometry[i, MOBILITY]
+            kappa[i] = mobility[i] * steepest
             total += s[i]
             if moving[i]:
-                pushed += mobility
-                holding += mobility * (force[i] + math.copysign(geometry[i, FRICTION], v[i]))
+                pushed += mobility[i]
+                holding += mobility[i] * (force[i] + math.copysign(geometry[i, FRICTION], v[i]))
         if mode == STROKE and settling and pushed > 0.0:
             # If nothing is to move now, a range of λ will do: the one that moved the cells
             # last, without what the ramp's own speed added to it.
@@ -553,18 +559,19 @@ def _advance(
             if mode == STROKE:
                 # Besides du/dt, the rounding lost so far is paid back at an ordinary pace.
                 w = rate + (drive - total) / usual if ramping else 0.0
-                lam, ok = _multiplier(w, 0.0, lam, s, force, geometry)
+                lam, ok = _multiplier(w, 0.0, lam, s, force, mobility, geometry)
                 beyond = not ok
             elif mode == COMPLIANT:
                 c = 1.0 / (stiff * dt)
-                lam, ok = _multiplier((target - total) / dt, c, lam, s, force, geometry)
+                w = (target - total) / dt
+                lam, ok = _multiplier(w, c, lam, s, force, mobility, geometry)
             else:
                 lam = target
             joined = False
             hardest = 0.0
             for i in range(n):
-                v[i] = _speed(i, lam, s, force, geometry)
-                driven = abs(v[i]) / geometry[i, MOBILITY]
+                v[i] = _speed(i, lam, s, force, mobility, geometry)
+                driven = abs(v[i]) / mobility[i]
                 hardest = max(hardest, driven)
                 if driven > 1e3 * idle and not moving[i]:
                     joined = True
@@ -601,14 +608,14 @@ def _advance(
                 w = 0.0
                 for i in range(n):
                     w += v[i]
-                lam2, ok = _multiplier(w, 0.0, lam, trial, force, geometry)
+                lam2, ok = _multiplier(w, 0.0, lam, trial, force, mobility, geometry)
             else:
                 lam2, ok = target, True
             if ok:
                 joined = False
                 for i in range(n):
-                    second = _speed(i, lam2, trial, force, geometry)
-                    enough = 1e3 * idle * geometry[i, MOBILITY]
+                    second = _speed(i, lam2, trial, force, mobility, geometry)
+                    enough = 1e3 * idle * mobility[i]
                     joined = joined or (not moving[i] and abs(second) > enough)
                     mean[i] = 0.5 * (v[i] + second)
                 # Unless a cell only now sets off, or would be pressed into the stop it leaves.
@@ -628,7 +635,7 @@ def _advance(
                 s[i] = geometry[i, end]
             else:
                 s[i] = min(max(s[i] + ds, geometry[i, LOW]), geometry[i, HIGH])
-            viscous += v[i] * ds / geometry[i, MOBILITY]
+            viscous += v[i] * ds / mobility[i]
             rubbed += geometry[i, FRICTION] * abs(ds)
             leads = int(geometry[i, ABOVE if v[i] > 0.0 else BELOW])
             if v[i] != 0.0 and s[i] == geometry[i, end] and leads >= 0:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -21,48 +21,79 @@ FAR = 0.03
 
 def as_oracle(cell: sw.Cell | sw.Element) -> oracle.OracleCell:
     if isinstance(cell, sw.Element):
-        knots = knots_of(cell)
-        lever = 0.5 * (knots[-1][0] - knots[0][0]) / math.sin(0.5)
-        load = [(s - knots[0][0], force) for s, force in knots]
-        return oracle.OracleCell(lever, 0.5, load=load, friction=cell.friction)
+        knots = [knots_of(cell, number) for number in range(len(cell.laws))]
+        low, high = low_of(cell), max(s for on in knots for s, _ in on)
+        sheets = [
+            oracle.OracleSheet(
+                [(s - low, force) for s, force in on],
+                float(cell.energy_at(on[0][0], number)),
+                cell.laws[number].below,
+                cell.laws[number].above,
+            )
+            for number, on in enumerate(knots)
+        ]
+        lever = 0.5 * (high - low) / math.sin(0.5)
+        curve = {"sheets": sheets} if len(sheets) > 1 else {"load": sheets[0].load}
+        return oracle.OracleCell(
+            lever, 0.5, friction=cell.friction, mobility=cell.mobility, **curve
+        )
     bands = [(*b.d, b.stiffness, b.rest_length, *_bend(b.law), b.two_sided) for b in cell.bands]
     load = [] if cell.load is None else list(zip(cell.load.travel, cell.load.force, strict=True))
-    return oracle.OracleCell(cell.lever, cell.limit, bands=bands, load=load, friction=cell.friction)
-
-
-def knots_of(element: sw.Element) -> list[tuple[float, float]]:
-    """Travels and forces between which the force of an element is straight, open ends included."""
-    (sheet,), (below, above) = element.laws, element.stopped
-    travel = np.append(sheet.rows[:, 0], sheet.end)
-    travel = np.concatenate(
-        [[] if below else [sheet.begin - FAR], travel, [] if above else [sheet.end + FAR]],
+    return oracle.OracleCell(
+        cell.lever,
+        cell.limit,
+        bands=bands,
+        load=load,
+        friction=cell.friction,
+        mobility=cell.mobility,
     )
-    return list(zip(travel.tolist(), element.force_at(travel).tolist(), strict=True))
+
+
+def knots_of(element: sw.Element, number: int = 0) -> list[tuple[float, float]]:
+    """Travels and forces between which a sheet of an element is straight, or all but straight.
+
+    Ends that are open go on.
+    """
+    sheet, (stopped_below, stopped_above) = element.laws[number], element.stopped
+    ends = np.append(sheet.rows[:, 0], sheet.end)
+    # Eight chords of a cubic are within a hundredth of what it bends.
+    parts = [np.linspace(a, b, 9)[1:] for a, b in pairwise(ends)]
+    for k, row in enumerate(sheet.rows):
+        if not np.any(row[3:5]):
+            parts[k] = parts[k][-1:]
+    below = [] if stopped_below or sheet.below is not None else [sheet.begin - FAR]
+    above = [] if stopped_above or sheet.above is not None else [sheet.end + FAR]
+    travel = np.concatenate([below, ends[:1], *parts, above])
+    return list(zip(travel.tolist(), element.force_at(travel, number).tolist(), strict=True))
 
 
 def low_of(cell: sw.Cell | sw.Element) -> float:
     """Travel that brute force calls 0 [m]."""
-    return knots_of(cell)[0][0] if isinstance(cell, sw.Element) else 0.0
+    if isinstance(cell, sw.Cell):
+        return 0.0
+    return min(knots_of(cell, number)[0][0] for number in range(len(cell.laws)))
 
 
 def _bend(law) -> tuple[float, float]:
     return (law.a2, law.a3) if isinstance(law, sw.Cubic) else (0.0, 0.0)
 
 
-def brute_force(chain: sw.Chain, points) -> oracle.OracleRun:
+def brute_force(chain: sw.Chain, points, steps: int = STEPS) -> oracle.OracleRun:
     stiffness = chain.actuator_stiffness
     control = {math.inf: "stroke", 0.0: "force"}.get(stiffness, stiffness)
     lows = np.array([low_of(c) for c in chain.cells])
     shift = float(np.sum(lows)) if stiffness else 0.0
     start = None
     if chain.elements:
-        start = (np.array(chain.path(points[:1]).start) - lows).tolist()
+        here = chain.path(points[:1])
+        assert not any(here.start_sheet)
+        start = (np.array(here.start) - lows).tolist()
     run = oracle.follow(
         [as_oracle(c) for c in chain.cells],
         [point - shift for point in points],
         start=start,
         control=control,
-        steps=STEPS,
+        steps=steps,
     )
     return replace(run, drive=run.drive + shift, travel=run.travel + lows)
 
