@@ -90,5 +90,5 @@ def mixed(seed: int, cells: int) -> sw.Chain:
             law=sw.Cubic(-20.0, 800.0) if rng.random() < 0.4 else sw.Linear(),
         )
         load = sw.Load.constant(float(rng.uniform(-0.1, 0.1))) if rng.random() < 0.3 else None
-        made.append(sw.Cell(band, load=load))
+        made.append(sw.Cell(band, load=load, unusual=True))
     return sw.Chain(made)
