@@ -470,9 +470,7 @@ def _note_vertex(s, codes, geometry):
 
 
 @njit(cache=True)
-def _advance(
-    mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, bands, loads
-):
+def _advance(mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, bands, loads):
     """Move the drive from a to b as a slow ramp, then let the chain come to rest.
 
     Changes s and geometry (the rows of the sheets that the cells are on) in place and appends
@@ -755,9 +753,7 @@ def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
                     codes[0] = noted
                     part = 0.5 * abs(y - x)
                     continue
-                cells, total = _energies(
-                    mode, stiff, y, s, geometry, bands, loads
-                )
+                cells, total = _energies(mode, stiff, y, s, geometry, bands, loads)
                 if jump > threshold and found < MAX_SNAPS:
                     jumps[found, 0] = row + 1
                     jumps[found, 1] = y
