@@ -9,7 +9,7 @@ import pytest
 
 import oracle
 import stepwell as sw
-from chains import any_chain, concave_chain
+from chains import any_cell, any_chain, concave_chain
 from sizes import examples
 
 STEPS = 1500
@@ -33,9 +33,8 @@ def as_oracle(cell: sw.Cell | sw.Element) -> oracle.OracleCell:
             for number, on in enumerate(knots)
         ]
         lever = 0.5 * (high - low) / math.sin(0.5)
-        curve = {"sheets": sheets} if len(sheets) > 1 else {"load": sheets[0].load}
         return oracle.OracleCell(
-            lever, 0.5, friction=cell.friction, mobility=cell.mobility, **curve
+            lever, 0.5, friction=cell.friction, mobility=cell.mobility, sheets=sheets
         )
     bands = [(*b.d, b.stiffness, b.rest_length, *_bend(b.law), b.two_sided) for b in cell.bands]
     load = [] if cell.load is None else list(zip(cell.load.travel, cell.load.force, strict=True))
@@ -220,6 +219,120 @@ def test_levers_and_elements_with_stops_open_ends_and_friction_do_what_brute_for
             failures.append(seed)
     assert compared >= 0.3 * count, "too few chains were fit to compare"
     assert not failures
+
+
+def bent_element(rng: np.random.Generator) -> sw.Element:
+    """Smooth through points such as those of `any_element`; or with a spring inside that folds it.
+
+    Beside a spring in series that is softer than the fall of its force, a snap folds back.
+    """
+    rise, fall, up = rng.uniform([0.8e-3, 1.5e-3, 1.5e-3], [1.2e-3, 2.5e-3, 2.5e-3])
+    top, bottom = rng.uniform(0.6, 1.2), -rng.uniform(0.2, 1.2)
+    travel = np.array([-rise, 0.0, rise, rise + fall, rise + fall + up])
+    force = np.array([-top, 0.0, top, bottom, bottom + rng.uniform(1.5, 2.5)])
+    if rng.random() < 0.5:
+        return sw.Element.from_table(travel.tolist(), force.tolist())
+    s = np.linspace(travel[0], travel[-1], 200)
+    through = np.interp(s, travel, force)
+    spring = rng.uniform(0.3, 0.9) * (top - bottom) / fall
+    return sw.Element.from_curve(s + through / spring, through)
+
+
+def mobile_chain(rng: np.random.Generator, kind: str, stiffness: float, ratio: float) -> sw.Chain:
+    """A chain of 2 to 6 cells whose mobilities are spread over a ratio."""
+    cells = int(rng.integers(2, 7))
+    if kind == "concave":
+        parts = [*concave_chain(rng, cells).cells]
+    else:
+        draws = {"levers": [any_cell], "elements": [any_element, bent_element]}
+        makers = draws.get(kind, [any_cell, any_element, bent_element])
+        parts = [makers[rng.integers(len(makers))](rng) for _ in range(cells)]
+    spread = ratio ** rng.uniform(-0.5, 0.5, cells)
+    parts = [replace(c, mobility=float(m)) for c, m in zip(parts, spread, strict=True)]
+    return sw.Chain(parts, actuator_stiffness=stiffness)
+
+
+def alike(chain: sw.Chain) -> sw.Chain:
+    """The same chain with mobilities that are all alike."""
+    return replace(chain, cells=[replace(c, mobility=1.0) for c in chain.cells])
+
+
+def arrivals(cycle: sw.Cycle) -> list:
+    return [(event.kind, event.arrivals) for event in cycle.events]
+
+
+def within_reach(path: sw.Path) -> bool:
+    """Whether no open end is passed by more than brute force can follow."""
+    return all(
+        np.min(s) > c.low - FAR and np.max(s) < c.high + FAR
+        for c, s in zip(path.chain.cells, path.travel.T, strict=True)
+        if isinstance(c, sw.Element)
+    )
+
+
+def agrees(path: sw.Path, chain: sw.Chain | None = None) -> bool:
+    """Whether brute force takes this path, in finer steps where the first are too coarse.
+
+    With friction a step of the drive drags cells a little too far, about as far as it is long.
+    """
+    chain = path.chain if chain is None else chain
+    return any(
+        off_the_path(path, brute_force(chain, path.turning_points, steps)) <= 0.005
+        for steps in (STEPS, 4 * STEPS, 16 * STEPS)
+    )
+
+
+# Each takes another way with mobilities that are all alike.
+RACES = [
+    ("levers", 200.0, 10.0, 39),
+    ("concave", math.inf, 100.0, 6),
+    ("elements", math.inf, 100.0, 98),
+    ("both", 200.0, 100.0, 126),
+]
+
+
+@pytest.mark.parametrize(("kind", "stiffness", "ratio", "seed"), RACES)
+def test_where_mobility_decides_the_engine_lands_where_brute_force_does(
+    kind, stiffness, ratio, seed
+):
+    chain = mobile_chain(np.random.default_rng(seed), kind, stiffness, ratio)
+    path = chain.cycle().path
+    assert off_the_path(path, brute_force(chain, path.turning_points)) <= 0.005
+    assert off_the_path(path, brute_force(alike(chain), path.turning_points)) > 0.005
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [10.0, 100.0])
+@pytest.mark.parametrize("stiffness", [math.inf, 200.0])
+@pytest.mark.parametrize("kind", ["levers", "concave", "elements", "both"])
+def test_unequal_mobilities_lead_where_brute_force_finds_them_to(kind, stiffness, ratio):
+    wanted = examples(2, full=40)
+    failures, races = [], 0
+    for seed in range(1000 * wanted):
+        chain = mobile_chain(np.random.default_rng([seed, 14]), kind, stiffness, ratio)
+        cycle = chain.cycle()
+        # Few chains care: those are compared, and one in forty of the others.
+        race = arrivals(cycle) != arrivals(alike(chain).cycle())
+        if not (race or seed % 40 == 0) or cycle.degenerate or not within_reach(cycle.path):
+            continue
+        races += race
+        if not agrees(cycle.path):
+            failures.append(seed)
+        if races == wanted:
+            break
+    assert races == wanted, "too few chains in which mobility decides"
+    assert not failures
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["levers", "concave", "elements", "both"])
+def test_under_a_force_brute_force_with_unequal_mobilities_finds_the_same_path(kind):
+    count = examples(2, full=40)
+    for seed in range(count):
+        chain = mobile_chain(np.random.default_rng([seed, 15]), kind, 0.0, 100.0)
+        path = alike(chain).cycle().path
+        if not path.degenerate and within_reach(path):
+            assert agrees(path, chain)
 
 
 def test_the_third_cell_that_joins_a_snap_may_be_the_one_left_in_transit():
