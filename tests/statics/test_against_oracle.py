@@ -301,12 +301,22 @@ def test_where_mobility_decides_the_engine_lands_where_brute_force_does(
     assert off_the_path(path, brute_force(alike(chain), path.turning_points)) > 0.005
 
 
+# Behind a spring elements race too rarely to be looked for.
+MOBILE = [
+    *(
+        (kind, stiffness)
+        for kind in ("levers", "concave", "both")
+        for stiffness in (math.inf, 200.0)
+    ),
+    ("elements", math.inf),
+]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [10.0, 100.0])
-@pytest.mark.parametrize("stiffness", [math.inf, 200.0])
-@pytest.mark.parametrize("kind", ["levers", "concave", "elements", "both"])
+@pytest.mark.parametrize(("kind", "stiffness"), MOBILE)
 def test_unequal_mobilities_lead_where_brute_force_finds_them_to(kind, stiffness, ratio):
-    wanted = examples(2, full=40)
+    wanted = examples(1, full=40)
     failures, races = [], 0
     for seed in range(1000 * wanted):
         chain = mobile_chain(np.random.default_rng([seed, 14]), kind, stiffness, ratio)
