@@ -5,15 +5,18 @@ little, and lets every cell slide at a speed proportional to the force that is o
 balance until nothing slides any more. It shares no code with the package it judges, and
 must never import it.
 
-The flow (equal mobility 1 on every travel, so forces and speeds share one unit)
+The flow (mobilities m_i beside that of the fastest cell, so forces and speeds share one unit)
 
-    ds_i/dt = (λ - F_i - f_i)^+ [if s_i < S_i]  -  (F_i - f_i - λ)^+ [if s_i > 0]
+    ds_i/dt = m_i ((λ - F_i - f_i)^+ [if s_i < S_i]  -  (F_i - f_i - λ)^+ [if s_i > 0])
 
 with F_i the cell's force, f_i its Coulomb friction and λ the actuator force:
 
     'stroke'   Σ s_i = u: λ is the multiplier that makes Σ ds_i/dt = du/dt
     K          λ = K (U - Σ s_i) at all times, U the far end of the actuator spring
     'force'    λ is the drive itself
+
+A curve that folds back is given sheet by sheet. A cell that slides to the end of a sheet is at
+once on the sheet that this end leads to, at the same travel.
 
 What it resolves: a drive step (a 128th of one for the place of a snap, a 1000th for which
 cell leaves a vertex first under stroke control). Exact ties, identical cells and several
@@ -34,12 +37,31 @@ STROKE, COMPLIANT, FORCE = 0, 1, 2
 
 BINS = 128  # per travel, for the local stiffness that limits the time step
 SAMPLES_PER_BIN = 16
+QUIET = 1e-3  # of the force scale: driven by less, cells only creep to where they will rest
 RAMP_STEPS = 16  # time steps over which one drive increment is applied
 REFINE = 7  # a drive step that jumps is halved up to this many times
 GENTLE = 10  # and the step that leaves a vertex is begun with this many halvings
 MAX_TIME_STEPS = 5_000_000  # per drive step; beyond it the flow is declared not to settle
 MAX_SNAPS = 1000
 MAX_VERTICES = 10_000
+
+
+# What is known of a cell on one sheet of its curve.
+LEVER, HALF, LOW, HIGH, SPAN, FRICTION, MOBILITY, DATUM = range(8)
+FIRST_BAND, END_BAND, FIRST_KNOT, END_KNOT, BELOW, ABOVE, ROW, SHEET = range(8, 16)
+
+
+@dataclass(frozen=True)
+class OracleSheet:
+    """One sheet of a curve that folds back: knots (s [m], F [N]), linear between them.
+
+    energy: at its low end [J]. below, above: the sheets that its ends lead to, None for a stop.
+    """
+
+    load: Sequence[tuple[float, float]]
+    energy: float = 0.0
+    below: int | None = None
+    above: int | None = None
 
 
 @dataclass(frozen=True)
@@ -50,6 +72,9 @@ class OracleCell:
         k (e + a2 e^2 + a3 e^3) with e = l - l0, and zero for e < 0 unless two_sided.
     load: knots (s [m], F [N]), s strictly increasing; linear between them, constant outside.
         One knot is a constant load. Positive resists travel.
+    mobility: how fast it slides for a force, beside the other cells, > 0.
+    sheets: a curve that folds back, within 0 and the full travel; load is not used then.
+        The cell starts on the first one.
     """
 
     lever: float
@@ -57,6 +82,8 @@ class OracleCell:
     bands: Sequence[tuple[float, float, float, float, float, float, bool]] = ()
     load: Sequence[tuple[float, float]] = ()
     friction: float = 0.0
+    mobility: float = 1.0
+    sheets: Sequence[OracleSheet] = ()
 
     @property
     def span(self) -> float:
@@ -96,7 +123,8 @@ class OracleSnap:
 class OracleRun:
     """What the chain did, one row per drive step (row 0 is the start, at rest).
 
-    drive: (n,) prescribed u, U [m] or λ [N]. stroke: (n,) Σ s [m]. travel: (n, N) [m].
+    drive: (n,) prescribed u, U [m] or λ [N]. stroke: (n,) Σ s [m]. travel: (n, N) [m]. sheet:
+    (n, N), 0 unless curves fold back.
     force: (n,) λ [N]. energy: (n,) of the cells [J]. total: (n,) with the actuator spring
     or the dead load [J]. snaps: in order. sequence: "00>10>11>01>00", every state passed with
     all cells at stops, repeats removed (also those passed between two rows).
@@ -105,6 +133,7 @@ class OracleRun:
     drive: np.ndarray
     stroke: np.ndarray
     travel: np.ndarray
+    sheet: np.ndarray
     force: np.ndarray
     energy: np.ndarray
     total: np.ndarray
@@ -130,7 +159,8 @@ def follow(
         drive step makes smaller; by default a hundredth of the longest span.
     """
     packed = _pack(cells)
-    spans = packed[0][:, 2]
+    count = len(cells)
+    spans = packed[0][:count, SPAN]
     points = np.asarray(turning_points, dtype=float)
     if points.ndim != 1 or len(points) < 2:
         raise ValueError(f"turning_points must be two or more numbers, got {turning_points!r}")
@@ -165,7 +195,7 @@ def follow(
     if len(jumps) == MAX_SNAPS or len(codes) == MAX_VERTICES:
         raise RuntimeError("more snaps or vertices than the oracle keeps")
 
-    n = len(spans)
+    n = count
     snaps = [
         OracleSnap(
             row=int(j[0]),
@@ -179,11 +209,12 @@ def follow(
         )
         for j in jumps
     ]
-    travel = rows[:, 4:].copy()
+    travel = rows[:, 4 : 4 + n].copy()
     return OracleRun(
         drive=rows[:, 0].copy(),
         stroke=travel.sum(axis=1),
         travel=travel,
+        sheet=rows[:, 4 + n :].astype(int),
         force=rows[:, 1].copy(),
         energy=rows[:, 2].copy(),
         total=rows[:, 3].copy(),
@@ -195,27 +226,40 @@ def follow(
 
 
 def _pack(cells: Sequence[OracleCell]):
-    """Plain arrays for the kernels: geometry, bands, loads and the local stiffness."""
-    n = len(cells)
-    geometry = np.zeros((n, 4))  # r, r sin θc, S, friction
+    """Plain arrays for the kernels: a row of every cell and sheet, bands and knots of loads.
+
+    The first rows are the cells on their first sheets, their others follow.
+    """
     bands: list[tuple[float, ...]] = []
     loads: list[tuple[float, float]] = []
-    band_at = np.zeros(n + 1, dtype=np.int64)
-    load_at = np.zeros(n + 1, dtype=np.int64)
+    rows: list[list[float]] = []
+    others: list[list[float]] = []
+    fastest = max(cell.mobility for cell in cells)
     for i, cell in enumerate(cells):
         half = cell.lever * math.sin(cell.limit)
-        geometry[i] = cell.lever, half, 2.0 * half, cell.friction
+        first_band = len(bands)
         bands += [tuple(float(x) for x in b) for b in cell.bands]
-        loads += [(float(a), float(b)) for a, b in cell.load]
-        band_at[i + 1], load_at[i + 1] = len(bands), len(loads)
-        knots = [s for s, _ in cell.load]
-        if any(b <= a for a, b in pairwise(knots)):
-            raise ValueError(f"load knots must increase in s, got {knots!r}")
         if cell.friction < 0:
             raise ValueError(f"friction must be >= 0, got {cell.friction!r}")
+        if not 0 < cell.mobility < math.inf:
+            raise ValueError(f"mobility must be finite and > 0, got {cell.mobility!r}")
+        own = [i, *(len(cells) + len(others) + k for k in range(len(cell.sheets) - 1))]
+        for number, sheet in enumerate(cell.sheets or (OracleSheet(cell.load),)):
+            knots = [(float(a), float(b)) for a, b in sheet.load]
+            if any(b <= a for (a, _), (b, _) in pairwise(knots)):
+                raise ValueError(f"load knots must increase in s, got {[a for a, _ in knots]!r}")
+            low, high, datum = 0.0, 2.0 * half, 0.0
+            if cell.sheets:
+                low, high = max(low, knots[0][0]), min(high, knots[-1][0])
+                datum = sheet.energy - knots[0][1] * low
+            leads = [-1 if k is None else own[k] for k in (sheet.below, sheet.above)]
+            row = [cell.lever, half, low, high, 2.0 * half, cell.friction, cell.mobility / fastest]
+            row += [datum, first_band, len(bands), len(loads), len(loads) + len(knots), *leads]
+            loads += knots
+            (others if number else rows).append([*row, own[number], number])
     band_array = np.array(bands, dtype=float).reshape(-1, 7)
     load_array = np.array(loads, dtype=float).reshape(-1, 2)
-    return geometry, band_at, band_array, load_at, load_array
+    return np.array(rows + others), band_array, load_array
 
 
 # --- one cell -------------------------------------------------------------------------------
@@ -224,12 +268,12 @@ def _pack(cells: Sequence[OracleCell]):
 
 
 @njit(cache=True)
-def _cell_force(i, s, geometry, band_at, bands, load_at, loads):
-    r = geometry[i, 0]
-    y = s - geometry[i, 1]
+def _cell_force(i, s, geometry, bands, loads):
+    r = geometry[i, LEVER]
+    y = s - geometry[i, HALF]
     x = math.sqrt(r * r - y * y)
     total = 0.0
-    for b in range(band_at[i], band_at[i + 1]):
+    for b in range(int(geometry[i, FIRST_BAND]), int(geometry[i, END_BAND])):
         across = x + bands[b, 0]
         along = y + bands[b, 1]
         length = math.sqrt(across * across + along * along)
@@ -240,34 +284,38 @@ def _cell_force(i, s, geometry, band_at, bands, load_at, loads):
             continue
         tension = bands[b, 2] * e * (1.0 + e * (bands[b, 4] + e * bands[b, 5]))
         total += tension * (along - across * y / x) / length
-    first, last = load_at[i], load_at[i + 1] - 1
+    first, last = int(geometry[i, FIRST_KNOT]), int(geometry[i, END_KNOT]) - 1
     if last >= first:
         if s <= loads[first, 0]:
             total += loads[first, 1]
         elif s >= loads[last, 0]:
             total += loads[last, 1]
         else:
-            k = first
-            while s > loads[k + 1, 0]:
-                k += 1
+            k, end = first, last
+            while end - k > 1:
+                middle = (k + end) // 2
+                if s > loads[middle, 0]:
+                    k = middle
+                else:
+                    end = middle
             part = (s - loads[k, 0]) / (loads[k + 1, 0] - loads[k, 0])
             total += loads[k, 1] + part * (loads[k + 1, 1] - loads[k, 1])
     return total
 
 
 @njit(cache=True)
-def _cell_energy(i, s, geometry, band_at, bands, load_at, loads):
-    r = geometry[i, 0]
-    y = s - geometry[i, 1]
+def _cell_energy(i, s, geometry, bands, loads):
+    r = geometry[i, LEVER]
+    y = s - geometry[i, HALF]
     x = math.sqrt(r * r - y * y)
-    total = 0.0
-    for b in range(band_at[i], band_at[i + 1]):
+    total = geometry[i, DATUM]
+    for b in range(int(geometry[i, FIRST_BAND]), int(geometry[i, END_BAND])):
         e = math.sqrt((x + bands[b, 0]) ** 2 + (y + bands[b, 1]) ** 2) - bands[b, 3]
         if e < 0.0 and bands[b, 6] == 0.0:
             continue
         total += bands[b, 2] * (e**2 / 2.0 + bands[b, 4] * e**3 / 3.0 + bands[b, 5] * e**4 / 4.0)
     # The load is integrated from 0 to s piece by piece, each piece by its two ends.
-    first, last = load_at[i], load_at[i + 1] - 1
+    first, last = int(geometry[i, FIRST_KNOT]), int(geometry[i, END_KNOT]) - 1
     if last >= first:
         a = 0.0
         k = first
@@ -290,19 +338,19 @@ def _cell_energy(i, s, geometry, band_at, bands, load_at, loads):
 
 
 @njit(cache=True)
-def _stiffness_table(geometry, band_at, bands, load_at, loads):
-    """Largest |dF/ds| of each cell within a bin or its neighbours, and the force scale."""
+def _stiffness_table(geometry, bands, loads):
+    """Largest |dF/ds| of each row within a bin or its neighbours, and the force scale."""
     n = geometry.shape[0]
     raw = np.zeros((n, BINS))
     scale = 0.0
     for i in range(n):
-        h = geometry[i, 2] / (BINS * SAMPLES_PER_BIN)
-        before = _cell_force(i, 0.0, geometry, band_at, bands, load_at, loads)
+        h = geometry[i, SPAN] / (BINS * SAMPLES_PER_BIN)
+        before = _cell_force(i, 0.0, geometry, bands, loads)
         scale = max(scale, abs(before))
         for b in range(BINS):
             for m in range(SAMPLES_PER_BIN):
-                s = min((b * SAMPLES_PER_BIN + m + 1) * h, geometry[i, 2])
-                now = _cell_force(i, s, geometry, band_at, bands, load_at, loads)
+                s = min((b * SAMPLES_PER_BIN + m + 1) * h, geometry[i, SPAN])
+                now = _cell_force(i, s, geometry, bands, loads)
                 raw[i, b] = max(raw[i, b], abs(now - before) / h)
                 scale = max(scale, abs(now))
                 before = now
@@ -320,19 +368,19 @@ def _stiffness_table(geometry, band_at, bands, load_at, loads):
 
 
 @njit(cache=True)
-def _speed(i, lam, s, force, geometry):
+def _speed(i, lam, s, force, mobility, geometry):
     """Speed of one cell under the actuator force λ; a cell at a stop moves only inward."""
-    up = force[i] + geometry[i, 3]
-    down = force[i] - geometry[i, 3]
-    if lam > up and s[i] < geometry[i, 2]:
-        return lam - up
-    if lam < down and s[i] > 0.0:
-        return lam - down
+    up = force[i] + geometry[i, FRICTION]
+    down = force[i] - geometry[i, FRICTION]
+    if lam > up and s[i] < geometry[i, HIGH]:
+        return mobility[i] * (lam - up)
+    if lam < down and s[i] > geometry[i, LOW]:
+        return mobility[i] * (lam - down)
     return 0.0
 
 
 @njit(cache=True)
-def _multiplier(w, c, near, s, force, geometry):
+def _multiplier(w, c, near, s, force, mobility, geometry):
     """The λ that solves Σ_i speed_i(λ) + c λ = w, exactly; nearest to `near` if many do.
 
     The left side is piecewise linear and never falls. Its kinks are F_i + f_i of the cells
@@ -342,23 +390,23 @@ def _multiplier(w, c, near, s, force, geometry):
     lo, g_lo, lo_known = 0.0, 0.0, False  # nearest kink with too little, and its excess
     hi, g_hi, hi_known = 0.0, 0.0, False  # nearest kink with too much
     hit_lo, hit_hi, hits = 0.0, 0.0, False  # kinks that solve it exactly
-    ups = 0
-    downs = 0
+    ups = 0.0
+    downs = 0.0
     for j in range(2 * n):
         i = j // 2
         if j % 2 == 0:
-            if s[i] >= geometry[i, 2]:
+            if s[i] >= geometry[i, HIGH]:
                 continue
-            kink = force[i] + geometry[i, 3]
-            ups += 1
+            kink = force[i] + geometry[i, FRICTION]
+            ups += mobility[i]
         else:
-            if s[i] <= 0.0:
+            if s[i] <= geometry[i, LOW]:
                 continue
-            kink = force[i] - geometry[i, 3]
-            downs += 1
+            kink = force[i] - geometry[i, FRICTION]
+            downs += mobility[i]
         g = c * kink - w
         for m in range(n):
-            g += _speed(m, kink, s, force, geometry)
+            g += _speed(m, kink, s, force, mobility, geometry)
         if g < 0.0:
             if not lo_known or kink > lo:
                 lo, g_lo, lo_known = kink, g, True
@@ -372,30 +420,30 @@ def _multiplier(w, c, near, s, force, geometry):
     if hits:
         # With w = 0 nothing moves between the outer solving kinks. Beyond them either cells
         # move, or none can: all empty (λ may fall freely) or all full (λ may rise freely).
-        if near < hit_lo and not (downs == 0 and w == 0.0 and c == 0.0):
+        if near < hit_lo and not (downs == 0.0 and w == 0.0 and c == 0.0):
             return hit_lo, True
-        if near > hit_hi and not (ups == 0 and w == 0.0 and c == 0.0):
+        if near > hit_hi and not (ups == 0.0 and w == 0.0 and c == 0.0):
             return hit_hi, True
         return near, True
     if lo_known and hi_known:
         return lo + (hi - lo) * (-g_lo / (g_hi - g_lo)), True
-    if lo_known and ups + c > 0:
+    if lo_known and ups + c > 0.0:
         return lo - g_lo / (ups + c), True
-    if hi_known and downs + c > 0:
+    if hi_known and downs + c > 0.0:
         return hi - g_hi / (downs + c), True
     return near, False
 
 
 @njit(cache=True)
 def _reach(s, v, dt, geometry):
-    """The time until the first cell meets a stop at speeds v, and that cell; dt, -1 if none."""
+    """When the first cell meets a stop or the end of its sheet, and that cell; dt, -1 if none."""
     who = -1
     for i in range(geometry.shape[0]):
         t = dt
         if v[i] > 0.0:
-            t = (geometry[i, 2] - s[i]) / v[i]
+            t = (geometry[i, HIGH] - s[i]) / v[i]
         elif v[i] < 0.0:
-            t = -s[i] / v[i]
+            t = (geometry[i, LOW] - s[i]) / v[i]
         if t < dt:
             dt, who = t, i
     return dt, who
@@ -409,8 +457,8 @@ def _note_vertex(s, codes, geometry):
     """
     code = 0
     for i in range(geometry.shape[0]):
-        near = 1e-6 * geometry[i, 2]
-        if s[i] >= geometry[i, 2] - near:
+        near = 1e-6 * geometry[i, SPAN]
+        if s[i] >= geometry[i, SPAN] - near:
             code |= 1 << i
         elif s[i] > near:
             return False
@@ -422,14 +470,12 @@ def _note_vertex(s, codes, geometry):
 
 
 @njit(cache=True)
-def _advance(
-    mode, stiff, a, b, s, lam, table, scale, codes, geometry, band_at, bands, load_at, loads
-):
+def _advance(mode, stiff, a, b, s, lam, table, scale, codes, geometry, sheets, bands, loads):
     """Move the drive from a to b as a slow ramp, then let the chain come to rest.
 
-    Changes s in place and appends the vertices it passes to codes. Returns λ, the work done
-    by the drive [J], the heat of friction [J], the heat of the flow [J] and whether it came
-    to rest.
+    Changes s and geometry (the rows of the sheets that the cells are on) in place and appends
+    the vertices it passes to codes. Returns λ, the work done by the drive [J], the heat of
+    friction [J], the heat of the flow [J] and whether it came to rest.
     """
     n = geometry.shape[0]
     force = np.empty(n)
@@ -437,10 +483,11 @@ def _advance(
     mean = np.empty(n)
     trial = np.empty(n)
     kappa = np.empty(n)
+    mobility = geometry[:, MOBILITY].copy()
     moving = np.zeros(n, dtype=np.bool_)
     longest = 0.0
     for i in range(n):
-        longest = max(longest, geometry[i, 2])
+        longest = max(longest, geometry[i, SPAN])
     soft = 0.05 * scale / longest  # a cell softer than this is as good as slack
     tol = 1e-7 * scale
     idle = 1e-6 * tol  # rounding keeps a settled cell creeping; that limits no time step
@@ -448,7 +495,7 @@ def _advance(
     # implicitly and only to first order, hence the smaller step there, and smaller still
     # while the chain is on its way to a new place.
     courant = 0.1 if mode == COMPLIANT else 0.25
-    fastest = 0.0
+    hardest = scale
     work = 0.0
     rubbed = 0.0
     viscous = 0.0
@@ -462,17 +509,23 @@ def _advance(
             drive, ramping = b, False
         _note_vertex(s, codes, geometry)
         total = 0.0
-        pushed = 0
+        pushed = 0.0
         holding = 0.0
+        # Where the cells are all but at rest no race is left to be run, and mobilities that are
+        # all alike beside the stiffness bring every cell there in few steps.
+        creeping = not ramping and hardest < QUIET * scale
         for i in range(n):
-            force[i] = _cell_force(i, s[i], geometry, band_at, bands, load_at, loads)
-            kappa[i] = table[i, min(int(s[i] / geometry[i, 2] * BINS), BINS - 1)]
-            moving[i] = abs(v[i]) > idle
+            force[i] = _cell_force(i, s[i], geometry, bands, loads)
+            moving[i] = abs(v[i]) > idle * mobility[i]
+            at = min(int(s[i] / geometry[i, SPAN] * BINS), BINS - 1)
+            steepest = max(table[int(geometry[i, ROW]), at], soft)
+            mobility[i] = soft / steepest if creeping else geometry[i, MOBILITY]
+            kappa[i] = mobility[i] * steepest
             total += s[i]
             if moving[i]:
-                pushed += 1
-                holding += force[i] + math.copysign(geometry[i, 3], v[i])
-        if mode == STROKE and settling and pushed > 0:
+                pushed += mobility[i]
+                holding += mobility[i] * (force[i] + math.copysign(geometry[i, FRICTION], v[i]))
+        if mode == STROKE and settling and pushed > 0.0:
             # If nothing is to move now, a range of λ will do: the one that moved the cells
             # last, without what the ramp's own speed added to it.
             lam = holding / pushed
@@ -481,14 +534,16 @@ def _advance(
         # Only cells that move limit the time step, and which move is known after it is
         # chosen: repeat until no other cell joins.
         if mode == COMPLIANT:
-            courant = 0.02 if fastest > 5e-3 * scale else 0.1
+            courant = 0.02 if hardest > 5e-3 * scale else 0.1
         last = False
         beyond = False
         while True:
-            local = soft
+            local = 0.0
             for i in range(n):
                 if moving[i]:
                     local = max(local, kappa[i])
+            if local == 0.0:
+                local = soft
             dt = courant / local
             usual = dt
             if ramping and step == 0:
@@ -502,19 +557,21 @@ def _advance(
             if mode == STROKE:
                 # Besides du/dt, the rounding lost so far is paid back at an ordinary pace.
                 w = rate + (drive - total) / usual if ramping else 0.0
-                lam, ok = _multiplier(w, 0.0, lam, s, force, geometry)
+                lam, ok = _multiplier(w, 0.0, lam, s, force, mobility, geometry)
                 beyond = not ok
             elif mode == COMPLIANT:
                 c = 1.0 / (stiff * dt)
-                lam, ok = _multiplier((target - total) / dt, c, lam, s, force, geometry)
+                w = (target - total) / dt
+                lam, ok = _multiplier(w, c, lam, s, force, mobility, geometry)
             else:
                 lam = target
             joined = False
-            fastest = 0.0
+            hardest = 0.0
             for i in range(n):
-                v[i] = _speed(i, lam, s, force, geometry)
-                fastest = max(fastest, abs(v[i]))
-                if abs(v[i]) > 1e3 * idle and not moving[i]:
+                v[i] = _speed(i, lam, s, force, mobility, geometry)
+                driven = abs(v[i]) / mobility[i]
+                hardest = max(hardest, driven)
+                if driven > 1e3 * idle and not moving[i]:
                     joined = True
                     moving[i] = True
             if beyond or not joined:
@@ -527,14 +584,14 @@ def _advance(
             v[:] = 0.0
             continue
         behind = mode == COMPLIANT and abs(stiff * (b - total) - lam) > tol
-        if not ramping and fastest < tol and not behind:
+        if not ramping and hardest < tol and not behind:
             break
 
         # No cell leaves the bins its stiffness was taken from.
         short = False
         for i in range(n):
-            if abs(v[i]) * dt > 0.5 * geometry[i, 2] / BINS:
-                dt = 0.5 * geometry[i, 2] / BINS / abs(v[i])
+            if abs(v[i]) * dt > 0.5 * geometry[i, SPAN] / BINS:
+                dt = 0.5 * geometry[i, SPAN] / BINS / abs(v[i])
                 short = True
         dt_stop, who = _reach(s, v, dt, geometry)
         short = short or who >= 0
@@ -544,19 +601,20 @@ def _advance(
             for i in range(n):
                 trial[i] = s[i] + dt * v[i]
             for i in range(n):
-                force[i] = _cell_force(i, trial[i], geometry, band_at, bands, load_at, loads)
+                force[i] = _cell_force(i, trial[i], geometry, bands, loads)
             if mode == STROKE:
                 w = 0.0
                 for i in range(n):
                     w += v[i]
-                lam2, ok = _multiplier(w, 0.0, lam, trial, force, geometry)
+                lam2, ok = _multiplier(w, 0.0, lam, trial, force, mobility, geometry)
             else:
                 lam2, ok = target, True
             if ok:
                 joined = False
                 for i in range(n):
-                    second = _speed(i, lam2, trial, force, geometry)
-                    joined = joined or (not moving[i] and abs(second) > 1e3 * idle)
+                    second = _speed(i, lam2, trial, force, mobility, geometry)
+                    enough = 1e3 * idle * mobility[i]
+                    joined = joined or (not moving[i] and abs(second) > enough)
                     mean[i] = 0.5 * (v[i] + second)
                 # Unless a cell only now sets off, or would be pressed into the stop it leaves.
                 dt_stop, who = _reach(s, mean, dt, geometry)
@@ -569,13 +627,17 @@ def _advance(
 
         for i in range(n):
             ds = dt * v[i]
+            end = HIGH if v[i] > 0.0 else LOW
             if i == who:
-                ds = (geometry[i, 2] if v[i] > 0.0 else 0.0) - s[i]
-                s[i] = geometry[i, 2] if v[i] > 0.0 else 0.0
+                ds = geometry[i, end] - s[i]
+                s[i] = geometry[i, end]
             else:
-                s[i] = min(max(s[i] + ds, 0.0), geometry[i, 2])
-            viscous += v[i] * ds
-            rubbed += geometry[i, 3] * abs(ds)
+                s[i] = min(max(s[i] + ds, geometry[i, LOW]), geometry[i, HIGH])
+            viscous += v[i] * ds / mobility[i]
+            rubbed += geometry[i, FRICTION] * abs(ds)
+            leads = int(geometry[i, ABOVE if v[i] > 0.0 else BELOW])
+            if v[i] != 0.0 and s[i] == geometry[i, end] and leads >= 0:
+                geometry[i] = sheets[leads]
         if ramping:
             if short:
                 target = drive + rate * dt
@@ -604,12 +666,12 @@ def _advance(
 
 
 @njit(cache=True)
-def _energies(mode, stiff, drive, s, geometry, band_at, bands, load_at, loads):
+def _energies(mode, stiff, drive, s, geometry, bands, loads):
     """Energy of the cells, and with the actuator spring or the dead load [J]."""
     cells = 0.0
     total = 0.0
     for i in range(geometry.shape[0]):
-        cells += _cell_energy(i, s[i], geometry, band_at, bands, load_at, loads)
+        cells += _cell_energy(i, s[i], geometry, bands, loads)
         total += s[i]
     if mode == COMPLIANT:
         return cells, cells + 0.5 * stiff * (drive - total) ** 2
@@ -619,12 +681,13 @@ def _energies(mode, stiff, drive, s, geometry, band_at, bands, load_at, loads):
 
 
 @njit(cache=True)
-def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, load_at, loads):
-    """All legs. Rows: drive, λ, energy, total, travels. Jumps: row, drive, λ before, λ after,
-    released, viscous, travels before, travels after."""
-    n = geometry.shape[0]
+def _follow(mode, stiff, points, s, steps, threshold, sheets, bands, loads):
+    """All legs. Rows: drive, λ, energy, total, travels, sheets. Jumps: row, drive, λ before, λ
+    after, released, viscous, travels before, travels after."""
+    n = len(s)
+    geometry = sheets[:n].copy()
     legs = len(points) - 1
-    rows = np.empty((legs * steps + 1, 4 + n))
+    rows = np.empty((legs * steps + 1, 4 + 2 * n))
     jumps = np.empty((MAX_SNAPS, 6 + 2 * n))
     found = 0
     codes = np.zeros(MAX_VERTICES + 1, dtype=np.int64)
@@ -633,23 +696,23 @@ def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, 
     for code in range(len(vertex)):
         for i in range(n):
             if code >> i & 1:
-                vertex[code] += geometry[i, 2]
-    table, scale = _stiffness_table(geometry, band_at, bands, load_at, loads)
+                vertex[code] += geometry[i, SPAN]
+    table, scale = _stiffness_table(sheets, bands, loads)
     scale = max(scale, 1e-12)
     for i in range(n):
-        scale = max(scale, geometry[i, 3])
+        scale = max(scale, geometry[i, FRICTION])
     # At a vertex λ has a range; begin at its end towards the first motion.
     lam = 1e30 if points[1] > points[0] else -1e30
     lam, _, _, _, ok = _advance(
         mode, stiff, points[0], points[0], s, lam, table, scale, codes,
-        geometry, band_at, bands, load_at, loads,
+        geometry, sheets, bands, loads,
     )  # fmt: skip
     if not ok:
         return rows, jumps[:0], codes[1:1], True
-    cells, total = _energies(mode, stiff, points[0], s, geometry, band_at, bands, load_at, loads)
+    cells, total = _energies(mode, stiff, points[0], s, geometry, bands, loads)
     rows[0, 0], rows[0, 1], rows[0, 2], rows[0, 3] = points[0], lam, cells, total
-    rows[0, 4:] = s
-    saved = s.copy()
+    rows[0, 4 : 4 + n], rows[0, 4 + n :] = s, geometry[:, SHEET]
+    saved, stood = s.copy(), geometry.copy()
     row = 0
     for leg in range(legs):
         for k in range(steps):
@@ -671,11 +734,12 @@ def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, 
                     if min(x, y) + 1e-12 < stroke < max(x, y) - 1e-12:
                         y = stroke
                 saved[:] = s
+                stood[:] = geometry
                 noted = codes[0]
                 lam_saved, total_saved = lam, total
                 lam, work, rubbed, viscous, ok = _advance(
                     mode, stiff, x, y, s, lam, table, scale, codes,
-                    geometry, band_at, bands, load_at, loads,
+                    geometry, sheets, bands, loads,
                 )  # fmt: skip
                 if not ok:
                     return rows, jumps[:0], codes[1:1], True
@@ -684,13 +748,12 @@ def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, 
                     jump = max(jump, abs(s[i] - saved[i]))
                 if jump > threshold and abs(y - x) > whole * 1.5 * 0.5**REFINE:
                     s[:] = saved
+                    geometry[:] = stood
                     lam = lam_saved
                     codes[0] = noted
                     part = 0.5 * abs(y - x)
                     continue
-                cells, total = _energies(
-                    mode, stiff, y, s, geometry, band_at, bands, load_at, loads
-                )
+                cells, total = _energies(mode, stiff, y, s, geometry, bands, loads)
                 if jump > threshold and found < MAX_SNAPS:
                     jumps[found, 0] = row + 1
                     jumps[found, 1] = y
@@ -708,5 +771,5 @@ def _follow(mode, stiff, points, s, steps, threshold, geometry, band_at, bands, 
                 part = min(2.0 * part, whole)
             row += 1
             rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3] = end, lam, cells, total
-            rows[row, 4:] = s
+            rows[row, 4 : 4 + n], rows[row, 4 + n :] = s, geometry[:, SHEET]
     return rows, jumps[:found], codes[1 : 1 + codes[0]], False

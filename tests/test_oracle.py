@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import oracle
-from oracle import OracleCell, follow
+from oracle import OracleCell, OracleSheet, follow
 from sizes import examples
 
 R = 0.010 * math.sqrt(2)
@@ -40,9 +41,9 @@ def paper_energy(cell, s):
     return 0.5 * k * (length - l0) ** 2
 
 
-def plain_cell(*knots, friction=0.0):
+def plain_cell(*knots, friction=0.0, mobility=1.0):
     """A cell with no band: its force is the polygon through the knots (s, F)."""
-    return OracleCell(R, LIMIT, load=knots, friction=friction)
+    return OracleCell(R, LIMIT, load=knots, friction=friction, mobility=mobility)
 
 
 def travel_at_force(cell, force):
@@ -172,8 +173,10 @@ def test_snap_of_two_cells_is_where_the_loading_one_falls_to_the_full_one():
     assert down.released == pytest.approx(up.released, rel=1e-6)
 
 
-def test_the_flow_dissipates_what_the_balance_says_is_released():
+@pytest.mark.parametrize("mobility", [(1, 1, 1, 1), (0.3, 2, 0.1, 1)])
+def test_the_flow_dissipates_what_the_balance_says_is_released(mobility):
     cells = [INNER, STRONG, WEAK, paper_cell(10, -15)]
+    cells = [replace(c, mobility=m) for c, m in zip(cells, mobility, strict=True)]
     for control, ends in (("stroke", (0, 4 * S)), ("force", (-2, 2))):
         run = follow(cells, [ends[0], ends[1], ends[0]], control=control)
         assert len(run.snaps) >= 4
@@ -359,6 +362,67 @@ def test_turning_back_past_the_snap_leads_to_01():
     assert follow([INNER, STRONG], [S, before, 0], start=[S, 0]).sequence.startswith("10>00")
 
 
+def test_cells_of_constant_force_share_the_stroke_by_their_mobility():
+    cells = [plain_cell((0, 0.1), mobility=m) for m in (1.0, 3.0, 0.5)]
+    run = follow(cells, [0, 1.2 * S], steps=100)
+    # The second one is full at 3 of 4.5 parts; the others share what is left, 2 to 1.
+    u = run.drive
+    before = u < 1.5 * S - 1e-9
+    assert run.travel[before] == pytest.approx(np.outer(u[before], [1, 3, 0.5]) / 4.5, abs=1e-9)
+    on = follow(cells, [0, 1.8 * S], steps=100)
+    assert on.travel[-1] == pytest.approx([S / 3 + 0.2 * S, S, S / 6 + 0.1 * S], abs=1e-9)
+
+
+RACES = [
+    # λ is the mean of the three forces by mobility: at first 0.525 N, and the second cell gains
+    # 0.15 S until the first is empty, past 0.6 S; or 0.075 N, and it loses.
+    ((10.0, 1.0, 1.0), (0.0, 1.0, 0.5)),
+    ((1.0, 1.0, 10.0), (0.0, 0.5, 1.0)),
+    ((0.2, 0.02, 0.02), (0.0, 1.0, 0.5)),
+]
+
+
+@pytest.mark.parametrize(("mobility", "expected"), RACES)
+def test_a_race_of_three_cells_is_won_by_mobility(mobility, expected):
+    forces = [(0, 0.6)], [(0, 0.3), (0.6 * S, 0.3), (0.62 * S, -1.0)], [(0, 0.0)]
+    cells = [plain_cell(*f, mobility=m) for f, m in zip(forces, mobility, strict=True)]
+    run = follow(cells, [1.5 * S, 1.5 * S + 1e-9], start=[S / 2] * 3, steps=1)
+    assert run.travel[0] == pytest.approx(np.array(expected) * S, abs=1e-6 * S)
+
+
+def test_two_cells_under_a_stroke_and_all_under_a_force_land_alike_whatever_their_mobilities():
+    def jumps(cells, ends, control):
+        run = follow(cells, ends, control=control, steps=2000)
+        return [snap.after for snap in run.snaps]
+
+    for n, ends, control in ((2, [0, 2 * S, 0], "stroke"), (3, [-2, 2, -2], "force")):
+        cells = [INNER, STRONG, WEAK][:n]
+        slow = [replace(c, mobility=m) for c, m in zip(cells, (1.0, 0.05, 7.0), strict=False)]
+        for a, b in zip(jumps(cells, ends, control), jumps(slow, ends, control), strict=True):
+            assert a == pytest.approx(b, abs=1e-4)
+
+
+def test_a_folded_curve_jumps_at_the_ends_of_its_sheets():
+    # Two straight sheets of 100 N/m, 0.5 N apart: up to 8 mm, and from 4 mm on.
+    first = OracleSheet([(0, 0.0), (0.008, 0.8)], above=1)
+    second = OracleSheet([(0.004, -0.1), (S, 1.5)], energy=0.5e-3, below=0)
+    folded = OracleCell(R, LIMIT, sheets=[first, second])
+    run = follow([folded], [0, S, 0], steps=1000)
+    up, down = np.diff(run.drive, prepend=0) >= 0, np.diff(run.drive, append=0) <= 0
+    u = run.drive
+    for way, at in ((up & ~down, 0.008), (down & ~up, 0.004)):
+        beyond = u > at
+        clear = way & (abs(u - at) > 1e-4)
+        assert run.force[clear & ~beyond] == pytest.approx(100 * u[clear & ~beyond], abs=1e-6)
+        assert run.force[clear & beyond] == pytest.approx(100 * u[clear & beyond] - 0.5, abs=1e-6)
+        assert (run.sheet[clear, 0] == beyond[clear]).all()
+    # Under a force it snaps: at 0.8 N the flow takes it on to 13 mm.
+    (snap,) = follow([folded], [0, 1.2], control="force", steps=1000).snaps
+    assert snap.drive == pytest.approx(0.8, abs=2e-3)
+    assert snap.after == pytest.approx([0.013], abs=3e-5)
+    assert snap.released == pytest.approx(0.8 * 0.005 - (3.65e-3 - 3.2e-3), rel=3e-3)
+
+
 @pytest.mark.slow
 def test_result_does_not_depend_on_the_drive_step():
     rng = np.random.default_rng(7)
@@ -400,3 +464,9 @@ def test_result_does_not_depend_on_the_drive_step():
 def test_impossible_questions_are_refused(kwargs, message):
     with pytest.raises(ValueError, match=message):
         follow([INNER, STRONG], **kwargs)
+
+
+@pytest.mark.parametrize("mobility", [0.0, -1.0, math.nan, math.inf])
+def test_a_cell_that_cannot_move_is_refused(mobility):
+    with pytest.raises(ValueError, match="mobility must be finite and > 0"):
+        follow([replace(INNER, mobility=mobility)], [0, S])
