@@ -27,8 +27,10 @@ def machine(function: FunctionType) -> Any:
             scope[name] = value if inner is None else machine(inner)
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
-        counts = not is_leaf(function)
-        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, _nrt=counts)(bound)
+        options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+        # An option that Numba does not list: whether references are counted.
+        options["_nrt"] = not is_leaf(function)
+        dispatcher: Any = numba.njit(**options)(bound)
         if hasattr(dispatcher, "_cache"):  # not where Numba itself is switched off
             dispatcher._cache = _Kept(function)
         _MADE[function] = dispatcher

@@ -46,7 +46,7 @@ class Flow(NamedTuple):
     drive: float
     cell: Floats  # (21, N) see above, the first m columns
     where: Ints  # (4, N) likewise
-    count: Ints  # (1,) m
+    used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
     first: Ints  # (2,) the cells that let go at the lowest and at the highest, or -1
 
@@ -74,8 +74,8 @@ def _begin(problem: Problem, state: State, drive: float) -> Flow:
 @leaf
 def _join(problem: Problem, state: State, at: Flow, i: int) -> None:
     """Take cell i into the flow."""
-    j = at.count[0]
-    at.count[0] += 1
+    j = at.used[0]
+    at.used[0] += 1
     if state.mode[i] == HELD:
         state.mode[i] = LETS_GO
     at.where[_CELL, j] = i
@@ -192,7 +192,7 @@ def _look(problem: Problem, at: Flow) -> None:
     lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
     band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
     slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
-    for j in range(at.count[0]):
+    for j in range(at.used[0]):
         travel = cell[_TRAVEL, j]
         piece = _piece_near(left, right, where[_PIECE, j], travel)
         where[_PIECE, j] = piece
@@ -276,7 +276,7 @@ def _forces(problem: Problem, at: Flow, row: int) -> None:
     lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
     band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
     slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
-    for j in range(at.count[0]):
+    for j in range(at.used[0]):
         cell[row, j] = 0.0
         if where[_SENSE, j] != 0:
             place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
@@ -316,7 +316,7 @@ def _step(problem: Problem, at: Flow, h: float) -> None:
     A stiff actuator can start a cell off its stop, or against its friction, and call it back
     within the step; stepping through that to and fro would take for ever. Such a cell stays.
     """
-    alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.count[0]
+    alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     actuator = (alpha, beta, at.drive, at.still[_STILL])
     _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
     back = _pushed_back(cell, where, m, _X1, True)
@@ -434,7 +434,7 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     picked, left, right = pieces.picked, pieces.left, pieces.right
-    cell, where, m = at.cell, at.where, at.count[0]
+    cell, where, m = at.cell, at.where, at.used[0]
     # Which cells can move, what friction adds to their force, their miss of λ and their κ.
     active, offset, miss, slopes = cell[_X1], cell[_X2], cell[_X3], cell[_X4]
     out, travel, full = cell[_TRIAL], cell[_TRAVEL], cell[_FULL]
@@ -545,7 +545,7 @@ def _missed(
     """
     cell, where = at.cell, at.where
     event, first = -1, 1.0
-    for mark in range(2 * at.count[0] + 2):
+    for mark in range(2 * at.used[0] + 2):
         j, sign = mark // 2 - 1, 1.0
         if j >= 0:
             sense, began, heading = where[_SENSE, j], where[_BEGAN, j], 1 - 2 * (mark % 2)
@@ -602,16 +602,16 @@ def flow(
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
     at, slowest = _begin(problem, state, drive), np.min(problem.mobility)
-    cell, where, count, still = at.cell, at.where, at.count, at.still
+    cell, where, used, still = at.cell, at.where, at.used, at.still
     folds = len(problem.sheets.table) > len(state.travel)
-    stiffest = _stiffest(cell, count[0], scale)
+    stiffest = _stiffest(cell, used[0], scale)
     # How long the next step should be, and how long it may be at most for an event on the way;
     # how long the last one was, 0 where there is none to take back.
     wanted, soon, last, tries = 1e-2 / stiffest, np.inf, 0.0, 0
     # An event that was seen too late: which, when from here, and its excess before and there.
     mark, ahead, was, over, settled = -1, 0.0, 0.0, 0.0, False
     for step in range(_STEPS):
-        m = count[0]
+        m = used[0]
         if overspent(effort, 4 * m):
             break
         level = shared
@@ -639,7 +639,7 @@ def flow(
                 break
             _join(problem, state, at, joins)
             _close(problem, state, at)
-            m, last, stiffest = count[0], 0.0, _stiffest(cell, count[0], scale)
+            m, last, stiffest = used[0], 0.0, _stiffest(cell, used[0], scale)
         if last > 0.0 and ahead > 0.0:
             # Short of the event, which is between here and where it was too late; or past it.
             ahead, tries = ahead - last, tries + 1
@@ -717,7 +717,7 @@ def flow(
         soon, last = np.inf, h if first < 0 else 0.0
         if first >= 0:
             ahead = 0.0
-    for j in range(count[0]):
+    for j in range(used[0]):
         state.travel[where[_CELL, j]] = cell[_TRAVEL, j]
     return settled, shared
 
@@ -726,7 +726,7 @@ def flow(
 def _jumps(problem: Problem, at: Flow) -> bool:
     """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
     sheets, cell, some = problem.sheets, at.cell, False
-    for j in range(at.count[0]):
+    for j in range(at.used[0]):
         i, rate, travel = at.where[_CELL, j], cell[_RATE, j], cell[_TRAVEL, j]
         out = travel >= cell[_MOST, j] if rate > 0.0 else travel <= cell[_LEAST, j]
         to = beyond(sheets, i, travel) if rate != 0.0 and out else -1

@@ -275,6 +275,9 @@ def _by_flow(
         for end in (LOW, HIGH):
             if abs(travel[i] - ends[i, end]) <= 1e-13 * full[i]:
                 travel[i] = ends[i, end]
+        # What Newton moved by rounding has not moved.
+        if abs(travel[i] - start[i]) <= 1e-15 * full[i]:
+            travel[i] = start[i]
     return True, tie
 
 
