@@ -42,11 +42,11 @@ ELEMENTS = {
     "stopped": Element.from_points(TRAVEL, FORCE, stops=True, friction=0.01),
     "table": Element.from_table([*TRAVEL, 6.1e-3], [*FORCE, 3.0], stops=(True, False)),
     "scaled": replace(Element.from_points(TRAVEL, FORCE), force_scale=1.3, travel_scale=0.7),
-    "slow": Element.from_points(TRAVEL, FORCE, mobility=0.001),
+    "slow": Element.from_points(TRAVEL, FORCE, mobility=0.01),
     "law": of(Measure.TRAVEL),
     "folded": folded(),
     "noisy": noisy(),
-    "fast and folded": replace(folded(), mobility=1e3),
+    "fast and folded": replace(folded(), mobility=1e2),
     "beside": Element.side_by_side([Element.from_points(TRAVEL, FORCE), of(Measure.TRAVEL)]),
 }
 
@@ -249,7 +249,7 @@ def test_units_are_those_of_the_keys():
             "chain.cell[0]: friction_kPa: this curve is of travel and force, so it must be "
             "friction_N.",
         ),
-        (f"{POINTS}\nmobility = 0", "chain.cell[0].mobility = 0: must be from 0.001 to 1000."),
+        (f"{POINTS}\nmobility = 0", "chain.cell[0].mobility = 0: must be from 0.01 to 100."),
         (
             'table_csv = "dome.csv"',
             'chain.cell[0].table_csv = "dome.csv": names a file, which is read where a design file',
