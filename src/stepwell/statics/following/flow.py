@@ -19,13 +19,25 @@ from stepwell.statics.following.pieces import find_piece, stand_on
 from stepwell.statics.following.state import HELD, LETS_GO, Problem, State
 
 _STEPS = 30_000
-# The pair of Shampine (1982) with γ = 1/2, written for stages that are rates: where a stage is
-# looked at, what it takes of those before, what the step is made of, and its error.
-_GAMMA = 0.5
-_A21, _A31, _A32 = 1.0, 24.0 / 25.0, 3.0 / 25.0
-_C21, _C31, _C32, _C41, _C42, _C43 = -4.0, 186.0 / 25.0, 1.2, -56.0 / 125.0, -27.0 / 125.0, -0.2
-_B1, _B2, _B3, _B4 = 19.0 / 18.0, 0.25, 25.0 / 216.0, 125.0 / 216.0
-_E1, _E2, _E4 = 17.0 / 108.0, 7.0 / 72.0, 125.0 / 216.0
+# The L-stable pair of orders 4 and 3 with four stages (Hairer and Wanner 1996, IV.7): γ; where a
+# stage is looked at, what it takes of those before, what the step is made of, and its error, the
+# last four in parts of γ since stages are rates here.
+_GAMMA = 0.57282
+_A21, _A31, _A32 = 2.0 * _GAMMA, 1.867943637803922 * _GAMMA, 0.2344449711399156 * _GAMMA
+_C21, _C31, _C32 = (
+    -7.137615036412310 * _GAMMA,
+    2.580708087951457 * _GAMMA,
+    0.6515950076447975 * _GAMMA,
+)
+_C41, _C42, _C43 = (
+    -2.137148994382534 * _GAMMA,
+    -0.3214669691237626 * _GAMMA,
+    -0.6949742501781779 * _GAMMA,
+)
+_B1, _B2 = 2.255570073418735 * _GAMMA, 0.2870493262186792 * _GAMMA
+_B3, _B4 = 0.4353179431840180 * _GAMMA, 1.093502252409163 * _GAMMA
+_E1, _E2 = -0.2815431932141155 * _GAMMA, -0.07276199124934920 * _GAMMA
+_E3, _E4 = -0.1082196201495311 * _GAMMA, -1.093502252409163 * _GAMMA
 # A stop or a cell that joins ends a step; it is met by so many shorter ones at most.
 _TRIES = 8
 # What is known of a cell in the flow: where it is, F and κ there, its friction, mobility and full
@@ -349,7 +361,7 @@ def _step(problem: Problem, at: Flow, h: float) -> None:
     for j in range(m):
         x1, x2, x3, x4 = cell[_X1, j], cell[_X2, j], cell[_X3, j], cell[_X4, j]
         cell[_WAY, j] = h * (_B1 * x1 + _B2 * x2 + _B3 * x3 + _B4 * x4)
-        cell[_ERROR, j] = h * (_E1 * x1 + _E2 * x2 + _E4 * x4)
+        cell[_ERROR, j] = h * (_E1 * x1 + _E2 * x2 + _E3 * x3 + _E4 * x4)
 
 
 @kernel
@@ -385,13 +397,12 @@ def _longest_step(
 
 
 @leaf
-def _stiffest(cell: Floats, m: int, scale: float) -> float:
-    """The largest rate of decay or growth in the flow, or of `scale` over the shortest travel."""
-    rate, least = 0.0, np.inf
+def _stiffest(cell: Floats, m: int, least: float) -> float:
+    """The largest rate of decay or growth in the flow, and at least some."""
+    rate = 0.0
     for j in range(m):
         rate = max(rate, abs(cell[_MOBILITY, j] * cell[_SLOPE, j]))
-        least = min(least, cell[_FULL, j])
-    return rate + scale / least
+    return rate + least
 
 
 @leaf
@@ -594,17 +605,18 @@ def flow(
 ) -> tuple[bool, float]:
     """Follow the flow to rest, the travels of the state in place; False if it did not settle.
 
-    The linearly implicit pair of orders 4 and 3 of Shampine (1982): a snap through a narrow place
-    has one slow direction and many fast ones. The last stretch is Newton's, so the landing is an
-    equilibrium to rounding and the integration only decides which. `rubbed` (N,) gathers the way
-    every cell went, for friction.
+    A linearly implicit pair of orders 4 and 3 (Hairer and Wanner 1996): a snap through a narrow
+    place has one slow direction and many fast ones. The last stretch is Newton's, so the landing is
+    an equilibrium to rounding and the integration only decides which. `rubbed` (N,) gathers the
+    way every cell went, for friction.
     """
     laws, scale, effort = problem.laws, problem.scale, problem.effort
     alpha, beta = problem.alpha, problem.beta
     at, slowest = _begin(problem, state, drive), np.min(problem.mobility)
     cell, where, used, still = at.cell, at.where, at.used, at.still
     folds = len(problem.sheets.table) > len(state.travel)
-    stiffest = _stiffest(cell, used[0], scale)
+    gentle = scale / np.min(laws.full)
+    stiffest = _stiffest(cell, used[0], gentle)
     # How long the next step should be, and how long it may be at most for an event on the way;
     # how long the last one was, 0 where there is none to take back.
     wanted, soon, last, tries = 1e-2 / stiffest, np.inf, 0.0, 0
@@ -639,7 +651,7 @@ def flow(
                 break
             _join(problem, state, at, joins)
             _close(problem, state, at)
-            m, last, stiffest = used[0], 0.0, _stiffest(cell, used[0], scale)
+            m, last, stiffest = used[0], 0.0, _stiffest(cell, used[0], gentle)
         if last > 0.0 and ahead > 0.0:
             # Short of the event, which is between here and where it was too late; or past it.
             ahead, tries = ahead - last, tries + 1

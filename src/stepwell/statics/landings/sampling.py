@@ -55,7 +55,7 @@ def land_all(problem: Problem, start: Start, factors: Floats, accuracy: float = 
     return found
 
 
-@entry(5e-3, "factors")
+@entry(3e-2, "factors")
 def _land_all(
     problem: Problem,
     start: Start,
