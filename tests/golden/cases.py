@@ -139,6 +139,7 @@ GRAPHS = [
 
 PROGRAMS = [
     _both("program/planned", "program preset:paper-forward --from 10 --to 01"),
+    _both("program/robust", "program preset:three-wave --to 011 --robust 10"),
     _both("program/own", "program preset:combination-lock"),
     _both("program/force", "program preset:force-control --to 01"),
     _both("program/unreachable", "program preset:used-before --to 01"),
@@ -185,6 +186,7 @@ YIELDS = [
         "yield/sensitivity", f"yield preset:paper-forward --sensitivity --samples 20 {_TOLERANCES}"
     ),
     _both("yield/states", "yield preset:paper-via-01 --wanted 00,01,11 --samples 100"),
+    _both("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
     _both("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
     _both("yield/program", "yield preset:finger-selector --program --samples 10"),
 ]

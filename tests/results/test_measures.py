@@ -224,10 +224,11 @@ def test_tolerances_are_those_that_the_cells_have():
         "mixed": [q.name for q in results.tolerance_schema(mixed)],
         "volumes": [q.key for q in results.tolerance_schema(pair(Measure.VOLUME))],
     }
+    plain = ["anchor", "stiffness", "rest_length", "lever", "friction"]
     assert names == {
-        "levers": ["anchor", "stiffness", "rest_length", "lever", "friction"],
-        "mixed": ["anchor", "stiffness", "rest_length", "lever", "friction", "travel"],
-        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent"],
+        "levers": [*plain, "mobility"],
+        "mixed": [*plain, "travel", "mobility"],
+        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent", "mobility"],
     }
 
 

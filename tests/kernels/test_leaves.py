@@ -1,0 +1,78 @@
+"""Leaves: kernels that are compiled without counting references, and so may make no array."""
+
+import ast
+import inspect
+
+import numpy as np
+import pytest
+
+import stepwell.statics.inertial
+import stepwell.statics.landed
+import stepwell.statics.run
+import stepwell.statics.sorted_cycle  # noqa: F401
+from stepwell.kernels import fingerprint, kernel, leaf
+from stepwell.kernels.machine import machine
+
+LEAVES = sorted(fingerprint._LEAVES, key=lambda one: f"{one.__module__}.{one.__qualname__}")
+MAKERS = {
+    "empty", "zeros", "ones", "full", "copy", "sort", "argsort", "flatnonzero", "array", "arange",
+    "concatenate", "where", "cumsum", "unique", "empty_like", "zeros_like",
+}  # fmt: skip
+
+
+def makes_an_array(tree: ast.AST) -> list[str]:
+    """What in a function makes an array, or may: a maker called, an array copied into a slice."""
+    found = [
+        ast.unparse(node)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in MAKERS
+    ]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
+            sliced = any(isinstance(part, ast.Slice) for part in ast.walk(node.targets[0].slice))
+            if sliced and not isinstance(node.value, (ast.Constant, ast.UnaryOp)):
+                found.append(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize("one", LEAVES, ids=lambda one: one.__qualname__)
+def test_no_leaf_makes_an_array_or_calls_what_does(one):
+    assert not makes_an_array(ast.parse(inspect.getsource(one)))
+    names = fingerprint.names_of(one.__code__) & one.__globals__.keys()
+    called = {fingerprint.kernel_of(one.__globals__[name]) for name in names} - {None}
+    for inner in called:
+        assert not makes_an_array(ast.parse(inspect.getsource(inner))), (one, inner)
+
+
+@leaf
+def summed_up(values):
+    total = 0.0
+    for value in values:
+        total += value
+    return total
+
+
+@leaf
+def doubled(values):
+    return np.full(len(values), 2.0)
+
+
+@kernel
+def handed_on(values):
+    return summed_up(values) + summed_up(values[1:])
+
+
+def test_a_leaf_is_compiled_and_gives_what_the_interpreter_gives():
+    values = np.arange(5.0)
+    assert machine(handed_on)(values) == handed_on(values) == 20.0
+
+
+def test_a_leaf_that_makes_an_array_is_not_compiled():
+    with pytest.raises(Exception, match="nopython"):
+        machine(doubled)(np.arange(5.0))
+
+
+def test_whether_a_kernel_is_a_leaf_is_in_its_fingerprint(monkeypatch):
+    before = fingerprint.fingerprint(handed_on)
+    monkeypatch.setattr(fingerprint, "_LEAVES", set())
+    assert fingerprint.fingerprint(handed_on) != before
