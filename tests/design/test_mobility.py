@@ -9,6 +9,7 @@ import pytest
 import stepwell as sw
 from chains import any_chain, concave_chain
 from sizes import examples
+from stepwell.design import Yield
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tally import HANGS
 
@@ -59,7 +60,7 @@ def test_what_end_forces_tell_counts_as_proved_for_any_mobilities(stiffness):
         assert found_by_engine(drawn, number) == found_by_engine(plain, number)
 
 
-def found_by_engine(found: sw.design.Yield, number: int) -> str:
+def found_by_engine(found: Yield, number: int) -> str:
     return str(found.mechanism(number).cycle().sequence)
 
 
