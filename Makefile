@@ -32,7 +32,9 @@ demo: .venv/.ready
 
 test: .venv/.ready
 	@# What the tests run most is compiled beside the checks, of which two go on at a time.
-	@STEPWELL_KERNELS=compiled .venv/bin/stepwell run preset:paper-forward >/dev/null 2>&1 &
+	@for preset in paper-forward three-wave; do \
+	  STEPWELL_KERNELS=compiled .venv/bin/stepwell run preset:$$preset >/dev/null 2>&1; \
+	done &
 	@$(MAKE) --no-print-directory --jobs=2 types style pages
 	.venv/bin/pytest
 
