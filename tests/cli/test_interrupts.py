@@ -31,13 +31,13 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="a terminal's Ctrl-C 
 
 
 def long_chain() -> str:
-    """Five hundred cells behind a spring, their bands slack at first: minutes of work."""
+    """Three thousand cells behind a spring, their bands slack at first: a minute of work."""
     head = SLACK.partition("[[chain.cell]]")[0].replace(
         "= 45\n", "= 45\nactuator_stiffness_N_per_m = 50\n"
     )
     cells = [
         f"[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [{i * 7 % 20}, {i * 11 % 30 - 15}]\n"
-        for i in range(500)
+        for i in range(3000)
     ]
     return head.replace("24", "18") + "\n".join(cells)
 
