@@ -12,7 +12,7 @@ from stepwell.concave.cell import Simple, force_at, full_travel, of_row, simple
 from stepwell.concave.certificate import certify
 from stepwell.concave.ends import end_forces
 from stepwell.concave.sorting import TIED, same_travel
-from stepwell.kernels import entry, in_blocks, kernel, leaf
+from stepwell.kernels import entry, in_blocks, kernel
 from stepwell.mechanism import Chain
 
 Verdicts = NDArray[np.int8]
@@ -53,7 +53,7 @@ def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, 
     return made, cells[i, 6] + spread[4] * draw[7 * n + i]
 
 
-@leaf
+@kernel
 def _sort(key: Floats, wanted: Ints, order: Ints) -> None:
     """Cells by rising key, into `order`; quick where that is nearly the wanted order."""
     for place in range(len(wanted)):
@@ -65,7 +65,7 @@ def _sort(key: Floats, wanted: Ints, order: Ints) -> None:
         order[j] = cell
 
 
-@leaf
+@kernel
 def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, order: Ints) -> bool:
     """Whether no cell that gives travel back in a snap reaches its other stop, proved.
 

@@ -3,13 +3,13 @@
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 
 # So near to the solution, as a share of the largest number in it.
 _CLOSE = 1e-15
 
 
-@leaf
+@kernel
 def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats) -> None:
     """Forces across cells, each within its bounds, that pull the blocks as little as can be.
 
@@ -52,7 +52,7 @@ def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, ou
             return
 
 
-@leaf
+@kernel
 def rates(force: Floats, loose: Floats, end: float, out: Floats) -> None:
     """Accelerations of the cells under the forces across them, (N,) [m/s²]; or jumps of speed."""
     n, before = len(force), 0.0
@@ -62,7 +62,7 @@ def rates(force: Floats, loose: Floats, end: float, out: Floats) -> None:
         before = block
 
 
-@leaf
+@kernel
 def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
     """½ Σ M_j (v_1 + … + v_j)² of the blocks that can move [J]."""
     total, block = 0.0, 0.0

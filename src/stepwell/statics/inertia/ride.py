@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import entry, kernel, leaf
+from stepwell.kernels import entry, kernel
 from stepwell.mechanism import (
     ABOVE,
     BELOW,
@@ -69,7 +69,7 @@ class Motion(NamedTuple):
     book: Floats  # (7,) TIME, STEP, PEAK and the energies [J]
 
 
-@leaf
+@kernel
 def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
     """Travels at which a cell meets a stop or another sheet; an open end is none."""
     row, ends = problem.sheets.table[problem.sheets.now[cell]], problem.sheets.ends[cell]
@@ -81,7 +81,7 @@ def ends_at(problem: Problem, cell: int) -> tuple[float, float]:
     return low, high
 
 
-@leaf
+@kernel
 def _stops(problem: Problem, cell: int, travel: float) -> int:
     """-1 or +1 where a cell stands at a stop, 0 where it does not."""
     low, high = ends_at(problem, cell)
@@ -91,7 +91,7 @@ def _stops(problem: Problem, cell: int, travel: float) -> int:
     return 1 if travel >= high and row[ABOVE] < 0.0 else 0
 
 
-@leaf
+@kernel
 def _force(problem: Problem, body: Body, cell: int, travel: float, rows: Ints) -> float:
     """Force of a cell less the push on it [N]."""
     pick_rows(problem.laws, cell, travel, rows)
@@ -99,7 +99,7 @@ def _force(problem: Problem, body: Body, cell: int, travel: float, rows: Ints) -
     return force - body.push if cell == body.leader else force
 
 
-@leaf
+@kernel
 def _lambda(problem: Problem, body: Body, travel: Floats) -> float:
     """λ of an actuator that is not rigid [N]."""
     if problem.beta == 0.0:
@@ -107,7 +107,7 @@ def _lambda(problem: Problem, body: Body, travel: Floats) -> float:
     return body.force - problem.alpha / problem.beta * summed(travel - body.begin)
 
 
-@leaf
+@kernel
 def _bounds(
     problem: Problem, body: Body, motion: Motion, i: int, rows: Ints
 ) -> tuple[float, float]:
@@ -156,7 +156,7 @@ def set_off(problem: Problem, body: Body, motion: Motion, rows: Ints) -> int:
     return count
 
 
-@leaf
+@kernel
 def _jump(problem: Problem, motion: Motion, i: int, heading: int, rows: Ints) -> bool:
     """Let a cell that is driven past the end of its sheet jump to the next; whether it does."""
     laws, sheets = problem.laws, problem.sheets
@@ -250,7 +250,7 @@ def _pace(motion: Motion, leg: Leg) -> Floats:
     return pace
 
 
-@leaf
+@kernel
 def _broken(
     problem: Problem, body: Body, motion: Motion, leg: Leg, out: Floats, force: Floats
 ) -> float:
@@ -299,7 +299,7 @@ def _broken(
     return worst
 
 
-@leaf
+@kernel
 def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
     """Slope and bend of the speed over a step from its ends and its mean: v0 + b τ + c τ²."""
     return 6.0 * mean - 4.0 * first - 2.0 * last, 3.0 * (first + last) - 6.0 * mean
@@ -332,7 +332,7 @@ def _grazes(problem: Problem, leg: Leg, pace: Floats, h: float, out: Floats) -> 
     return share
 
 
-@leaf
+@kernel
 def _peak(pace: Floats, h: float, out: Floats) -> float:
     """The fastest that any block is within a step [m/s]."""
     k, peak = len(pace), 0.0
@@ -370,7 +370,7 @@ def _misses(
     return worst / body.tolerance
 
 
-@leaf
+@kernel
 def _lost(book: Floats) -> float:
     """Energy that was taken so far [J]."""
     return book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 from stepwell.mechanism import law, pick_rows
 from stepwell.statics.following import Problem
 
@@ -29,7 +29,7 @@ class Leg(NamedTuple):
     room: Ints  # (slots,) for other rows
 
 
-@leaf
+@kernel
 def look(problem: Problem, leg: Leg) -> None:
     """Rows and slopes of the cells where the step begins."""
     for m in range(len(leg.cells)):
@@ -37,7 +37,7 @@ def look(problem: Problem, leg: Leg) -> None:
         leg.slope[m] = law(problem.laws, leg.cells[m], leg.rows[m], leg.begin[m])[1]
 
 
-@leaf
+@kernel
 def tensions(problem: Problem, leg: Leg, way: Floats, pace: Floats, out: Floats) -> float:
     """Forces across the moving cells, (k,) [N], and λ, where the groups are at `way` and `pace`."""
     before, fast = 0.0, 0.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 from stepwell.mechanism import stored
 from stepwell.statics.following import Problem, find_piece
 from stepwell.statics.landings.room import CLOSE_FORCE, Room, forces_within
@@ -13,7 +13,7 @@ from stepwell.statics.landings.start import Start
 _STEPS = 64
 
 
-@leaf
+@kernel
 def energy_at(problem: Problem, start: Start, i: int, travel: float) -> float:
     """What cell i has stored since the start, less λ of the start times the way [J]."""
     pieces, begun = problem.pieces, start.travel[i]
@@ -23,7 +23,7 @@ def energy_at(problem: Problem, start: Start, i: int, travel: float) -> float:
     return here - there - start.force * (travel - begun)
 
 
-@leaf
+@kernel
 def energy_of(problem: Problem, start: Start, travel: Floats) -> float:
     """What the chain and its actuator have stored at `travel` (N,) since the start [J]."""
     total, way = 0.0, 0.0
@@ -41,7 +41,7 @@ def energy_slack(problem: Problem) -> float:
     return CLOSE_FORCE * problem.scale * np.max(problem.laws.full)
 
 
-@leaf
+@kernel
 def least_energy(
     energy: tuple[float, float], width: float, force: tuple[float, float], tilt: float
 ) -> float:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 from stepwell.mechanism import law
 from stepwell.statics.following import Problem, find_piece, invert
 from stepwell.statics.landings.room import CLOSE, CLOSE_FORCE, Room, force_at
@@ -99,7 +99,7 @@ def _branches(problem: Problem, room: Room) -> Branches:
     return out
 
 
-@leaf
+@kernel
 def _travel_at(problem: Problem, branches: Branches, i: int, r: int, force: float) -> float:
     """Where cell i rests on branch r under a force."""
     low, high = branches.low[r], branches.high[r]
@@ -113,7 +113,7 @@ def _travel_at(problem: Problem, branches: Branches, i: int, r: int, force: floa
     return high
 
 
-@leaf
+@kernel
 def _compliance(
     problem: Problem, room: Room, branches: Branches, i: int, r: int, low: float, high: float
 ) -> tuple[float, float]:
@@ -174,7 +174,7 @@ def _span(problem: Problem, search: Search, low: float, high: float) -> tuple[fl
     return least, most
 
 
-@leaf
+@kernel
 def _stability(problem: Problem, room: Room, search: Search) -> tuple[float, float]:
     """Least and largest α Σ 1/κ + β in the box."""
     branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
@@ -187,7 +187,7 @@ def _stability(problem: Problem, room: Room, search: Search) -> tuple[float, flo
     return least, most
 
 
-@leaf
+@kernel
 def _noted(problem: Problem, search: Search) -> bool:
     """Whether the box is the place that was noted last: λ may be free there."""
     last, box = search.counts[0] - 1, search.box
@@ -201,7 +201,7 @@ def _noted(problem: Problem, search: Search) -> bool:
     return True
 
 
-@leaf
+@kernel
 def _note(problem: Problem, start: Start, search: Search) -> bool:
     """Whether the box is known well enough to be noted, which it then is, or is the start."""
     laws, box, counts = problem.laws, search.box, search.counts

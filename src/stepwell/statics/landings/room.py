@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law
 from stepwell.statics.following import Problem, find_piece, invert
 from stepwell.statics.landings.start import Start
@@ -26,7 +26,7 @@ class Room(NamedTuple):
     force: Floats  # (2,) least and largest λ
 
 
-@leaf
+@kernel
 def force_at(problem: Problem, i: int, travel: float) -> float:
     """F of cell i [N]."""
     pieces = problem.pieces
@@ -38,7 +38,7 @@ def force_at(problem: Problem, i: int, travel: float) -> float:
     return law(problem.laws, i, pieces.picked[piece], travel)[0]
 
 
-@leaf
+@kernel
 def forces_within(problem: Problem, i: int, low: float, high: float) -> tuple[float, float]:
     """Least and largest F of cell i between two travels: forces are monotone on every piece."""
     pieces = problem.pieces
@@ -52,7 +52,7 @@ def forces_within(problem: Problem, i: int, low: float, high: float) -> tuple[fl
     return least, most
 
 
-@leaf
+@kernel
 def _pushed(problem: Problem, i: int, travel: float, level: float, up: bool) -> float:
     """The travel from which a force cannot bring cell i any further on its way up, or down."""
     pieces, toward = problem.pieces, 1 if up else -1
@@ -88,7 +88,7 @@ def whole_room(problem: Problem, start: Start) -> Room:
     return room
 
 
-@leaf
+@kernel
 def leads_on(problem: Problem, room: Room) -> bool:
     """Whether some cell can come to where its curve folds back, and jump."""
     ends = problem.sheets.ends

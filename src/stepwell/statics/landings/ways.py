@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf
+from stepwell.kernels import kernel
 from stepwell.statics.following import Problem
 from stepwell.statics.landings.purse import energy_at, energy_slack, least_energy
 from stepwell.statics.landings.room import (
@@ -121,7 +121,7 @@ def grid_of(problem: Problem, room: Room, start: Start, most: int) -> Grid:
     return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
 
 
-@leaf
+@kernel
 def boxes_of(grid: Grid) -> int:
     """How many boxes a grid has."""
     boxes = 1
@@ -130,7 +130,7 @@ def boxes_of(grid: Grid) -> int:
     return boxes
 
 
-@leaf
+@kernel
 def _left(room: Room, grid: Grid, low: float, high: float) -> tuple[float, float]:
     """Travels of the last cell where the others have gone from `low` to `high` together."""
     most, least = room.high[grid.last], room.low[grid.last]
@@ -176,7 +176,7 @@ def _enough_energy(problem: Problem, room: Room, start: Start, grid: Grid, at: I
     return bool(total <= energy_slack(problem))
 
 
-@leaf
+@kernel
 def _can_leave(
     problem: Problem, room: Room, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
@@ -217,7 +217,7 @@ def _can_leave(
     return total + _weighed(gap - slip, pressed, problem.mobility[cell], ratio) < 0.0
 
 
-@leaf
+@kernel
 def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
     """The least that a cell adds; nothing where a stop can hold it."""
     if gap > 0.0:
@@ -257,7 +257,7 @@ def _mark(
             return marked
 
 
-@leaf
+@kernel
 def _exists(problem: Problem, room: Room, grid: Grid, at: Ints) -> bool:
     """Whether a box holds points at which the last cell has what the others leave."""
     if grid.last < 0:
