@@ -311,14 +311,15 @@ def _set_off(
 
 @leaf
 def _pushed_back(cell: Floats, where: Ints, m: int, row: int, rubs: bool) -> int:
-    """A cell at a stop, or held by friction if it `rubs`, that goes against its sense; or -1."""
+    """The cell at a stop, or held by friction if it `rubs`, most against its sense; or -1."""
+    back, most = -1, 0.0
     for j in range(m):
         travel = cell[_TRAVEL, j]
         bound = travel == cell[_LEAST, j] or travel == cell[_MOST, j]
         bound = bound or (rubs and cell[_FRICTION, j] > 0.0)
-        if bound and cell[row, j] * where[_SENSE, j] < 0.0:
-            return j
-    return -1
+        if bound and cell[row, j] * where[_SENSE, j] < most:
+            back, most = j, cell[row, j] * where[_SENSE, j]
+    return back
 
 
 @leaf
@@ -333,9 +334,7 @@ def _step(problem: Problem, at: Flow, h: float) -> None:
     _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
     back = _pushed_back(cell, where, m, _X1, True)
     while back >= 0:
-        while back >= 0:
-            where[_SENSE, back] = 0
-            back = _pushed_back(cell, where, m, _X1, True)
+        where[_SENSE, back] = 0
         _set_off(actuator, cell, where, m)
         _solve(alpha, beta, cell, where, m, _GAMMA * h, _RATE, _X1)
         back = _pushed_back(cell, where, m, _X1, True)
@@ -520,6 +519,26 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
 
 
 @leaf
+def _senses(cell: Floats, where: Ints, m: int, shared: float, h: float, near: float) -> None:
+    """In which sense every cell moves in a step of time h from where it is, into `_BEGAN`.
+
+    One that keeps still, but goes back by no more than `near` of its full travel if it is taken
+    along, and soon within the step, is taken along; the step decides. Where a slow motion hands
+    the lead from cell to cell it would else be followed from hand to hand.
+    """
+    for j in range(m):
+        drives, slope = _drives(cell, j, shared), cell[_SLOPE, j]
+        where[_BEGAN, j] = np.sign(drives)
+        if drives == 0.0 and h * cell[_MOBILITY, j] * slope > 1.0:
+            gap, travel = shared - cell[_FORCE, j], cell[_TRAVEL, j]
+            close, friction = near * cell[_FULL, j] * slope, cell[_FRICTION, j]
+            if abs(gap - friction) <= close and travel < cell[_BEYOND, j]:
+                where[_BEGAN, j] = 1
+            elif abs(gap + friction) <= close and travel > cell[_BEFORE, j]:
+                where[_BEGAN, j] = -1
+
+
+@leaf
 def _excess(at: Flow, mark: int, level: float) -> float:
     """What drives a cell past what keeps it [N]: it changes sign where the event is.
 
@@ -540,7 +559,7 @@ def _excess_before(at: Flow, mark: int, shared: float) -> float:
     """The same where the last step began."""
     j = mark // 2 - 1
     if mark > 1 and at.where[_SENSE, j] != 0:
-        return float(abs(at.cell[_RATE, j]) / at.cell[_MOBILITY, j])
+        return float(at.where[_SENSE, j] * at.cell[_RATE, j] / at.cell[_MOBILITY, j])
     return _excess(at, mark, shared)
 
 
@@ -682,23 +701,24 @@ def flow(
         if settled:
             break
         for j in range(m):
-            where[_BEGAN, j] = np.sign(cell[_RATE, j])
             cell[_WAS, j] = cell[_TRAVEL, j]
         h, stops, cut = min(wanted, soon), 0, soon < wanted
+        _senses(cell, where, m, shared, h, 0.1 * accuracy)
         while True:
             where[_SENSE, :m] = where[_BEGAN, :m]
+            _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
             h = min(h, _longest_step(alpha, beta, cell, where, m, h))
             _step(problem, at, h)
-            back = _pushed_back(cell, where, m, _WAY, False)
+            back, stays = _pushed_back(cell, where, m, _WAY, False), not np.any(cell[_WAY, :m])
+            if (back >= 0 or stays) and h > 1e-6 / stiffest:
+                # A cell would leave its stop and be back there within the step, which then would
+                # end before it began; or all were called back. A shorter step lets them go ...
+                h *= 0.25
+                _senses(cell, where, m, shared, h, 0.1 * accuracy)
+                continue
             if back >= 0:
-                # It would leave its stop and be back there within the step, which then would
-                # end before it began. A shorter step lets it go; in the shortest it stays.
-                if h > 1e-6 / stiffest:
-                    h *= 0.25
-                else:
-                    where[_BEGAN, back] = 0
-                    where[_SENSE, :m] = where[_BEGAN, :m]
-                    _set_off((alpha, beta, drive, still[_STILL]), cell, where, m)
+                # ... and in the shortest it stays.
+                where[_BEGAN, back] = 0
                 continue
             worst = _worst(cell, m) / accuracy
             if worst > 1.0 and h > 1e-9 / stiffest:
