@@ -5,7 +5,7 @@ program calls: it is interpreted while the work is small, compiled by a process 
 it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
 """
 
-from stepwell.kernels.effort import SPENT, STROKES, UNLIMITED, end_early, overspent, watched
+from stepwell.kernels.effort import MOST, SPENT, UNLIMITED, end_early, overspent, watched
 from stepwell.kernels.entry import entry
 from stepwell.kernels.fingerprint import kernel, leaf
 from stepwell.kernels.threads import beside, cores, in_blocks

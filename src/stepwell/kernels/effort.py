@@ -13,9 +13,9 @@ Ints = NDArray[np.int64]
 R = TypeVar("R")
 
 
-# What the present stroke has cost; how much it may cost at most; how many strokes are done. Whoever
-# lowers the second while a run goes on, from another thread, stops it.
-SPENT, MOST, STROKES = 0, 1, 2
+# What the present stroke has cost; how much it may cost at most. Whoever lowers the second while
+# a run goes on, from another thread, stops it.
+SPENT, MOST = 0, 1
 
 
 UNLIMITED = int(np.iinfo(np.int64).max)
@@ -23,7 +23,7 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 
 def watched(run: Callable[[Ints], R], *, long: bool = True, most: int = UNLIMITED) -> R:
     """What run(effort) returns; beside this thread where it may be long, for Ctrl-C's sake."""
-    effort = np.array([0, most, 0])
+    effort = np.array([0, most])
     if not long:
         return run(effort)
     return beside(lambda: run(effort), lambda: end_early(effort))

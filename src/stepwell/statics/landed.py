@@ -172,7 +172,7 @@ def _proof(problem: Problem, snap: Snap, ratio: float) -> Proof | None:
     if not np.array_equal(snap.sheet, start.sheet):
         return None
     # What the path has spent does not count.
-    fresh = problem._replace(effort=np.array([0, UNLIMITED, 0]))
+    fresh = problem._replace(effort=np.array([0, UNLIMITED]))
     if energy_holds(fresh, start, landing):
         return Proof.ENERGY
     return Proof.ENCLOSURE if enclosed(fresh, start, landing, ratio) else None

@@ -44,7 +44,7 @@ def problem_of(
             f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
             f"often to follow: smooth its table, or look for a band whose ends nearly meet."
         )
-    effort = np.array([0, UNLIMITED, 0])
+    effort = np.array([0, UNLIMITED])
     rank = _ranks(len(chain), prefer)
     scale = force_scale(laws, sheets, pieces)
     weights, mobility = drive_weights(chain), mobilities_of(chain.cells)

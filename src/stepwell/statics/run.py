@@ -7,7 +7,7 @@ from time import monotonic
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure, told_in
-from stepwell.kernels import STROKES, UNLIMITED, beside, end_early, watched
+from stepwell.kernels import MOST, UNLIMITED, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics.following import (
     DONE,
@@ -94,18 +94,20 @@ def full_cycle(
 def _follow_from(
     chain: Chain, problem: Problem, turning: Floats, start: State, progress: Progress | None
 ) -> Path:
-    """Run the follower, giving it a longer log until the path fits."""
+    """Run the follower, giving it a longer log where it needs one."""
     room = 64 + 16 * len(chain) * len(turning)
     # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
     sheets = sheets_of(problem.sheets)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
+    state = start
     while True:
         few = _UNWATCHED_INTERPRETED if follow.interpreted else _UNWATCHED
-        log = logged.empty_log(room, 4 * room)
-        state = State._make([*(values.copy() for values in start[:-1]), log])
-        stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
-        problem.effort[:] = 0, most if aside else min(most, few), 0
+        if state is start:
+            log = logged.empty_log(room, 4 * room)
+            state = State._make([*(values.copy() for values in start[:-1]), log])
+            stand_all_on(problem.laws, problem.sheets, problem.pieces, sheets)
+        problem.effort[MOST] = most if aside else min(most, few)
         try:
             if aside:
                 status = _watched(problem, turning, state, progress)
@@ -113,17 +115,18 @@ def _follow_from(
                 status = follow(problem, turning, state)
         except _MachineCodeCame:
             follow.compiled()
+            state = start
             continue
         if status == GAVE_UP and not aside and few < most:
-            aside = True
-            continue
-        if status == LOG_FULL and room > _MOST_SEGMENTS:
-            status = STALLED
-        if status != LOG_FULL:
+            aside, state = True, start
+        elif status == LOG_FULL and len(state.log.segments) <= _MOST_SEGMENTS:
+            state = state._replace(log=logged.longer(state.log))
+        else:
             break
-        room *= 4
     if status != DONE:
+        status = STALLED if status == LOG_FULL else status
         refuse_failure(status, chain, state.travel, float(state.force[0]))
+    log = state.log
     broken, promise, by = watched(
         lambda effort: audit(problem._replace(effort=effort), log, start.travel, sheets),
         long=int(log.used[0]) > _MANY_SEGMENTS,
@@ -150,7 +153,7 @@ def _watched(problem: Problem, turning: Floats, state: State, progress: Progress
         if interpreted and monotonic() > patience:
             follow.ask_for_machine_code(problem, turning, state)
         if progress is not None:
-            stroke = int(problem.effort[STROKES])
+            stroke = max(int(state.stroke[0]) - 1, 0)
             here = drive_of(problem, state.travel, float(state.force[0]))
             progress(done[stroke] + min(abs(here - turning[stroke]), way[stroke]), done[-1])
 

@@ -12,6 +12,7 @@ from stepwell.statics.following import (
     NO_FORCE,
     Problem,
     State,
+    blank_state,
     held_range,
     hold,
     inverse_slope,
@@ -95,17 +96,7 @@ def starting_state(chain: Chain, problem: Problem, place: Configuration, drive: 
             f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
         )
     n = len(travels)
-    state = State(
-        travels.copy(),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n),
-        np.zeros(1),
-        np.zeros(4, np.int64),
-        np.zeros(2, np.int64),
-        logged.empty_log(0, 0),
-    )
+    state = blank_state(travels, logged.empty_log(0, 0))
     for i in range(n):
         hold(problem, state, i)
         state.piece[i] = resting_piece(pieces, i, travels[i])

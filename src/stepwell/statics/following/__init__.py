@@ -45,6 +45,7 @@ from stepwell.statics.following.state import (
     TRIGGER,
     Problem,
     State,
+    blank_state,
     drive_of,
     held_range,
     hold,

@@ -10,7 +10,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.kernels import kernel, leaf, overspent
 from stepwell.mechanism import Laws, law
-from stepwell.statics.following.pieces import Pieces, invert
+from stepwell.statics.following.pieces import Pieces, invert, invert_near
 from stepwell.statics.following.state import Movers, Problem
 
 
@@ -61,7 +61,7 @@ def _highest(problem: Problem, movers: Movers, one: float, two: float) -> tuple[
     for m in range(len(movers.cell)):
         cell, piece, offset = movers.cell[m], movers.piece[m], movers.offset[m]
         at_one = invert(laws, pieces, cell, piece, one - offset)
-        at_two = invert(laws, pieces, cell, piece, two - offset)
+        at_two = invert_near(laws, pieces, cell, piece, two - offset, at_one)
         inverse_one = inverse_slope(laws, pieces, cell, piece, at_one)
         inverse_two = inverse_slope(laws, pieces, cell, piece, at_two)
         bound += alpha * max(inverse_one, inverse_two)
@@ -115,6 +115,8 @@ def point_at(
     U is monotone on a stable branch.
     """
     low, high = begin, end
+    # The same answer whatever was there.
+    out[:] = np.nan
     u_low = _drive_at(problem, movers, low, out)
     u_high = _drive_at(problem, movers, high, out)
     rising = u_high > u_low
@@ -157,11 +159,11 @@ def point_at(
 
 @leaf
 def _drive_at(problem: Problem, movers: Movers, force: float, out: Floats) -> float:
-    """U of a branch where its force is `force`; travels into `out`."""
+    """U of a branch where its force is `force`; travels into `out`, from those there on."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     total = movers.held
     for m in range(len(movers.cell)):
         cell, piece = movers.cell[m], movers.piece[m]
-        out[m] = invert(laws, pieces, cell, piece, force - movers.offset[m])
+        out[m] = invert_near(laws, pieces, cell, piece, force - movers.offset[m], out[m])
         total += out[m]
     return alpha * total + beta * force

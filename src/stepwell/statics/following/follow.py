@@ -7,9 +7,9 @@ two forces, so nothing here depends on a step size.
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.kernels import SPENT, STROKES, entry, leaf, overspent
+from stepwell.kernels import SPENT, entry, leaf, overspent
 from stepwell.mechanism import ends_of
-from stepwell.statics.following.log import FOLD
+from stepwell.statics.following.log import FOLD, has_room
 from stepwell.statics.following.pieces import resting_piece
 from stepwell.statics.following.smooth import (
     FLAT,
@@ -46,19 +46,22 @@ from stepwell.statics.following.state import (
 
 @entry()
 def follow(problem: Problem, turning: Floats, state: State) -> int:
-    """Drive the chain through `turning`, writing every segment to the log; how it ended."""
+    """Drive the chain through `turning`, writing every segment to the log; how it ended.
+
+    Where the log is full, it goes on from there when it is called again with a longer one.
+    """
     effort, n = problem.effort, len(state.mode)
     goes = np.zeros(n, np.int64)
     slack = drive_slack(problem)
     lowest, highest = ends_of(problem.sheets)
     for turn in range(1, len(turning)):
-        effort[STROKES] = turn - 1
         target = turning[turn]
-        if target == turning[turn - 1]:
+        if target == turning[turn - 1] or turn < state.stroke[0]:
             continue
         direction = 1 if target > turning[turn - 1] else -1
-        effort[SPENT] = 0
-        _come_to_rest(problem, state, direction)
+        if turn > state.stroke[0]:
+            state.stroke[0], effort[SPENT] = turn, 0
+            _come_to_rest(problem, state, direction)
         # With all the stroke used up every cell is at its stop: ask for that and not for a number,
         # which rounding could meet one cell early.
         ends = target >= highest - slack if direction > 0 else target <= lowest + slack
@@ -79,6 +82,8 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
             if overspent(effort, 10 * n):
                 status = GAVE_UP
                 break
+            if not has_room(state.log, n):
+                return LOG_FULL
             choice, leader = choose(problem, state, direction, goes)
             if choice == FLAT and join_flat(problem, state, direction):
                 choice, leader = choose(problem, state, direction, goes)
@@ -94,7 +99,7 @@ def follow(problem: Problem, turning: Floats, state: State) -> int:
                 status = move(problem, state, set_off(problem, state, goes), direction, target)
         if status != DONE and not (to_the_end and status == RUNS_AWAY):
             # What ran out of looks may say that it did not settle.
-            return GAVE_UP if status != LOG_FULL and overspent(effort, 0) else status
+            return GAVE_UP if overspent(effort, 0) else status
     return DONE
 
 

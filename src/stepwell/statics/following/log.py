@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
+from stepwell.kernels import leaf
 
 # What happens on a segment; on a drift, cells of constant force move.
 HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
@@ -36,6 +37,21 @@ def empty_log(segments: int, movers: int) -> Log:
         np.zeros((movers, MOVER_COLUMNS)),
         np.zeros(2, np.int64),
     )
+
+
+def longer(log: Log) -> Log:
+    """The same log with twice the room."""
+    fresh = empty_log(2 * len(log.segments), 2 * len(log.movers))
+    for old, new in zip(log, fresh, strict=True):
+        new[: len(old)] = old
+    return fresh
+
+
+@leaf
+def has_room(log: Log, cells: int) -> bool:
+    """Whether one more segment fits, even if so many cells move in it."""
+    used, movers = log.used
+    return used < len(log.segments) and movers + cells <= len(log.movers)
 
 
 def written(log: Log) -> Log:

@@ -402,6 +402,18 @@ def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
 @leaf
 def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> float:
     """The travel on `piece` at which the cell pushes back with `force`, clipped to the piece."""
+    return invert_near(laws, pieces, cell, piece, force, np.nan)
+
+
+@leaf
+def invert_near(
+    laws: Laws, pieces: Pieces, cell: int, piece: int, force: float, near: float
+) -> float:
+    """The same, looked for from travel `near` on, where that is on the piece.
+
+    Every step is to the root of the parabola that has the force, κ and dκ/ds here, which is near
+    even next to an extremum.
+    """
     a, b = pieces.left[piece], pieces.right[piece]
     fa, fb = pieces.force_left[piece], pieces.force_right[piece]
     rising, picked = pieces.sign[piece] > 0, pieces.picked[piece]
@@ -409,20 +421,27 @@ def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> f
         return a
     if (force >= fb) == rising or force == fb:
         return b
-    travel = a + (b - a) * (force - fa) / (fb - fa)
+    travel = near if a < near < b else a + (b - a) * (force - fa) / (fb - fa)
+    last, rounding = 0.0, 1e-16 * laws.full[cell]
     for _ in range(200):
-        value, slope, _ = law(laws, cell, picked, travel)
+        value, slope, bend = law(laws, cell, picked, travel)
         if value == force:
             return travel
         if (value < force) == rising:
             a = travel
         else:
             b = travel
-        step = (force - value) / slope if slope != 0.0 else np.inf
-        following = travel + step
-        if not a < following < b:
-            following = 0.5 * (a + b)
-        if abs(following - travel) <= 1e-16 * laws.full[cell] or not a < following < b:
-            return following
-        travel = following
+        miss = force - value
+        root = np.sqrt(max(slope * slope + 2.0 * bend * miss, 0.0))
+        below = slope + root if rising else slope - root
+        step = 2.0 * miss / below if below != 0.0 else np.inf
+        size = abs(step)
+        if size <= rounding or size * size * size <= rounding * last * last:
+            # At this pace the next step would be below rounding.
+            return min(max(travel + step, a), b)
+        travel, last = travel + step, size
+        if not a < travel < b:
+            travel, last = 0.5 * (a + b), 0.0
+            if not a < travel < b:
+                break
     return travel

@@ -9,7 +9,7 @@ from stepwell.kernels import kernel, leaf
 from stepwell.mechanism import BEFORE, BEYOND, HIGH, LOW, law, summed
 from stepwell.statics.following.branch import compliance, first_fold, inverse_slope, point_at
 from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEASE
-from stepwell.statics.following.pieces import Pieces, find_piece, invert
+from stepwell.statics.following.pieces import Pieces, find_piece, invert_near
 from stepwell.statics.following.state import (
     DONE,
     DUE,
@@ -206,13 +206,13 @@ def drift(problem: Problem, state: State, movers: Movers, direction: int, target
         state.travel[i] = ends[m] if arrives else begun.travel[i] + direction * way
         friction_work += float(laws.friction[i]) * way
     drive = drive_of(problem, state.travel, begun.force)
-    status = write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
+    write(problem, state, DRIFT, begun, movers, (0.0, friction_work), drive)
     for m in range(count):
         i = movers.cell[m]
         if not reached and state.travel[i] == ends[m]:
             set_snap(state.next_snap, i, direction, KINK)
             end_piece(problem, state, i, direction)
-    return DONE if reached and status == GOES_ON else status
+    return DONE if reached else GOES_ON
 
 
 @leaf
@@ -380,9 +380,10 @@ def _places_at(
     """Travels of the movers at an event, into `out`; those that come to an end are there."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     for m in range(len(out)):
-        out[m] = invert(
-            laws, pieces, movers.cell[m], movers.piece[m], event.level - movers.offset[m]
-        )
+        i, on = movers.cell[m], movers.piece[m]
+        out[m] = state.travel[i]
+        if event.level != force:
+            out[m] = invert_near(laws, pieces, i, on, event.level - movers.offset[m], out[m])
     if event.why != KINK:
         return
     for m in range(len(out)):
@@ -416,8 +417,8 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
             return RUNS_AWAY
         # Nothing is left to happen: the drive only changes the force.
         state.force[0] = (target - alpha * summed(begun.travel)) / beta
-        status = write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
-        return DONE if status == GOES_ON else status
+        write(problem, state, HOLD, begun, movers, (0.0, 0.0), target)
+        return DONE
     count = len(movers.cell)
     if toward != direction and (count > 1 or (beta > 0.0 and alpha > 0.0)):
         event = _or_fold(problem, state, movers, event, toward)
@@ -444,9 +445,7 @@ def move(problem: Problem, state: State, movers: Movers, direction: int, target:
     state.force[0] = level
     if moves:
         kind = MOVE if count > 0 else HOLD
-        status = write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
-        if status != GOES_ON:
-            return status
+        write(problem, state, kind, begun, movers, (0.0, friction_work), drive)
     if reached:
         return DONE
     cell, heading = event.cell, event.heading

@@ -28,6 +28,7 @@ from stepwell.statics.following.pieces import (
 from stepwell.statics.following.state import (
     DUE,
     FREE,
+    GOES_ON,
     HELD,
     NOT_SETTLED,
     SENSE,
@@ -102,10 +103,10 @@ def snap(problem: Problem, state: State, direction: int, accuracy: float) -> int
         set_tie(state.tie, trigger, trigger)
     movers = Movers(moved, np.full(len(moved), -1, np.int64), np.zeros(len(moved)), 0.0)
     heat = (released - friction_work, friction_work)
-    status = write(problem, state, SNAP, begun, movers, heat, begun.drive)
+    write(problem, state, SNAP, begun, movers, heat, begun.drive)
     set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[DUE] = 0
-    return status
+    return GOES_ON
 
 
 @leaf
@@ -136,6 +137,8 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
     other = partner if rigid else -1
     forth, back = (trigger, other) if sense > 0 else (other, trigger)
     low, high = held_range(problem, state)
+    # One that ties with the trigger may have been due a little sooner.
+    low, high = min(low, state.force[0]), max(high, state.force[0])
     if dead:
         # Under a dead load no cell feels the others.
         low, high = -np.inf, np.inf
@@ -155,7 +158,7 @@ def along_line(problem: Problem, state: State, direction: int, rubbed: Floats) -
     # The same with a little more pull and a little less: where it then lands elsewhere, the
     # choice between two landings hangs on less than any real mechanism can promise.
     start = 1e-7
-    while outcome == LANDED and shift <= 1e-3 * size:
+    while outcome == LANDED and shift <= 1e-3 * size and start < 1e-3:
         # So near to where it set out a landing may be rounding: it is one if past it something
         # holds the cells back that a real mechanism has.
         if pull_at(problem, line, 2.0 * shift) < -1e-12 * scale:

@@ -78,7 +78,26 @@ class State(NamedTuple):
     force: Floats  # (1,) λ
     next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
     tie: Ints  # (2,) cells that tie on the present segment, or -1
+    stroke: Ints  # (1,) how many strokes have begun
     log: Log
+
+
+def blank_state(travel: Floats, log: Log) -> State:
+    """A state with (N,) travels of which nothing else is known yet."""
+    n = len(travel)
+    modes, senses, pieces = np.zeros((3, n), np.int64)
+    return State(
+        travel.copy(),
+        modes,
+        senses,
+        pieces,
+        np.zeros(n),
+        np.zeros(1),
+        np.zeros(4, np.int64),
+        np.full(2, -1),
+        np.zeros(1, np.int64),
+        log,
+    )
 
 
 class Movers(NamedTuple):
@@ -146,15 +165,13 @@ def write(
     movers: Movers,
     heat: tuple[float, float],
     drive: float,
-) -> int:
+) -> None:
     """Append the segment that ends here at `drive`, and forget the tie that it tells of.
 
     `heat` is what the snap released and what friction took [J].
     """
     log = state.log
     k, m = log.used
-    if k >= len(log.segments) or m + len(movers.cell) > len(log.movers):
-        return LOG_FULL
     row = log.segments[k]
     row[KIND], row[DIRECTION] = kind, begun.direction
     row[DRIVE_0], row[DRIVE_1] = begun.drive, drive
@@ -174,7 +191,6 @@ def write(
     log.used[0] = k + 1
     log.used[1] = m + len(movers.cell)
     log.first[k + 1] = m + len(movers.cell)
-    return GOES_ON
 
 
 @leaf

@@ -20,7 +20,7 @@ def goes_one_way(problem: Problem, start: Start, landing: Floats, ratio: float) 
         landing: (N,) travels where it lands [m].
         ratio: of the fastest to the slowest beside the given ones, >= 1.
     """
-    own = problem._replace(mobility=problem.mobility.copy(), effort=np.array([0, UNLIMITED, 0]))
+    own = problem._replace(mobility=problem.mobility.copy(), effort=np.array([0, UNLIMITED]))
     return _goes_one_way(own, start, room_for(len(landing)), landing, ratio)
 
 

@@ -14,6 +14,7 @@ from stepwell.statics.following import (
     SLIDES,
     Problem,
     State,
+    blank_state,
     find_piece,
     hold,
     log as logged,
@@ -131,17 +132,7 @@ def _start(problem: Problem, log: logged.Log, k: int, travel: Floats, sheet: Int
 
 def room_for(cells: int) -> State:
     """Room for the state of a chain of so many cells."""
-    return State(
-        np.empty(cells),
-        np.zeros(cells, np.int64),
-        np.zeros(cells, np.int64),
-        np.zeros(cells, np.int64),
-        np.zeros(cells),
-        np.zeros(1),
-        np.zeros(4, np.int64),
-        np.zeros(2, np.int64),
-        logged.empty_log(1, cells),
-    )
+    return blank_state(np.zeros(cells), logged.empty_log(1, cells))
 
 
 @kernel
