@@ -105,6 +105,8 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
     now = start.copy()
     stand_all_on(laws, problem.sheets, pieces, sheets)
     lowest, highest = np.full(n, -np.inf), np.full(n, np.inf)
+    # What every cell stores and pushes back with where it was seen last, and on which piece.
+    energy, pushes, seen = np.zeros(n), np.zeros(n), np.full(n, -1)
     for i in range(n):
         _stands(problem, i, -1, now[i], lowest, highest)
     size = np.max(laws.full)
@@ -118,15 +120,24 @@ def audit(problem: Problem, log: Log, start: Floats, sheets: Ints) -> tuple[int,
         for j in range(log.first[k], log.first[k + 1]):
             mover = log.movers[j]
             i, piece = int(mover[CELL]), int(mover[PIECE])
-            now[i] = mover[TRAVEL_1]
+            before, now[i] = now[i], mover[TRAVEL_1]
             if sheet_of(problem.sheets, i) != int(mover[SHEET_1]):
                 stand_on(laws, problem.sheets, pieces, i, int(mover[SHEET_1]))
+            begun = before == mover[TRAVEL_0] and seen[i] == piece
             value = _stands(problem, i, piece, now[i], lowest, highest)
             if piece >= 0:
+                picked, begin = pieces.picked[piece], mover[TRAVEL_0]
+                held = energy[i] if begun else stored(laws, i, picked, begin)
+                pushed = pushes[i] if begun else law(laws, i, picked, begin)[0]
+                energy[i], pushes[i] = stored(laws, i, picked, now[i]), value
                 gap = max(gap, abs(value + mover[OFFSET] - force))
-                miss = _unbalanced(laws, pieces, i, piece, mover[TRAVEL_0], mover[TRAVEL_1])
+                halfway = law(laws, i, picked, 0.5 * (begin + now[i]))[0]
+                miss = _unbalanced(
+                    energy[i] - held, now[i] - begin, 0.5 * (pushed + value), halfway
+                )
                 if not miss <= ENERGY_SLACK * scale * size:
                     return k, ENERGY, miss
+            seen[i] = piece
         gap = max(gap, np.max(lowest) - force, force - np.min(highest))
         if not gap <= FORCE_SLACK * scale:
             return k, EQUILIBRIUM, gap
@@ -170,14 +181,10 @@ def _stands(
 
 
 @leaf
-def _unbalanced(
-    laws: Laws, pieces: Pieces, cell: int, piece: int, begin: float, end: float
-) -> float:
-    """By how much the energy of a cell changes more or less than its force can make it [J]."""
-    picked = pieces.picked[piece]
-    gained = stored(laws, cell, picked, end) - stored(laws, cell, picked, begin)
-    way = end - begin
-    ends = law(laws, cell, picked, begin)[0] + law(laws, cell, picked, end)[0]
-    one = 0.5 * way * ends
-    two = way * law(laws, cell, picked, 0.5 * (begin + end))[0]
+def _unbalanced(gained: float, way: float, mean: float, halfway: float) -> float:
+    """By how much a cell stores more or less on its way than its force can make it [J].
+
+    `mean` is that of its forces at both ends.
+    """
+    one, two = way * mean, way * halfway
     return float(max(gained - max(one, two), min(one, two) - gained))

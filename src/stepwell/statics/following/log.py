@@ -40,8 +40,8 @@ def empty_log(segments: int, movers: int) -> Log:
 
 
 def longer(log: Log) -> Log:
-    """The same log with twice the room."""
-    fresh = empty_log(2 * len(log.segments), 2 * len(log.movers))
+    """The same log with four times the room, which takes memory only where it is written to."""
+    fresh = empty_log(4 * len(log.segments), 4 * len(log.movers))
     for old, new in zip(log, fresh, strict=True):
         new[: len(old)] = old
     return fresh
@@ -58,8 +58,8 @@ def written(log: Log) -> Log:
     """A log without the room that was not used, so that two logs of one motion are equal."""
     segments, movers = log.used.tolist()
     return Log(
-        log.segments[:segments].copy(),
-        log.first[: segments + 1].copy(),
-        log.movers[:movers].copy(),
+        log.segments[:segments],
+        log.first[: segments + 1],
+        log.movers[:movers],
         log.used,
     )
