@@ -47,7 +47,6 @@ from stepwell.mechanism.law import (
     change_sheet,
     ends_of,
     law,
-    law_among,
     pack,
     packed,
     pick_rows,

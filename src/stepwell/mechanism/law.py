@@ -130,32 +130,11 @@ def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
 @leaf
 def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, float, float]:
     """F [N], κ = dF/ds [N/m] and dκ/ds [N/m²] of a cell whose bands are on `picked` rows."""
-    curves = laws.lever, laws.sin_limit, laws.band_first, laws.band, laws.rows
-    return law_among(*curves, cell, picked, 0, travel)
-
-
-@leaf
-def law_among(
-    lever: Floats,
-    sin_limit: Floats,
-    band_first: Ints,
-    band: Floats,
-    rows: Floats,
-    cell: int,
-    picked: Ints,
-    slot: int,
-    travel: float,
-) -> tuple[float, float, float]:
-    """The same on the `picked` rows from place `slot` on.
-
-    The arrays of the laws come one by one: compiled, every look into a record counts references,
-    and where a few cells are looked at a million times that costs more than the formula.
-    """
-    r = lever[cell]
-    sin = sine_at(travel, r, sin_limit[cell])
+    band, rows, r = laws.band, laws.rows, laws.lever[cell]
+    sin = sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
-    force, slope, bend = 0.0, 0.0, 0.0
-    for b in range(band_first[cell], band_first[cell + 1]):
+    force, slope, bend, slot = 0.0, 0.0, 0.0, 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         row = picked[slot]
         slot += 1
         if row < 0:
@@ -182,15 +161,11 @@ def law_among(
 @leaf
 def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
     """Energy [J] of a cell whose bands are on `picked` rows; the load counts from travel 0."""
-    # Taken out once, here: compiled, every later look into the record would count references.
-    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
-    band, rows = laws.band, laws.rows
-    r = lever[cell]
-    sin = sine_at(travel, r, sin_limit[cell])
+    band, rows, r = laws.band, laws.rows, laws.lever[cell]
+    sin = sine_at(travel, r, laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
-    energy = 0.0
-    slot = 0
-    for b in range(band_first[cell], band_first[cell + 1]):
+    energy, slot = 0.0, 0
+    for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         row = picked[slot]
         slot += 1
         if row < 0:

@@ -2,9 +2,6 @@
 
 Only the cells that move are integrated. All others are one window of the common force λ: while λ
 stays within it they keep still, and the first whose side of it λ passes joins the flow.
-
-What is looked at in every step is handed on array by array: compiled, each look into a record
-counts references, which costs more than the arithmetic of a few cells.
 """
 
 from typing import NamedTuple
@@ -13,9 +10,9 @@ import numpy as np
 
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel, leaf, overspent
-from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law, law_among
+from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, beyond, law
 from stepwell.statics.following.branch import smallest_eigenvalue
-from stepwell.statics.following.pieces import find_piece, stand_on
+from stepwell.statics.following.pieces import Pieces, find_piece, stand_on
 from stepwell.statics.following.state import HELD, LETS_GO, Problem, State
 
 _STEPS = 30_000
@@ -60,7 +57,7 @@ class Flow(NamedTuple):
     where: Ints  # (4, N) likewise
     used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
-    first: Ints  # (2,) the cells that let go at the lowest and at the highest, or -1
+    first: Ints  # (2,) the cells that let go at the highest and at the lowest, or -1
 
 
 @kernel
@@ -125,7 +122,7 @@ def _close(problem: Problem, state: State, at: Flow) -> None:
         if travel[i] < ends[i, BEYOND] and at_rest[i] + friction[i] < high:
             high, rises = at_rest[i] + friction[i], i
     at.still[_LOWEST], at.still[_HIGHEST], at.still[_STILL] = low, high, still
-    at.first[0], at.first[1] = falls, rises
+    at.first[0], at.first[1] = rises, falls
 
 
 @leaf
@@ -188,11 +185,11 @@ def _rates(cell: Floats, m: int, shared: float) -> float:
 
 
 @leaf
-def _piece_near(left: Floats, right: Floats, piece: int, travel: float) -> int:
+def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
     """The piece of the same cell that holds a travel between its ends, from one not far off."""
-    while travel > right[piece]:
+    while travel > pieces.right[piece]:
         piece += 1
-    while travel < left[piece]:
+    while travel < pieces.left[piece]:
         piece -= 1
     return piece
 
@@ -200,18 +197,12 @@ def _piece_near(left: Floats, right: Floats, piece: int, travel: float) -> int:
 @leaf
 def _look(problem: Problem, at: Flow) -> None:
     """Pieces, forces and slopes of the cells where they are."""
-    laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
-    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
-    band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
-    slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
+    pieces, cell, where = problem.pieces, at.cell, at.where
     for j in range(at.used[0]):
-        travel = cell[_TRAVEL, j]
-        piece = _piece_near(left, right, where[_PIECE, j], travel)
+        i, travel = where[_CELL, j], cell[_TRAVEL, j]
+        piece = _piece_near(pieces, where[_PIECE, j], travel)
         where[_PIECE, j] = piece
-        i, slot = where[_CELL, j], piece * slots
-        cell[_FORCE, j], cell[_SLOPE, j], _ = law_among(
-            lever, sin_limit, band_first, band, rows, i, picked, slot, travel
-        )
+        cell[_FORCE, j], cell[_SLOPE, j], _ = law(problem.laws, i, pieces.picked[piece], travel)
 
 
 @kernel
@@ -284,19 +275,13 @@ def _solve(
 @leaf
 def _forces(problem: Problem, at: Flow, row: int) -> None:
     """Forces of the cells that move, at the travels of `_TRIAL`, into `row`."""
-    laws, pieces, cell, where = problem.laws, problem.pieces, at.cell, at.where
-    lever, sin_limit, band_first = laws.lever, laws.sin_limit, laws.band_first
-    band, rows, left, right = laws.band, laws.rows, pieces.left, pieces.right
-    slots, picked = pieces.picked.shape[1], pieces.picked.reshape(-1)
+    pieces, cell, where = problem.pieces, at.cell, at.where
     for j in range(at.used[0]):
         cell[row, j] = 0.0
         if where[_SENSE, j] != 0:
             place = min(max(cell[_TRIAL, j], cell[_LEAST, j]), cell[_MOST, j])
-            piece = _piece_near(left, right, where[_PIECE, j], place)
-            i, slot = where[_CELL, j], piece * slots
-            cell[row, j], _, _ = law_among(
-                lever, sin_limit, band_first, band, rows, i, picked, slot, place
-            )
+            picked = pieces.picked[_piece_near(pieces, where[_PIECE, j], place)]
+            cell[row, j], _, _ = law(problem.laws, where[_CELL, j], picked, place)
 
 
 @leaf
@@ -443,8 +428,7 @@ def _until_stop(cell: Floats, m: int, h: float) -> tuple[float, int, float, floa
 def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
-    picked, left, right = pieces.picked, pieces.left, pieces.right
-    cell, where, m = at.cell, at.where, at.used[0]
+    picked, cell, where, m = pieces.picked, at.cell, at.where, at.used[0]
     # Which cells can move, what friction adds to their force, their miss of λ and their κ.
     active, offset, miss, slopes = cell[_X1], cell[_X2], cell[_X3], cell[_X4]
     out, travel, full = cell[_TRIAL], cell[_TRAVEL], cell[_FULL]
@@ -459,7 +443,7 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
         for j in range(m):
             if active[j] == 0.0:
                 continue
-            piece = _piece_near(left, right, where[_PIECE, j], out[j])
+            piece = _piece_near(pieces, where[_PIECE, j], out[j])
             value, slope, _ = law(laws, where[_CELL, j], picked[piece], out[j])
             miss[j], slopes[j] = value + offset[j] - shared, slope
             if slope == 0.0:
@@ -505,7 +489,7 @@ def _polish(problem: Problem, at: Flow, shared: float) -> tuple[bool, float]:
     for j in range(m):
         if active[j] != 0.0:
             continue
-        piece = _piece_near(left, right, where[_PIECE, j], out[j])
+        piece = _piece_near(pieces, where[_PIECE, j], out[j])
         value = law(laws, where[_CELL, j], picked[piece], out[j])[0]
         slack = cell[_FRICTION, j] + 1e-9 * (abs(value) + abs(shared))
         if out[j] < cell[_BEYOND, j] and shared > value + slack:
@@ -652,7 +636,7 @@ def flow(
             else:
                 level = (drive - alpha * _stroke(cell, m, _TRAVEL, still[_STILL])) / beta
             calls = 1 if level < still[_LOWEST] else (0 if level > still[_HIGHEST] else -1)
-            joins = at.first[1 - calls] if calls >= 0 else -1
+            joins = at.first[calls] if calls >= 0 else -1
             if last > 0.0 and tries < _TRIES:
                 pace = problem.mobility[joins] / laws.full[joins] if joins >= 0 else 0.0
                 event, share = _missed(at, shared, level, pace, accuracy / last)

@@ -222,7 +222,6 @@ def hold(problem: Problem, state: State, i: int) -> None:
 @leaf
 def held_range(problem: Problem, state: State) -> tuple[float, float]:
     """The forces λ at which every held cell stays."""
-    # Taken out once, here: compiled, every later look into a record would count references.
     friction, ends = problem.laws.friction, problem.sheets.ends
     mode, travel, at_rest = state.mode, state.travel, state.at_rest
     low, high = -np.inf, np.inf
