@@ -57,9 +57,8 @@ def has_room(log: Log, cells: int) -> bool:
 def written(log: Log) -> Log:
     """A log without the room that was not used, so that two logs of one motion are equal."""
     segments, movers = log.used.tolist()
-    return Log(
-        log.segments[:segments],
-        log.first[: segments + 1],
-        log.movers[:movers],
-        log.used,
-    )
+    rows, first, moved = log.segments[:segments], log.first[: segments + 1], log.movers[:movers]
+    if 4 * movers < len(log.movers):
+        # So much room is not kept for so little.
+        rows, first, moved = rows.copy(), first.copy(), moved.copy()
+    return Log(rows, first, moved, log.used)
