@@ -287,6 +287,21 @@ class InPlaceOf:
         return getattr(self.entry, name)
 
 
+@pytest.fixture
+def spent(monkeypatch) -> list[int]:
+    """Filled with the looks that the last stroke of every run took."""
+    spent: list[int] = []
+    honest = run.follow
+
+    def counted(problem, turning, state):
+        status = honest(problem, turning, state)
+        spent.append(int(problem.effort[0]))
+        return status
+
+    monkeypatch.setattr(run, "follow", InPlaceOf(run.follow, counted))
+    return spent
+
+
 def _force(laws, pieces, cell: int, travel: float) -> float:
     return law(laws, cell, pieces.picked[find_piece(pieces, cell, travel, 0)], travel)[0]
 
@@ -329,16 +344,7 @@ def test_cells_without_any_force_behind_a_spring_are_refused_in_words_that_fit()
 
 
 @pytest.mark.slow
-def test_chains_of_alike_cells_answer_or_refuse_within_their_looks(monkeypatch):
-    spent: list[int] = []
-    honest = run.follow
-
-    def counted(problem, turning, state):
-        status = honest(problem, turning, state)
-        spent.append(int(problem.effort[0]))
-        return status
-
-    monkeypatch.setattr(run, "follow", InPlaceOf(run.follow, counted))
+def test_chains_of_alike_cells_answer_or_refuse_within_their_looks(spent):
     answered = 0
     for seed in range(examples(10)):
         rng = np.random.default_rng([seed, 6])
@@ -421,17 +427,8 @@ def rubbing_chain() -> sw.Chain:
     return sw.Chain(made)
 
 
-def test_a_slow_motion_that_hands_the_lead_from_cell_to_cell_takes_few_looks(monkeypatch):
+def test_a_slow_motion_that_hands_the_lead_from_cell_to_cell_takes_few_looks(spent):
     # Followed from hand to hand the way back took 413,000.
-    spent: list[int] = []
-    honest = run.follow
-
-    def counted(problem, turning, state):
-        status = honest(problem, turning, state)
-        spent.append(int(problem.effort[0]))
-        return status
-
-    monkeypatch.setattr(run, "follow", InPlaceOf(run.follow, counted))
     rubbing_chain().cycle()
     assert max(spent) < 100_000
 
