@@ -1,0 +1,71 @@
+// Reads the samples of a cycle: where everything is at the cursor, and how play passes through it.
+
+import type { View } from "./wire";
+
+/** How long a snap is shown, though it takes next to no time [ms]. */
+export const SNAP_MS = 700;
+/** How long the cycle takes without its snaps [ms]. */
+export const CYCLE_MS = 7000;
+
+/** True where the next sample is the landing of a snap. */
+export const snaps = (view: View, k: number): boolean =>
+  k + 1 < view.blocks.segment.length &&
+  view.blocks.segment[k] !== view.blocks.segment[k + 1] &&
+  view.events.some(
+    (event: { kind: string; sample: number }) => event.kind === "snap" && event.sample === k,
+  );
+
+/** Row k of an (n, N) block, and between two rows while a motion is shown. */
+export function row(view: View, name: string, at: number): number[] {
+  const block = view.blocks[name];
+  const n = view.blocks.drive.length;
+  const width = block.length / n;
+  const k = Math.min(Math.floor(at), n - 1);
+  const next = Math.min(k + 1, n - 1);
+  const share = at - k;
+  return Array.from({ length: width }, (_, i) => {
+    const a = block[k * width + i];
+    return a + (block[next * width + i] - a) * share;
+  });
+}
+
+/** The midpoints of all blocks, the fixed one first [mm]. */
+export function midpoints(view: View, at: number): [number, number][] {
+  const angle = row(view, "angle", at);
+  const travel = row(view, "travel", at);
+  const points: [number, number][] = [[0, 0]];
+  let [x, y] = [0, 0];
+  for (const [i, cell] of view.cells.entries()) {
+    if (cell.kind === "lever") {
+      const theta = (angle[i] * Math.PI) / 180;
+      x += cell.lever_mm * Math.cos(theta);
+      y += cell.lever_mm * Math.sin(theta);
+    } else {
+      x += width(view);
+      y += travel[i] * scale(view);
+    }
+    points.push([x, y]);
+  }
+  return points;
+}
+
+/** How wide an element is drawn [mm]. */
+export const width = (view: View): number =>
+  Math.max(0, ...view.cells.map((cell: { lever_mm: number | null }) => cell.lever_mm ?? 0)) || 15;
+
+// Chains without levers have no size of their own: their longest travel is drawn as 20 mm.
+const scale = (view: View): number =>
+  view.cells.some((cell: { kind: string }) => cell.kind === "lever")
+    ? 1
+    : 20 / Math.max(...view.cells.map((cell: { full_travel_mm: number }) => cell.full_travel_mm));
+
+/** The sample after some time of play. */
+export function played(view: View, at: number, ms: number): number {
+  const last = view.blocks.drive.length - 1;
+  const k = Math.floor(at);
+  const rate = snaps(view, k) ? 1 / SNAP_MS : last / CYCLE_MS;
+  const next = at + rate * ms;
+  if (next >= last) return 0;
+  // A step ends where the next interval begins, which may be passed at another speed.
+  return Math.floor(next) > k && (snaps(view, k) || snaps(view, k + 1)) ? k + 1 : next;
+}

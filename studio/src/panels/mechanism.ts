@@ -1,0 +1,4 @@
+// The drawing of the chain, whose anchors are dragged.
+import Mechanism from "./Mechanism.svelte";
+
+export default { name: "mechanism", title: "Mechanism", type: "evaluate", view: Mechanism };

@@ -1,0 +1,192 @@
+// What the page holds: the design with its undo, what the server answered, and the cursor.
+
+import { type Design, designIn, fromHash, toHash } from "./design";
+import { type Problem, type View, Wire } from "./wire";
+
+const STEPS = 100;
+const KEPT = "stepwell.design";
+const THEME = "stepwell.theme";
+
+/** The shared state of all panels. */
+class Studio {
+  design = $state.raw<Design | null>(null);
+  /** The last good answer of each type. */
+  views = $state.raw<Record<string, View>>({});
+  problems = $state.raw<Problem[]>([]);
+  /** null until the first connection stands or fails. */
+  alive = $state<boolean | null>(null);
+  /** Where the cursor is in the cycle: a sample, and between two of them while playing. */
+  at = $state(0);
+  playing = $state(false);
+  dragging = $state<string | null>(null);
+  locked = $state.raw<ReadonlySet<string>>(new Set());
+  /** Pitch of the holes that anchors snap to [mm]; 0 is none. */
+  pitch = $state(0);
+  gallery = $state(false);
+  kept = $state.raw<Design | null>(null);
+  theme = $state<"light" | "dark">("light");
+  note = $state("");
+  undos = $state(0);
+  redos = $state(0);
+
+  private past: Design[] = [];
+  private future: Design[] = [];
+  private saving = 0;
+  private readonly wire: Wire;
+
+  constructor() {
+    const token = new URLSearchParams(location.search).get("token") ?? "";
+    this.wire = new Wire(
+      token,
+      (view) => this.answered(view),
+      (alive) => {
+        this.alive = alive;
+      },
+    );
+  }
+
+  /** Reads what was kept, connects, and asks what to begin with. */
+  begin(): void {
+    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
+    this.kept = designIn(stored(KEPT));
+    this.wire.connect();
+    const held = fromHash(location.hash);
+    if (held) this.replace(held);
+    else
+      this.wire.ask("start", null, {}, (view) => {
+        if (this.design) return;
+        if (view.ok && view.design) this.replace(view.design);
+        else this.gallery = true;
+      });
+  }
+
+  /** Asks for one thing, apart from what follows the design. */
+  once(type: string, ask: object, then: (view: View) => void): void {
+    this.wire.ask(type, this.design, ask, then);
+  }
+
+  /** A new design altogether, without a way back to the one before. */
+  replace(design: Design): void {
+    this.past = [];
+    this.future = [];
+    this.locked = new Set();
+    this.at = 0;
+    this.show(design);
+  }
+
+  /** Remembers the present design, so that undo comes back to it. */
+  mark(): void {
+    if (!this.design || this.past.at(-1) === this.design) return;
+    this.past = [...this.past, this.design].slice(-STEPS);
+    this.future = [];
+    this.counted();
+  }
+
+  /** One edit that can be undone. */
+  edit(design: Design): void {
+    this.mark();
+    this.show(design);
+  }
+
+  /** The design while it is dragged; what was marked before is what undo comes back to. */
+  show(design: Design): void {
+    this.design = design;
+    this.counted();
+    this.wire.ask("evaluate", design);
+    window.clearTimeout(this.saving);
+    this.saving = window.setTimeout(() => this.save(), 250);
+  }
+
+  undo(): void {
+    const before = this.past.pop();
+    if (!before || !this.design) return;
+    this.future.push(this.design);
+    this.show(before);
+  }
+
+  redo(): void {
+    const after = this.future.pop();
+    if (!after || !this.design) return;
+    this.past.push(this.design);
+    this.show(after);
+  }
+
+  setTheme(theme: "light" | "dark", keep = true): void {
+    this.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    if (keep) store(THEME, theme);
+  }
+
+  lock(name: string): void {
+    const locked = new Set(this.locked);
+    if (!locked.delete(name)) locked.add(name);
+    this.locked = locked;
+  }
+
+  /** The first message about a key or what lies in it. */
+  problemAt(place: string): string {
+    return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
+  }
+
+  private counted(): void {
+    this.undos = this.past.length;
+    this.redos = this.future.length;
+  }
+
+  private save(): void {
+    if (!this.design) return;
+    store(KEPT, JSON.stringify(this.design));
+    const { pathname, search } = location;
+    history.replaceState(null, "", `${pathname}${search}#design=${toHash(this.design)}`);
+  }
+
+  private answered(view: View): void {
+    if (view.type === "error") return;
+    if (!view.ok) {
+      if (view.type === "evaluate") this.problems = view.problems ?? [];
+      return;
+    }
+    if (view.type === "evaluate") {
+      this.problems = [];
+      this.at = carried(this.views.evaluate, view, this.at);
+    }
+    this.views = { ...this.views, [view.type]: view };
+  }
+}
+
+// The cursor stays at its stroke of the actuator and on its way, loading or unloading.
+function carried(before: View | undefined, now: View, at: number): number {
+  const drive = now.blocks.drive;
+  if (!before) return Math.min(at, drive.length - 1);
+  const k = Math.floor(at);
+  const way = before.blocks.direction[k];
+  const wanted = before.blocks.drive[k];
+  let best = 0;
+  let least = Infinity;
+  for (let i = 0; i < drive.length; i += 1) {
+    if (now.blocks.direction[i] !== way) continue;
+    const far = Math.abs(drive[i] - wanted);
+    if (far < least) [best, least] = [i, far];
+  }
+  return best;
+}
+
+// A browser may refuse to keep anything; the page works all the same.
+function stored(name: string): string | null {
+  try {
+    return localStorage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+
+function store(name: string, text: string): void {
+  try {
+    localStorage.setItem(name, text);
+  } catch {
+    // Nothing is lost but the autosave.
+  }
+}
+
+export const studio = new Studio();

@@ -1,0 +1,131 @@
+// The one connection to the server: frames in and out, latest wins, and back after a cut.
+
+import type { Design } from "./design";
+
+export type Block = Float64Array | Int32Array;
+
+/** What is wrong with a design, and with which of its keys. */
+export interface Problem {
+  at: string;
+  text: string;
+}
+
+/** An answer: its header, and its arrays by name. */
+export interface View {
+  type: string;
+  seq: number;
+  ok: boolean;
+  problems?: Problem[];
+  blocks: Record<string, Block>;
+  // eslint-disable-next-line @typescript-eslint/no-explicit-any
+  [key: string]: any;
+}
+
+interface Request {
+  type: string;
+  seq: number;
+  text: string;
+  settle?: (view: View) => void;
+}
+
+// Before the first answer the second request is on its way already, so the server never waits for
+// the page; more would only pile up.
+const IN_FLIGHT = 2;
+const RETRY_MS = 700;
+
+/** The header and the arrays of a binary message. */
+export function unpack(message: ArrayBuffer): View {
+  const length = new DataView(message).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length)));
+  const blocks: Record<string, Block> = {};
+  let at = padded(4 + length);
+  for (const { name, dtype, shape } of header.blocks) {
+    const size = shape.reduce((all: number, one: number) => all * one, 1);
+    blocks[name] =
+      dtype === "f8" ? new Float64Array(message, at, size) : new Int32Array(message, at, size);
+    at = padded(at + size * (dtype === "f8" ? 8 : 4));
+  }
+  return { ...header, blocks };
+}
+
+function padded(length: number): number {
+  return Math.ceil(length / 8) * 8;
+}
+
+/** Asks the server and hands each newer answer on; older ones are dropped. */
+export class Wire {
+  private socket: WebSocket | null = null;
+  private seq = 0;
+  private readonly sent = new Map<string, Request[]>();
+  private readonly waiting = new Map<string, Request>();
+
+  constructor(
+    private readonly token: string,
+    private readonly answered: (view: View) => void,
+    private readonly linked: (alive: boolean) => void,
+  ) {}
+
+  /** Connects, and again whenever the connection is lost. */
+  connect(): void {
+    const socket = new WebSocket(
+      `ws://${location.host}/socket?token=${encodeURIComponent(this.token)}`,
+    );
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.socket = socket;
+      this.linked(true);
+      this.again();
+    };
+    socket.onmessage = (event) => this.receive(unpack(event.data as ArrayBuffer));
+    socket.onclose = () => {
+      this.socket = null;
+      this.linked(false);
+      setTimeout(() => this.connect(), RETRY_MS);
+    };
+  }
+
+  /** Asks; of each type only the newest request counts. */
+  ask(type: string, design: Design | null, ask: object = {}, settle?: (view: View) => void): number {
+    const seq = ++this.seq;
+    const text = JSON.stringify({ v: 1, type, seq, design, ask });
+    const request = { type, seq, text, settle };
+    if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
+    else this.waiting.set(type, request);
+    return seq;
+  }
+
+  private send(request: Request): void {
+    const sent = this.sent.get(request.type) ?? [];
+    sent.push(request);
+    this.sent.set(request.type, sent);
+    this.socket!.send(request.text);
+  }
+
+  private receive(view: View): void {
+    const sent = this.sent.get(view.type) ?? [];
+    const own = sent.find((request) => request.seq === view.seq);
+    if (!own) return;
+    if (view.progress) return this.answered(view);
+    // Requests older than an answer were passed over by the server.
+    this.sent.set(
+      view.type,
+      sent.filter((request) => request.seq > view.seq),
+    );
+    const next = this.waiting.get(view.type);
+    if (next && this.socket) {
+      this.waiting.delete(view.type);
+      this.send(next);
+    }
+    if (own.settle) own.settle(view);
+    else this.answered(view);
+  }
+
+  // What had no answer when the connection was lost is asked once more, the newest of each type.
+  private again(): void {
+    const newest = new Map([...this.sent].map(([type, all]) => [type, all.at(-1)]));
+    for (const [type, request] of this.waiting) newest.set(type, request);
+    this.sent.clear();
+    this.waiting.clear();
+    for (const request of newest.values()) if (request) this.send(request);
+  }
+}
