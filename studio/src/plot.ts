@@ -104,6 +104,8 @@ export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): 
   pen.fillText(plot.x, wide - RIGHT, tall - 1);
   pen.textAlign = "left";
   pen.textBaseline = "top";
+  pen.font = "600 13px system-ui, sans-serif";
+  pen.fillStyle = colours.ink;
   pen.fillText(plot.y, 4, 2);
 
   if (plot.cursor !== undefined) {
@@ -114,13 +116,14 @@ export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): 
     pen.stroke();
   }
   pen.lineJoin = "round";
-  for (const { x, y, segment, direction, colour } of plot.lines) {
-    pen.strokeStyle = colour;
-    for (const way of direction ? [-1, 1] : [0]) {
+  // All of unloading lies under all of loading, so that no thin line cuts a thick one.
+  for (const way of [-1, 1]) {
+    for (const { x, y, segment, direction, colour } of plot.lines) {
+      pen.strokeStyle = colour;
       pen.lineWidth = way < 0 ? 1.3 : 2.4;
       pen.beginPath();
       for (let k = 0; k < x.length; k += 1) {
-        if (direction && direction[k] !== way) continue;
+        if ((direction?.[k] ?? 1) !== way) continue;
         const joined =
           k > 0 &&
           (!segment || segment[k] === segment[k - 1]) &&
