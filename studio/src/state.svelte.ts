@@ -6,6 +6,8 @@ import { type Problem, type View, Wire } from "./wire";
 const STEPS = 100;
 const KEPT = "stepwell.design";
 const THEME = "stepwell.theme";
+// A search for the margin takes long, so it waits until the hand rests.
+const REST_MS = 400;
 
 /** The shared state of all panels. */
 class Studio {
@@ -25,13 +27,15 @@ class Studio {
   gallery = $state(false);
   kept = $state.raw<Design | null>(null);
   theme = $state<"light" | "dark">("light");
-  note = $state("");
+  /** How much of the search for the margin is done, 0 to 1. */
+  searched = $state(1);
   undos = $state(0);
   redos = $state(0);
 
   private past: Design[] = [];
   private future: Design[] = [];
   private saving = 0;
+  private resting = 0;
   private readonly wire: Wire;
 
   constructor() {
@@ -93,6 +97,8 @@ class Studio {
   show(design: Design): void {
     this.design = design;
     this.counted();
+    window.clearTimeout(this.resting);
+    this.wire.cancel("margin");
     this.wire.ask("evaluate", design);
     window.clearTimeout(this.saving);
     this.saving = window.setTimeout(() => this.save(), 250);
@@ -145,11 +151,27 @@ class Studio {
     if (view.type === "error") return;
     if (!view.ok) {
       if (view.type === "evaluate") this.problems = view.problems ?? [];
+      if (view.type === "margin") this.searched = 1;
+      return;
+    }
+    if (view.progress) {
+      this.searched = view.progress[0] / view.progress[1];
+      return;
+    }
+    if (view.type === "margin") {
+      const { margin, margins, method } = view;
+      this.searched = 1;
+      this.views = { ...this.views, evaluate: { ...this.views.evaluate, margin, margins, method } };
       return;
     }
     if (view.type === "evaluate") {
       this.problems = [];
       this.at = carried(this.views.evaluate, view, this.at);
+      if (view.method === "search" && !view.margins.length) {
+        this.searched = 0;
+        window.clearTimeout(this.resting);
+        this.resting = window.setTimeout(() => this.wire.ask("margin", this.design), REST_MS);
+      } else this.searched = 1;
     }
     this.views = { ...this.views, [view.type]: view };
   }

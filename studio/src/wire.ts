@@ -94,6 +94,14 @@ export class Wire {
     return seq;
   }
 
+  /** Ends what is under way of a type that takes long. */
+  cancel(type: string): void {
+    this.waiting.delete(type);
+    for (const { seq } of this.sent.get(type) ?? []) {
+      this.socket?.send(JSON.stringify({ v: 1, type: "cancel", seq }));
+    }
+  }
+
   private send(request: Request): void {
     const sent = this.sent.get(request.type) ?? [];
     sent.push(request);
