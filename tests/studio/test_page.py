@@ -44,7 +44,13 @@ if not REQUIRED:
     for package in ("playwright", "starlette", "uvicorn", "websockets"):
         pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
 
-from playwright.sync_api import Browser, Page, WebSocketRoute, expect, sync_playwright
+from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Browser,
+    Page,
+    WebSocketRoute,
+    expect,
+    sync_playwright,
+)
 
 
 @pytest.fixture(scope="module")
