@@ -8,12 +8,29 @@ const KEPT = "stepwell.design";
 const THEME = "stepwell.theme";
 // A search for the margin takes long, so it waits until the hand rests.
 const REST_MS = 400;
+const FOLLOW_MS = 120;
 
 /** The shared state of all panels. */
 class Studio {
   design = $state.raw<Design | null>(null);
   /** The last good answer of each type. */
   views = $state.raw<Record<string, View>>({});
+  /** A way to a state by its shortest program; null while the full cycle is shown. */
+  way = $state.raw<View | null>(null);
+  /** What the drawing and the curves show: the way, or the full cycle. */
+  shown = $derived<View | undefined>(
+    this.way && this.views.evaluate
+      ? {
+          ...this.views.evaluate,
+          events: this.way.events,
+          blocks: { ...this.views.evaluate.blocks, ...this.way.blocks },
+        }
+      : this.views.evaluate,
+  );
+  /** What else is asked when the hand rests: the types of the panels. */
+  types: string[] = [];
+  /** Whether those answers are of an older design. */
+  stale = $state(false);
   problems = $state.raw<Problem[]>([]);
   /** null until the first connection stands or fails. */
   alive = $state<boolean | null>(null);
@@ -36,6 +53,7 @@ class Studio {
   private future: Design[] = [];
   private saving = 0;
   private resting = 0;
+  private following = 0;
   private readonly wire: Wire;
 
   constructor() {
@@ -96,12 +114,35 @@ class Studio {
   /** The design while it is dragged; what was marked before is what undo comes back to. */
   show(design: Design): void {
     this.design = design;
+    if (this.way) this.leave();
+    this.stale = true;
     this.counted();
     window.clearTimeout(this.resting);
     this.wire.cancel("margin");
     this.wire.ask("evaluate", design);
     window.clearTimeout(this.saving);
     this.saving = window.setTimeout(() => this.save(), 250);
+  }
+
+  /** Brings the mechanism to a state from where the last way ended, or from the first state. */
+  goTo(state: string, failed: (text: string) => void): void {
+    const start = this.way ? { start: this.way.arrives } : {};
+    const design = this.design;
+    this.once("program", { to: state, ...start }, (view) => {
+      if (this.design !== design) return;
+      if (!view.ok) return failed(view.problems?.map((one) => one.text).join(" ") ?? "");
+      this.way = view;
+      this.at = 0;
+      this.playing = view.blocks.drive.length > 1;
+      failed("");
+    });
+  }
+
+  /** Back to the full cycle. */
+  leave(): void {
+    this.way = null;
+    this.at = 0;
+    this.playing = false;
   }
 
   undo(): void {
@@ -135,6 +176,17 @@ class Studio {
     return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
   }
 
+  private follow(): void {
+    const design = this.design;
+    for (const type of this.types) {
+      this.once(type, {}, (view) => {
+        if (this.design !== design) return;
+        this.stale = false;
+        this.views = { ...this.views, [type]: view };
+      });
+    }
+  }
+
   private counted(): void {
     this.undos = this.past.length;
     this.redos = this.future.length;
@@ -166,12 +218,14 @@ class Studio {
     }
     if (view.type === "evaluate") {
       this.problems = [];
-      this.at = carried(this.views.evaluate, view, this.at);
+      this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
       if (view.method === "search" && !view.margins.length) {
         this.searched = 0;
         window.clearTimeout(this.resting);
         this.resting = window.setTimeout(() => this.wire.ask("margin", this.design), REST_MS);
       } else this.searched = 1;
+      window.clearTimeout(this.following);
+      this.following = window.setTimeout(() => this.follow(), FOLLOW_MS);
     }
     this.views = { ...this.views, [view.type]: view };
   }

@@ -366,3 +366,16 @@ def test_a_narrow_window_needs_no_scrolling_sideways(browser: Browser, address: 
     expect(page.locator("html")).to_have_attribute("data-theme", scheme)
     handle(page, "q", "outer").locator(".dot").tap()
     context.close()
+
+
+def test_a_click_on_a_state_brings_the_mechanism_there(page: Page):
+    page.get_by_role("button", name="Go to state 01").click()
+    program = files.preset("paper-forward").program("01")
+    turns = " → ".join(f"{point * 1e3:.4g}" for point in program.turning_points)
+    expect(output(page, "turning points")).to_have_text(f"{turns} mm")
+    slider = page.get_by_role("slider", name="Stroke")
+    slider.press("End")
+    assert number(page, "travel of inner") == 0
+    assert number(page, "travel of outer") == 20
+    page.get_by_role("button", name="Back to the full cycle").click()
+    compare(page)

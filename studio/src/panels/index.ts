@@ -1,5 +1,6 @@
 // The panels in the order of the page; a panel is a module of one shape.
 import type { Component } from "svelte";
+import graph from "./graph";
 import mechanism from "./mechanism";
 import motion from "./motion";
 
@@ -11,4 +12,4 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [mechanism, motion];
+export const panels: Panel[] = [mechanism, motion, graph];

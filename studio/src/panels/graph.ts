@@ -1,0 +1,4 @@
+// The states in which the chain can stand, and what leads from one to another.
+import Graph from "./Graph.svelte";
+
+export default { name: "graph", title: "Graph", type: "graph", view: Graph };
