@@ -240,11 +240,15 @@ def test_an_anchor_moves_by_the_keyboard_alone(page: Page):
 
 
 def test_a_refusal_is_the_files_and_one_can_go_back(page: Page):
+    drawn = handle(page, "p", "inner").locator(".dot")
+    before = drawn.bounding_box()
     field(page, "q", "outer", "x").fill("9999999")
     field(page, "q", "outer", "x").press("Enter")
     said = page.get_by_role("alert")
     expect(said).to_contain_text("chain.cell[1].q_mm")
     expect(field(page, "q", "outer", "x")).to_have_attribute("aria-invalid", "true")
+    settled(page)
+    assert drawn.bounding_box() == before
     expect(output(page, "sequence")).to_be_visible()
     field(page, "q", "outer", "x").fill("15")
     field(page, "q", "outer", "x").press("Enter")
