@@ -1,0 +1,140 @@
+"""One open page: of each kind of question the latest is answered, one at a time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from concurrent.futures import Executor
+from typing import Any
+
+from stepwell.studio.answering import answered
+from stepwell.studio.aside import Aside
+from stepwell.studio.panels import is_long, types
+from stepwell.studio.wire import (
+    Message,
+    Problem,
+    View,
+    WireError,
+    failed,
+    message_of,
+    packed,
+    refused,
+)
+
+CANCEL, START = "cancel", "start"
+
+
+class Waiting:
+    """Messages that wait: of each type the newest, the type that waits longest first."""
+
+    def __init__(self) -> None:
+        self._of: dict[str, Message] = {}
+        self._some = asyncio.Event()
+
+    def put(self, message: Message) -> None:
+        """Let a message wait, in place of the one of its type that does."""
+        self._of[message.type] = message
+        self._some.set()
+
+    async def take(self) -> Message:
+        """The next message, as soon as there is one."""
+        await self._some.wait()
+        kind = next(iter(self._of))
+        message = self._of.pop(kind)
+        if not self._of:
+            self._some.clear()
+        return message
+
+    def drop(self, seq: int) -> Message | None:
+        """Forget the message of that number, if it waits."""
+        for kind, message in self._of.items():
+            if message.seq == seq:
+                del self._of[kind]
+                if not self._of:
+                    self._some.clear()
+                return message
+        return None
+
+
+class Session:
+    """What goes on for one socket.
+
+    Args:
+        send: of the socket, bytes.
+        threads: where quick questions are answered, so that the socket keeps hearing.
+        start: the tables of the design that the command was started with, or None.
+    """
+
+    def __init__(
+        self,
+        send: Callable[[bytes], Awaitable[None]],
+        threads: Executor,
+        start: dict[str, Any] | None,
+    ):
+        self._send = send
+        self._threads = threads
+        self._start = start
+        self._quick, self._long = Waiting(), Waiting()
+        self._aside = Aside()
+        self._running: Message | None = None  # the long one
+        self._types = (*types(), START, CANCEL)
+
+    async def hear(self, text: str) -> None:
+        """Take a message of the page; it is answered when its turn comes."""
+        try:
+            message = message_of(text, self._types)
+        except WireError as error:
+            await self._send(failed(error))
+            return
+        if message.type == CANCEL:
+            await self._cancel(message.seq)
+        elif message.type == START:
+            title = (self._start or {}).get("title", "")
+            view = View({"design": self._start, "title": title})
+            await self._send(packed(START, message.seq, view))
+        else:
+            (self._long if is_long(message.type) else self._quick).put(message)
+
+    async def answer(self) -> None:
+        """Answer what waits, until this is cancelled."""
+        try:
+            await asyncio.gather(self._answer_quick(), self._answer_long())
+        finally:
+            self._aside.end()
+
+    async def _answer_quick(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            message = await self._quick.take()
+            await self._send(await loop.run_in_executor(self._threads, answered, message))
+
+    async def _answer_long(self) -> None:
+        loop = asyncio.get_running_loop()
+
+        def tell(data: bytes) -> None:
+            told.append(loop.create_task(self._step(data)))
+
+        while True:
+            message = await self._long.take()
+            told: list[asyncio.Task[None]] = []
+            self._running = message
+            data = await self._aside.run(message, tell)
+            self._running = None
+            await asyncio.gather(*told)
+            await self._send(_ended(message) if data is None else data)
+
+    async def _step(self, data: bytes) -> None:
+        await self._send(data)
+
+    async def _cancel(self, seq: int) -> None:
+        waiting = self._long.drop(seq)
+        if waiting is not None:
+            await self._send(_ended(waiting))
+        elif self._running is not None and self._running.seq == seq:
+            self._aside.end()  # which has the work answer that it was ended
+
+
+def _ended(message: Message) -> bytes:
+    return refused(
+        message.type, message.seq, [Problem("", "Ended before it was done.")], ended=True
+    )
