@@ -14,7 +14,7 @@ from typing import Any
 
 from stepwell.base import ExtraError
 from stepwell.studio.guard import App, Guard
-from stepwell.studio.session import Session
+from stepwell.studio.session import Session, warm
 from stepwell.studio.wire import LONGEST_MESSAGE
 
 HOST = "127.0.0.1"
@@ -95,6 +95,7 @@ def application(
 
     @asynccontextmanager
     async def lifespan(_app: Any) -> AsyncIterator[None]:
+        threads.submit(warm)
         ready()
         yield
         threads.shutdown(wait=False, cancel_futures=True)

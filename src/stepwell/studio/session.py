@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
 from typing import Any
 
+from stepwell.files import preset_text, tables_in
 from stepwell.studio.answering import answered
 from stepwell.studio.aside import Aside
 from stepwell.studio.panels import is_long, types
@@ -132,6 +133,13 @@ class Session:
             await self._send(_ended(waiting))
         elif self._running is not None and self._running.seq == seq:
             self._aside.end()  # which has the work answer that it was ended
+
+
+def warm() -> None:
+    """Answer what a page asks first, so that the first drag meets machine code."""
+    first = preset_text("paper-forward")
+    answered(Message("gallery", 0, None, {}))
+    answered(Message("evaluate", 0, tables_in(first), {}))
 
 
 def _ended(message: Message) -> bytes:

@@ -117,7 +117,8 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
         "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
     }
     if isinstance(cell, Cell):
-        told |= {
+        both = {"stable": [0, 1]} if cell.is_bistable else {}
+        told |= both | {
             "lever_mm": cell.lever * MM,
             "limit_deg": float(np.degrees(cell.limit)),
             "bands": [
