@@ -1,13 +1,17 @@
 """What the page is told is what Python says, number by number."""
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import stepwell as sw
+from stepwell.design import USUAL
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
+from stepwell.results import design_record, yield_record
+from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
 from stepwell.studio.wire import Message, unpacked
@@ -218,3 +222,132 @@ def test_robots_missing_designs_and_long_chains_are_refused_in_words():
         assert words in ask("evaluate", design).header["problems"][0]["text"]
     problem = ask("evaluate", FORWARD, wanted="x").header["problems"][0]
     assert problem["at"] == "" and "unknown key" in problem["text"]
+
+
+def test_the_graph_is_pythons():
+    header = ask("graph", tables("three-wave")).header
+    graph = sw.preset("three-wave").graph()
+    assert header["dot"] == to_dot(graph)
+    assert [node["label"] for node in header["nodes"]] == list(graph)
+    assert {n["label"] for n in header["nodes"] if n["reached"]} == graph.reachable()
+    for told, label in zip(header["nodes"], graph, strict=True):
+        node = graph.node(label)
+        assert (told["low_mm"], told["high_mm"]) == (node.low * 1e3, node.high * 1e3)
+    assert len(header["edges"]) == graph.number_of_edges()
+    for edge in header["edges"]:
+        found = graph.transition(edge["from"], edge["direction"])
+        assert found is not None
+        to, way = found
+        assert (edge["to"], edge["kind"]) == (to, way.kind.name.lower())
+        assert edge["drive_mm"] == way.drive * 1e3
+
+
+def test_a_graph_that_cannot_be_is_told_in_the_words_of_the_command():
+    problem = ask("graph", tables("friction")).header["problems"][0]["text"]
+    with pytest.raises(ValueError, match="friction") as error:
+        sw.preset("friction").graph()
+    assert problem == str(error.value)
+
+
+def test_the_program_to_a_state_is_pythons():
+    header, blocks = ask("program", FORWARD, to="01")
+    program = sw.preset("paper-forward").program("01")
+    assert header["turning_points_mm"] == [x * 1e3 for x in program.turning_points]
+    assert header["states"] == list(program.sequence.states)
+    assert header["does_it"] and header["proved"] is program.shortest
+    assert blocks["drive"][-1] == program.turning_points[-1] * 1e3
+    again, _ = ask("program", FORWARD, turning_points_mm=header["turning_points_mm"])
+    assert again["arrives"] == "01"
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "ask.to = nothing"),
+        ({"to": "1x"}, "one digit a cell"),
+        ({"to": "02"}, "one digit a cell"),
+        ({"to": "01", "start": "0"}, "one digit a cell"),
+        ({"turning_points_mm": []}, "a list of 1 to 100 numbers"),
+        ({"turning_points_mm": [0, "x"]}, "ask.turning_points_mm"),
+        ({"turning_points_mm": [0, 99]}, "out of reach"),
+    ],
+)
+def test_a_program_that_cannot_be_is_refused(keys: Any, words: str):
+    assert words in ask("program", FORWARD, **keys).header["problems"][0]["text"]
+
+
+def test_the_yield_is_pythons():
+    header = ask("yield", FORWARD, anchor_mm=0.5, stiffness_percent=3, samples=2000).header
+    tolerances = sw.Tolerances(anchor=0.5e-3, stiffness=0.03)
+    found = yield_record(sw.preset("paper-forward").yields(tolerances, n=2000))
+    told = json.loads(json.dumps(found))
+    assert {key: header[key] for key in told} == told
+
+
+@pytest.mark.parametrize(
+    ("keys", "at"),
+    [
+        ({"anchor_mm": -1}, "ask.anchor_mm"),
+        ({"stiffness_percent": 25}, "ask.stiffness_percent"),
+        ({"samples": 0}, "ask.samples"),
+        ({"samples": 10**9}, "ask.samples"),
+        ({"samples": 2.5}, "ask.samples"),
+        ({"seed": True}, "ask.seed"),
+    ],
+)
+def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
+    assert ask("yield", FORWARD, **keys).header["problems"][0]["at"] == at
+
+
+MAP: dict[str, Any] = {"cell": 1, "x_mm": [0, 30], "y_mm": [-15, 15], "pixels": [60, 40]}
+
+
+@pytest.mark.parametrize("anchor", ["p", "q"])
+def test_every_pixel_of_a_map_is_what_python_says(anchor: str):
+    x = [0, 30] if anchor == "q" else [-30, 0]
+    header, blocks = ask("map", FORWARD, **(MAP | {"x_mm": x}), anchor=anchor)
+    assert blocks["image"].shape == (40, 60)
+    chain = sw.preset("paper-forward")
+    for row, column in ((0, 0), (20, 30), (39, 59), (5, 50), (33, 12)):
+        place = blocks["x"][column] / 1e3, blocks["y"][row] / 1e3
+        cells = chain.levers[0], chain.levers[1].with_anchors(**{anchor: place})
+        said = header["sequences"][blocks["image"][row, column]]
+        assert said == str(sw.Chain(cells).cycle().sequence)
+    assert header["boundaries"] and blocks[header["boundaries"][0]["block"]].shape[1] == 2
+
+
+def test_a_coarse_map_is_smaller_and_one_that_must_be_followed_coarser_still():
+    assert ask("map", FORWARD, **MAP, coarse=4).blocks["image"].shape == (10, 15)
+    header = ask("map", tables("slack"), **MAP).header
+    assert header["coarse"] > 1 and header["boundaries"] == []
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"cell": 2},
+        {"anchor": "r"},
+        {"x_mm": [3, 3]},
+        {"y_mm": [5, None]},
+        {"pixels": [0, 10]},
+        {"pixels": [10**6, 10]},
+        {"coarse": 0},
+    ],
+)
+def test_a_map_is_asked_within_bounds(keys: Any):
+    problem = ask("map", FORWARD, **(MAP | keys)).header["problems"][0]
+    assert problem["at"] == f"ask.{next(iter(keys))}"
+
+
+def test_a_wish_is_granted_as_by_python():
+    header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
+    found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
+    told = json.loads(json.dumps(design_record(found)))
+    assert {key: header[key] for key in told} == told
+    assert loads_tables(header["design"])[0] == found.chain
+    assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"
+
+
+def test_a_wish_that_no_chain_grants_is_told_why():
+    for sequence in ("00>11>10>00", "00>x", "0" * 20):
+        assert ask("wish", sequence=sequence).header["ok"] is False

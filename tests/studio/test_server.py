@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from stepwell.files import loads_tables
+from stepwell.files import loads_tables, preset_text, tables_in
 from stepwell.studio.server import page_files
 from studio.pages import FORWARD, Page, Studio, opened, running
 
@@ -197,13 +197,65 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
     assert sequences[0] != sequences[1]
 
 
+def test_long_work_tells_how_far_it_is_and_ends_when_told_while_dragging_goes_on(page: Page):
+    slow = tables_in(preset_text("slack"))
+    seq = page.send("yield", slow, samples=1_000_000)
+    told = page.hear().header
+    assert (told["seq"], told["ok"]) == (seq, True)
+    assert 0 <= told["progress"][0] < told["progress"][1]
+    dragged = page.send("evaluate", FORWARD)
+    while page.hear().header["seq"] != dragged:
+        pass
+    begun = time.monotonic()
+    page.seq += 1
+    page.socket.send(json.dumps({"v": 1, "type": "cancel", "seq": seq}))
+    while "progress" in (header := page.hear().header):
+        pass
+    assert time.monotonic() - begun < 1
+    assert (header["seq"], header["ok"], header["ended"]) == (seq, False, True)
+    assert page.ask("yield", FORWARD, samples=1000).header["samples"] == 1000
+
+
+def test_of_long_work_that_waits_the_newest_is_done_and_what_waits_can_be_dropped(page: Page):
+    slow = tables_in(preset_text("slack"))
+    running = page.send("yield", slow, samples=1_000_000)
+    page.send("yield", slow, samples=1_000_000)
+    last = page.send("yield", slow, samples=1_000_000)
+    for seq in (last, running):
+        page.socket.send(json.dumps({"v": 1, "type": "cancel", "seq": seq}))
+        while "progress" in (header := page.hear().header):
+            pass
+        assert (header["seq"], header.get("ended")) == (seq, True)
+    page.socket.send(json.dumps({"v": 1, "type": "cancel", "seq": 999}))  # long done: nothing
+    assert page.ask("text", FORWARD).header["ok"]
+
+
+def test_a_page_that_leaves_takes_its_work_along(studio: Studio):
+    with opened(studio) as page:
+        page.send("yield", tables_in(preset_text("slack")), samples=1_000_000)
+        page.hear()
+        assert _children(studio) >= 1
+    until = time.monotonic() + 10
+    while _children(studio) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert _children(studio) == 0
+
+
+def _children(studio: Studio) -> int:
+    """Processes that work for the studio."""
+    listing = subprocess.run(
+        ["ps", "-o", "args=", "--ppid", str(studio.process.pid)], capture_output=True, text=True
+    )
+    return listing.stdout.count("spawn_main")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
 @pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM])
 def test_it_ends_in_one_line_with_a_page_open_and_work_going_on(told: signal.Signals):
     with running() as studio, opened(studio) as page:
         assert page.ask("start").header["design"] is None
-        page.send("margin", FORWARD)
-        time.sleep(0.3)
+        page.send("yield", tables_in(preset_text("slack")), samples=1_000_000)
+        page.hear()
         begun = time.monotonic()
         studio.process.send_signal(told)
         out, error = studio.process.communicate(timeout=20)

@@ -75,9 +75,9 @@ class Session:
         self._send = send
         self._threads = threads
         self._start = start
-        self._quick, self._long = Waiting(), Waiting()
-        self._aside = Aside()
-        self._running: Message | None = None  # the long one
+        self._quick = Waiting()
+        # Of each long type by itself: a wish of minutes must not keep a yield from being told.
+        self._long = {kind: Lane(self._send_soon) for kind in types() if is_long(kind)}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
@@ -94,14 +94,17 @@ class Session:
             view = View({"design": self._start, "title": title})
             await self._send(packed(START, message.seq, view))
         else:
-            (self._long if is_long(message.type) else self._quick).put(message)
+            lane = self._long.get(message.type)
+            (self._quick if lane is None else lane.waiting).put(message)
 
     async def answer(self) -> None:
         """Answer what waits, until this is cancelled."""
         try:
-            await asyncio.gather(self._answer_quick(), self._answer_long())
+            lanes = [lane.answer(self._send) for lane in self._long.values()]
+            await asyncio.gather(self._answer_quick(), *lanes)
         finally:
-            self._aside.end()
+            for lane in self._long.values():
+                lane.aside.end()
 
     async def _answer_quick(self) -> None:
         loop = asyncio.get_running_loop()
@@ -109,30 +112,46 @@ class Session:
             message = await self._quick.take()
             await self._send(await loop.run_in_executor(self._threads, answered, message))
 
-    async def _answer_long(self) -> None:
-        loop = asyncio.get_running_loop()
+    def _send_soon(self, data: bytes) -> asyncio.Task[None]:
+        async def send() -> None:
+            await self._send(data)
 
-        def tell(data: bytes) -> None:
-            told.append(loop.create_task(self._step(data)))
-
-        while True:
-            message = await self._long.take()
-            told: list[asyncio.Task[None]] = []
-            self._running = message
-            data = await self._aside.run(message, tell)
-            self._running = None
-            await asyncio.gather(*told)
-            await self._send(_ended(message) if data is None else data)
-
-    async def _step(self, data: bytes) -> None:
-        await self._send(data)
+        return asyncio.get_running_loop().create_task(send())
 
     async def _cancel(self, seq: int) -> None:
-        waiting = self._long.drop(seq)
-        if waiting is not None:
-            await self._send(_ended(waiting))
-        elif self._running is not None and self._running.seq == seq:
-            self._aside.end()  # which has the work answer that it was ended
+        for lane in self._long.values():
+            waiting = lane.waiting.drop(seq)
+            if waiting is not None:
+                await self._send(_ended(waiting))
+            elif lane.running is not None and lane.running.seq == seq:
+                lane.aside.end()  # which has the lane answer that it was ended
+
+
+class Lane:
+    """Long work of one type, in a process of its own.
+
+    Args:
+        send_soon: sends bytes after what was sent before, and does not wait.
+    """
+
+    def __init__(self, send_soon: Callable[[bytes], asyncio.Task[None]]):
+        self.waiting, self.aside = Waiting(), Aside()
+        self.running: Message | None = None
+        self._send_soon = send_soon
+        self._told: list[asyncio.Task[None]] = []
+
+    def _tell(self, data: bytes) -> None:
+        self._told.append(self._send_soon(data))
+
+    async def answer(self, send: Callable[[bytes], Awaitable[None]]) -> None:
+        """Answer what waits, until this is cancelled."""
+        while True:
+            message = self.running = await self.waiting.take()
+            self._told.clear()
+            data = await self.aside.run(message, self._tell)
+            self.running = None
+            await asyncio.gather(*self._told)
+            await send(_ended(message) if data is None else data)
 
 
 def warm() -> None:

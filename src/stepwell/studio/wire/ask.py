@@ -85,6 +85,20 @@ class Ask:
             f"first below the second."
         )
 
+    def numbers(
+        self, key: str, longest: int, least: float, most: float, *, least_many: int = 1
+    ) -> list[float]:
+        """Numbers of a list, each between two bounds.
+
+        Raises:
+            ValueError: another value, too few, too many, or none.
+        """
+        value = self._take(key, None)
+        if not isinstance(value, list) or not least_many <= len(value) <= longest:
+            allowed = f"a list of {least_many} to {longest} numbers"
+            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+        return [Ask({key: one}).number(key, least, most) for one in value]
+
     def close(self) -> None:
         """Refuse keys that nobody has taken.
 
