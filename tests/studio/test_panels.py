@@ -14,7 +14,8 @@ from stepwell.results import design_record, yield_record
 from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Message, unpacked
+from stepwell.studio.wire import Message
+from stepwell.studio.wire.message import unpacked
 from studio.pages import FORWARD, Answer
 
 CHAINS = [name for name in presets() if not name.startswith("robot-")]

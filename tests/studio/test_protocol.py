@@ -9,7 +9,8 @@ from hypothesis import given, strategies as st
 
 from stepwell.studio.answering import answered
 from stepwell.studio.panels import types
-from stepwell.studio.wire import Message, View, WireError, message_of, packed, unpacked
+from stepwell.studio.wire import Message, View, WireError, message_of, packed
+from stepwell.studio.wire.message import unpacked
 from studio.pages import FORWARD
 
 JSON = st.recursive(

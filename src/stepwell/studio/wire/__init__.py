@@ -1,10 +1,9 @@
 """What passes between the page and the server: messages, designs, views, problems."""
 
-from stepwell.studio.wire.ask import Ask, Tell
-from stepwell.studio.wire.design import MOST_CELLS, Design
+from stepwell.studio.wire.ask import Ask
+from stepwell.studio.wire.design import Design
 from stepwell.studio.wire.message import (
     LONGEST_MESSAGE,
-    VERSION,
     Message,
     WireError,
     failed,
@@ -12,7 +11,6 @@ from stepwell.studio.wire.message import (
     packed,
     refused,
     step,
-    unpacked,
 )
 from stepwell.studio.wire.problems import Problem, problems_of
 from stepwell.studio.wire.view import View
