@@ -18,6 +18,8 @@ MM, MJ = 1e3, 1e3
 # A picture needs no more samples than this on all smooth segments together, nor on one of them.
 _ALL, _MOST, _LEAST = 600, 33, 3
 _LANDSCAPE = 65
+# Of longer chains it is told what the nearest changes lead to, and not what every anchor does.
+_BECOMING = 8
 
 
 def answer(design: Design, ask: Ask) -> View:
@@ -197,11 +199,11 @@ def margins_of(limits: Margin | None) -> dict[str, Any]:
 
 
 def _change(change: Change, nearest: bool) -> dict[str, Any]:
-    """One change. What the design becomes past it is a cycle of its own: only of the nearest."""
-    moves = change.parameter == "anchor"
+    """One change; what a design becomes past it takes a cycle of its own, so not all are told."""
+    moves, few = change.parameter == "anchor", len(change.chain) <= _BECOMING
     reach = {"reach_mm" if moves else "reach_percent": plain(change.distance, MM if moves else 100)}
     move = plain(change.move, MM) if moves and np.isfinite(change.distance) else None
-    becomes = change.becomes if nearest or moves else ""
+    becomes = change.becomes if nearest or (moves and few) else ""
     return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move} | {
         "becomes": becomes
     }
