@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import lab, paper, presets
+from stepwell.cli import lab, paper, presets, studio
 from stepwell.cli.chains import design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
@@ -41,6 +41,7 @@ for command in (
 app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
 for command in (walk.walk, walk.maze, viewer.export, viewer.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
+app.command(epilog=EXIT_CODES)(studio.studio)
 app.add_typer(lab.commands, name="lab", epilog=EXIT_CODES)
 
 

@@ -12,9 +12,11 @@ from stepwell.files.design import (
     loads_chain,
     loads_program,
     loads_robot,
+    loads_tables,
     preset,
     preset_text,
     presets,
+    tables_in,
     text_of,
 )
 from stepwell.files.folder import (
@@ -55,6 +57,7 @@ __all__ = [
     "loads_chain",
     "loads_program",
     "loads_robot",
+    "loads_tables",
     "manifest",
     "parameters",
     "pictures",
@@ -66,6 +69,7 @@ __all__ = [
     "save",
     "slips_text",
     "staged_folder",
+    "tables_in",
     "vary",
     "with_program",
     "write_atomic",

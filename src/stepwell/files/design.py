@@ -16,7 +16,7 @@ from stepwell.files.curves import with_curves
 from stepwell.files.folder import doubt
 from stepwell.files.schema import chain as schema, robot as robot_schema, worded
 from stepwell.files.tables import Shared, WrittenProgram, cells_of, chain_of, program_of, robot
-from stepwell.files.text import DesignError, did_you_mean, parsed
+from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 
@@ -88,6 +88,48 @@ def loads_robot(text: str, name: str = "design") -> Robot:
             "--preset robot-forward` writes one to start from."
         ],
     )
+
+
+def loads_tables(tables: Any, name: str = "design") -> tuple[Any, WrittenProgram | None]:
+    """What a design file describes whose tables are Python values, as out of JSON.
+
+    Args:
+        tables: of strings, numbers, booleans, lists and dictionaries, with the keys of the file;
+            `tables_in` makes them of a text.
+        name: what messages call it.
+
+    Returns:
+        A Chain or a Robot in SI; and the program of a chain, or None.
+
+    Raises:
+        DesignError: as `loads`, with the same words; or a value that no file can hold.
+    """
+    if not isinstance(tables, dict) or not tables:
+        raise DesignError(name, [_EMPTY])
+    problems: list[str] = []
+    as_read = in_decimals(tables, problems)
+    if problems:
+        raise DesignError(name, problems)
+    return _made(as_read, name)
+
+
+def tables_in(text: str, name: str = "design") -> dict[str, Any]:
+    """The tables of a design file as Python values, checked; `loads_tables` takes them.
+
+    Args:
+        text: TOML.
+        name: what messages call it.
+
+    Returns:
+        Strings, numbers in the units of the file, booleans, lists and dictionaries, which JSON can
+        hold. Numbers have the digits of a float.
+
+    Raises:
+        DesignError: as `loads`.
+    """
+    tables = parsed(text, name, _EMPTY)
+    _made(tables, name)
+    return in_floats(tables)
 
 
 def load(design: str | os.PathLike[str]) -> Any:
@@ -223,7 +265,10 @@ def _read_chain(text: str, name: str) -> tuple[Chain, WrittenProgram | None]:
 
 
 def _read(text: str, name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
-    tables = parsed(text, name, _EMPTY)
+    return _made(parsed(text, name, _EMPTY), name)
+
+
+def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
     is_robot = robot_schema.is_robot(tables)
     try:
         if is_robot:

@@ -1,7 +1,7 @@
 """What all commands do on the screen: tables, progress, errors."""
 
 from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
-from stepwell.cli.screen.progress import Progress, progress
+from stepwell.cli.screen.progress import Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     finish,
     show_facts,

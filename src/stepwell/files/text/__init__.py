@@ -10,3 +10,4 @@ from stepwell.files.text.errors import (
 )
 from stepwell.files.text.paths import Item, Steps, find, spelled
 from stepwell.files.text.toml import Written, array, inline, lines, parsed, quoted
+from stepwell.files.text.values import in_decimals, in_floats

@@ -1,0 +1,49 @@
+"""`stepwell studio`: a page on which a design is dragged and everything follows."""
+
+from __future__ import annotations
+
+import webbrowser
+from typing import Annotated
+
+import typer
+
+from stepwell.cli.screen import Interrupted, show_lines
+
+
+def studio(
+    design: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[DESIGN]",
+            help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
+            "default.",
+        ),
+    ] = None,
+    port: Annotated[
+        int,
+        typer.Option(help="The port on this machine; 0 takes a free one.", min=0, max=65535),
+    ] = 0,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Say the page's address and open no browser.")
+    ] = False,
+) -> None:
+    """Open a page on which a design is dragged and everything follows.
+
+    Mechanism, force, sequence and margins, all from the same engine as the other commands. Only
+    this machine can reach it, with the address that is printed. Ctrl-C ends it.
+    """
+    from stepwell import files, studio as room
+
+    tables = None
+    if design is not None:
+        tables = files.tables_in(files.text_of(design), design)
+
+    def opened(address: str) -> None:
+        show_lines(address)
+        if not no_open:
+            webbrowser.open(address)
+
+    try:
+        room.serve(tables, port=port, opened=opened)
+    except KeyboardInterrupt:
+        raise Interrupted("The studio has ended; an open page keeps its design.") from None

@@ -1,0 +1,29 @@
+"""The answer to a message as bytes, whatever comes of it."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Callable
+
+from stepwell.base import StepwellError
+from stepwell.studio.panels import answer
+from stepwell.studio.wire import Ask, Design, Message, Problem, packed, problems_of, refused
+
+_BROKEN = (
+    "The studio failed on this, and its terminal says where. Please report it with the design; "
+    "go back to the last good state and on from there."
+)
+
+
+def answered(message: Message, tell: Callable[[float, float], None] | None = None) -> bytes:
+    """What the panel of a message answers, or everything that is wrong with the message."""
+    design = Design(message.design)
+    ask = Ask(message.ask) if tell is None else Ask(message.ask, tell)
+    try:
+        return packed(message.type, message.seq, answer(message.type, design, ask))
+    except StepwellError as error:
+        return refused(message.type, message.seq, problems_of(error))
+    except Exception:  # a fault of ours must not cost the user's session
+        traceback.print_exc(file=sys.stderr)
+        return refused(message.type, message.seq, [Problem("", _BROKEN)])

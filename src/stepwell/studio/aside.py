@@ -1,0 +1,83 @@
+"""Long work in a process of its own, which can be ended at any time."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from time import monotonic
+
+from stepwell.studio.answering import answered
+from stepwell.studio.wire import Message, step
+
+# So often it is said how far the work is [s].
+_EVERY = 0.1
+
+
+class Aside:
+    """One process at a time; it starts with the first work and stays warm for the next."""
+
+    def __init__(self) -> None:
+        self._process: BaseProcess | None = None
+        self._pipe: Connection | None = None
+
+    async def run(self, message: Message, tell: Callable[[bytes], None]) -> bytes | None:
+        """The answer to a message; None where the work was ended.
+
+        Args:
+            message: of a long panel.
+            tell: called with every word on how far it is.
+        """
+        pipe = self._started()
+        try:
+            pipe.send(message)
+            while True:
+                last, data = await asyncio.to_thread(pipe.recv)
+                if last:
+                    return data
+                tell(data)
+        except (EOFError, OSError):
+            self.end()
+            return None
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.join()
+
+    def _started(self) -> Connection:
+        if self._process is None or not self._process.is_alive() or self._pipe is None:
+            # A fork would take the threads' locks along.
+            apart = multiprocessing.get_context("spawn")
+            self._pipe, theirs = apart.Pipe()
+            self._process = apart.Process(target=work, args=(theirs,), daemon=True)
+            self._process.start()
+            theirs.close()
+        return self._pipe
+
+
+def work(pipe: Connection) -> None:
+    """What the process does: answer one message after another until the studio is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the studio's, which ends this
+    if hasattr(os, "nice"):
+        os.nice(5)  # what follows the pointer goes first
+    with suppress(EOFError, OSError):
+        while True:
+            message: Message = pipe.recv()
+            told = monotonic()
+
+            def tell(done: float, total: float, message: Message = message) -> None:
+                nonlocal told
+                now = monotonic()
+                if now - told >= _EVERY:
+                    told = now
+                    pipe.send((False, step(message.type, message.seq, done, total)))
+
+            pipe.send((True, answered(message, tell)))

@@ -1,0 +1,93 @@
+"""Who may talk to the studio: the page that it served itself, and nobody else."""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any
+from urllib.parse import parse_qs
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+_NAMES = ("127.0.0.1", "localhost")
+
+
+class Guard:
+    """Refuse what comes by another name than this machine's own, from another page, or uninvited.
+
+    A page of another site can send requests to this machine, but not with this Host, which a name
+    that was bent to this address would betray, and a WebSocket of it not with this Origin.
+
+    Args:
+        app: what is guarded.
+        port: where the studio listens.
+        token: without which no socket opens.
+    """
+
+    def __init__(self, app: App, port: int, token: str):
+        self._app = app
+        self._hosts = {f"{name}:{port}" for name in _NAMES} | ({*_NAMES} if port == 80 else set())
+        self._token = token.encode()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, with the headers that keep a browser to this page, or refuse it."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        host = _only(scope, b"host")
+        known = host in self._hosts
+        if scope["type"] == "websocket":
+            if known and _only(scope, b"origin") == f"http://{host}" and self._invited(scope):
+                await self._app(scope, receive, send)
+            else:
+                await receive()
+                await send({"type": "websocket.close", "code": 1008})
+            return
+
+        async def with_headers(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message.get("headers", []), *_headers(host if known else "")]
+            await send(message)
+
+        if known:
+            await self._app(scope, receive, with_headers)
+            return
+        await with_headers({"type": "http.response.start", "status": 421, "headers": _PLAIN})
+        await send({"type": "http.response.body", "body": b"This is not the studio's address.\n"})
+
+    def _invited(self, scope: Scope) -> bool:
+        try:
+            query = parse_qs(scope["query_string"].decode("ascii"), max_num_fields=4)
+        except ValueError:
+            return False
+        said = query.get("token", [])
+        return len(said) == 1 and hmac.compare_digest(said[0].encode(), self._token)
+
+
+_PLAIN = [(b"content-type", b"text/plain; charset=utf-8")]
+
+
+def _only(scope: Scope, name: bytes) -> str:
+    """The value of a header that stands there once; "" where it does not."""
+    found = [value for key, value in scope["headers"] if key == name]
+    return found[0].decode("latin-1") if len(found) == 1 else ""
+
+
+def _headers(host: str) -> list[tuple[bytes, bytes]]:
+    policy = (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+        f"font-src 'self'; connect-src 'self'{f' ws://{host}' if host else ''}; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    told = {
+        "content-security-policy": policy,
+        "x-content-type-options": "nosniff",
+        "referrer-policy": "no-referrer",
+        "cross-origin-opener-policy": "same-origin",
+        "cross-origin-resource-policy": "same-origin",
+        "cache-control": "no-cache",
+    }
+    return [(key.encode(), value.encode()) for key, value in told.items()]

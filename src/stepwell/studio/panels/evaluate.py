@@ -1,0 +1,209 @@
+"""What a chain does in a full cycle: its samples, events, sequence, and margins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence as Sized
+from typing import Any
+
+import numpy as np
+
+from stepwell.base import Floats, plain, told_in
+from stepwell.concave import SortedChain
+from stepwell.design import Change, Margin, margin
+from stepwell.mechanism import Cell, Chain, Element
+from stepwell.statics import Event, EventKind, Path, SegmentKind
+from stepwell.studio.wire import Ask, Design, View
+
+MM, MJ = 1e3, 1e3
+# A picture needs no more samples than this on all smooth segments together, nor on one of them.
+_ALL, _MOST, _LEAST = 600, 33, 3
+_LANDSCAPE = 65
+# Of longer chains it is told what the nearest changes lead to, and not what every anchor does.
+_BECOMING = 8
+
+
+def answer(design: Design, ask: Ask) -> View:
+    """The cycle, and how far the design is from another where that is known in closed form.
+
+    Numbers of a chain of volumes or of angles stand under the same names; `units` has theirs.
+    """
+    ask.close()
+    chain = design.chain
+    cycle = chain.cycle()
+    # A search takes a hundred times as long as all else here: panel `margin` does it aside.
+    limits = margin(chain) if SortedChain.of(chain) is not None else None
+    path = drawn(cycle.path)
+    header = {
+        "title": chain.title,
+        "units": units_of(chain),
+        "names": list(chain.names),
+        "sequence": str(cycle.sequence),
+        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
+        "cells": cells_of(chain),
+        "events": events_of(cycle.events, path),
+        **margins_of(limits),
+        "peak_force_N": cycle.peak_force * told_in(chain.measure.force_unit)[1],
+        "dissipated_mJ": cycle.dissipated * MJ,
+        "full_stroke_mm": chain.full_stroke * told_in(chain.measure.travel_unit)[1],
+        "ties": [tie.advice for tie in cycle.degenerate],
+    }
+    return View(header, arrays_of(path) | landscape(chain))
+
+
+def units_of(chain: Chain) -> dict[str, str]:
+    """The unit of every number of a chain that is told."""
+    measure = chain.measure
+    travel, force = told_in(measure.travel_unit)[0], told_in(measure.force_unit)[0]
+    drive = told_in(chain.drive_unit)[0]
+    return {"travel": travel, "force": force, "stroke": travel, "drive": drive, "energy": "mJ"}
+
+
+def drawn(path: Path) -> Path:
+    """The path with as many samples as a picture needs."""
+    smooth = sum(segment.kind is SegmentKind.MOVE for segment in path.segments())
+    return path.resampled(max(_LEAST, min(_MOST, _ALL // max(1, smooth))))
+
+
+def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """The samples of a path in the units of `units_of`; a snap is a jump between two of them."""
+    chain = path.chain
+    _, travel = told_in(chain.measure.travel_unit)
+    _, force = told_in(chain.measure.force_unit)
+    return {
+        "drive": path.drive * told_in(chain.drive_unit)[1],
+        "stroke": path.stroke * travel,
+        "force": path.force * force,
+        "energy": path.energy * MJ,
+        "travel": path.travel * travel,
+        "angle": _angles(chain, path.travel),
+        "segment": path.branch,
+        "direction": path.direction,
+    }
+
+
+def _angles(chain: Chain, travel: Floats) -> Floats:
+    """(n, N) angles of the levers in degrees, NaN where there are none."""
+    angles = np.full_like(travel, np.nan)
+    for i, cell in enumerate(chain.cells):
+        if isinstance(cell, Cell):
+            angles[:, i] = np.degrees(cell.angle(travel[:, i]))
+    return angles
+
+
+def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
+    """(m, N) travels and energies of every cell by itself; NaN for curves that fold back."""
+    travel = np.linspace(
+        [cell.low for cell in chain.cells], [cell.high for cell in chain.cells], _LANDSCAPE
+    )
+    energy = np.full_like(travel, np.nan)
+    for i, cell in enumerate(chain.cells):
+        if isinstance(cell, Cell) or len(cell.laws) == 1:
+            energy[:, i] = cell.energy_at(travel[:, i])
+    factor = told_in(chain.measure.travel_unit)[1]
+    return {"landscape_travel": travel * factor, "landscape_energy": energy * MJ}
+
+
+def cells_of(chain: Chain) -> list[dict[str, Any]]:
+    """What is to be drawn of every cell, and the phases in which it stands without a force."""
+    return [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)]
+
+
+def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
+    travel, force = (
+        told_in(unit)[1] for unit in (cell.measure.travel_unit, cell.measure.force_unit)
+    )
+    told: dict[str, Any] = {
+        "name": name,
+        "kind": "lever" if isinstance(cell, Cell) else "element",
+        "full_travel_mm": cell.full_travel * travel,
+        "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
+    }
+    if isinstance(cell, Cell):
+        both = {"stable": [0, 1]} if cell.is_bistable else {}
+        told |= both | {
+            "lever_mm": cell.lever * MM,
+            "limit_deg": float(np.degrees(cell.limit)),
+            "bands": [
+                {"p_mm": plain(band.p, MM), "q_mm": plain(band.q, MM)} for band in cell.bands
+            ],
+            "force_0_N": cell.force_0,
+            "force_1_N": cell.force_1,
+        }
+    else:
+        ends = cell.phases[0].force_high, cell.phases[-1].force_low
+        told |= {
+            "force_0_N": plain(ends[0], force),
+            "force_1_N": plain(ends[1], force),
+            "bands": [],
+        }
+    return told
+
+
+def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
+    """Switches and snaps; each lies between its sample and the one after it."""
+    chain = path.chain
+    travel, force, drive = (
+        told_in(unit)[1]
+        for unit in (chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit)
+    )
+    events = list(events)
+    return [
+        {
+            "kind": event.kind.name.lower(),
+            "cause": event.cause.name.lower(),
+            "direction": event.direction,
+            "drive_mm": event.drive * drive,
+            "stroke_mm": event.stroke * travel,
+            "cells": list(event.cells),
+            "before_mm": plain(event.before, travel),
+            "after_mm": plain(event.after, travel),
+            "force_before_N": event.force_before * force,
+            "force_after_N": event.force_after * force,
+            "released_mJ": event.released * MJ,
+            "sample": sample,
+        }
+        for event, sample in zip(events, _samples_at(events, path), strict=True)
+    ]
+
+
+def _samples_at(events: Sized[Event], path: Path) -> list[int]:
+    """The sample at which each event begins, in order."""
+    found: list[int] = []
+    at = 0
+    for event in events:
+        here = (path.drive[at:] == event.drive) & (path.direction[at:] == event.direction)
+        if event.kind is EventKind.SNAP:
+            here &= path.snap_after[at:]
+        if here.any():
+            at += int(np.argmax(here))
+        found.append(at)
+        at += event.kind is EventKind.SNAP
+    return found
+
+
+def margins_of(limits: Margin | None) -> dict[str, Any]:
+    """How far every anchor and every stiffness is from another sequence, and the nearest one."""
+    if limits is None:
+        return {"margins": [], "margin": None, "method": "search"}
+    known = [change for change in limits.changes if np.isfinite(change.distance)]
+    nearest: dict[str, Change] = {}
+    for change in sorted(known, key=lambda change: change.distance):
+        nearest.setdefault(change.parameter, change)
+    told = [_change(change, change in nearest.values()) for change in limits.changes]
+    first = nearest.get("anchor") or next(iter(nearest.values()), None)
+    return {
+        "margins": told,
+        "margin": None if first is None else told[limits.changes.index(first)],
+        "method": limits.method.name.lower(),
+    }
+
+
+def _change(change: Change, nearest: bool) -> dict[str, Any]:
+    """One change; what a design becomes past it takes a cycle of its own, so not all are told."""
+    moves, few = change.parameter == "anchor", len(change.chain) <= _BECOMING
+    reach = {"reach_mm" if moves else "reach_percent": plain(change.distance, MM if moves else 100)}
+    move = plain(change.move, MM) if moves and np.isfinite(change.distance) else None
+    becomes = change.becomes if nearest or (moves and few) else ""
+    return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move} | {
+        "becomes": becomes
+    }

@@ -1,0 +1,174 @@
+"""The studio's server: the page's files and one socket, on this machine alone."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import socket
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+from importlib import import_module
+from importlib.resources import files
+from typing import Any
+
+from stepwell.base import ExtraError
+from stepwell.studio.guard import App, Guard
+from stepwell.studio.session import Session, warm
+from stepwell.studio.wire import LONGEST_MESSAGE
+
+HOST = "127.0.0.1"
+_TYPES = {
+    "html": "text/html; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "svg": "image/svg+xml",
+    "png": "image/png",
+    "woff2": "font/woff2",
+}
+# Those of its users do not wait for it longer than this [s].
+_PATIENCE = 1
+
+
+def serve(
+    design: dict[str, Any] | None = None,
+    *,
+    port: int = 0,
+    opened: Callable[[str], None] | None = None,
+) -> None:
+    """Serve the studio until it is interrupted.
+
+    Args:
+        design: tables of the design that the page shows first; the gallery by default.
+        port: of 127.0.0.1; any free one by default.
+        opened: called with the page's address once it can be had.
+
+    Raises:
+        ExtraError: the packages of the extra `studio` are not installed.
+        OSError: the port is taken.
+    """
+    uvicorn = _needed("uvicorn")
+    _needed("websockets")
+    with socket.create_server((HOST, port), backlog=64) as listening:
+        own = listening.getsockname()[1]
+        token = secrets.token_urlsafe(24)
+        address = f"http://{HOST}:{own}/?token={token}"
+
+        def ready() -> None:
+            if opened is not None:
+                opened(address)
+
+        config = uvicorn.Config(
+            application(own, token, design, ready),
+            ws="websockets-sansio",
+            ws_max_size=LONGEST_MESSAGE,
+            ws_per_message_deflate=False,
+            lifespan="on",
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=_PATIENCE,
+        )
+        uvicorn.Server(config).run(sockets=[listening])
+
+
+def application(
+    port: int,
+    token: str,
+    design: dict[str, Any] | None = None,
+    ready: Callable[[], None] = lambda: None,
+) -> App:
+    """The studio as an ASGI application.
+
+    Args:
+        port: where it will listen.
+        token: without which no socket opens.
+        design: as for `serve`.
+        ready: called once it can answer.
+
+    Raises:
+        ExtraError: the packages of the extra `studio` are not installed.
+    """
+    applications = _needed("starlette.applications")
+    responses, routing = _needed("starlette.responses"), _needed("starlette.routing")
+    threads = ThreadPoolExecutor(1, "studio")
+
+    @asynccontextmanager
+    async def lifespan(_app: Any) -> AsyncIterator[None]:
+        threads.submit(warm)
+        ready()
+        yield
+        threads.shutdown(wait=False, cancel_futures=True)
+
+    async def talk(websocket: Any) -> None:
+        await websocket.accept()
+        session = Session(websocket.send_bytes, threads, design)
+        await _talked(websocket, session)
+
+    def of(name: str, content: bytes) -> Any:
+        kind = _TYPES[name.rpartition(".")[2]]
+
+        async def page(_request: Any) -> Any:
+            return responses.Response(content, media_type=kind)
+
+        return page
+
+    # The files are read now and by their own names: no path of a request is ever opened.
+    held = page_files()
+    routes = [routing.Route(f"/{name}", of(name, content)) for name, content in held.items()]
+    if "index.html" in held:
+        routes.append(routing.Route("/", of("index.html", held["index.html"])))
+    routes.append(routing.WebSocketRoute("/socket", talk))
+    return Guard(applications.Starlette(routes=routes, lifespan=lifespan), port, token)
+
+
+def page_files() -> dict[str, bytes]:
+    """The files of the page by name."""
+    folder = files("stepwell.studio") / "page"
+    if not folder.is_dir():
+        return {}
+    return {
+        file.name: file.read_bytes()
+        for file in folder.iterdir()
+        if file.name.rpartition(".")[2] in _TYPES
+    }
+
+
+async def _talked(websocket: Any, session: Session) -> None:
+    """Hear and answer until the page leaves."""
+    gone = _needed("starlette.websockets").WebSocketDisconnect
+    answering = asyncio.create_task(session.answer())
+    try:
+        while True:
+            hearing = asyncio.create_task(websocket.receive())
+            await asyncio.wait({hearing, answering}, return_when=asyncio.FIRST_COMPLETED)
+            if answering.done():
+                hearing.cancel()
+                break
+            message = hearing.result()
+            if message["type"] == "websocket.disconnect":
+                break
+            text = message.get("text")
+            if text is None:
+                text = (message.get("bytes") or b"").decode("utf-8", "replace")
+            if len(text.encode("utf-8", "replace")) > LONGEST_MESSAGE:
+                await websocket.close(1009)
+                break
+            await session.hear(text)
+    except (gone, OSError, RuntimeError):  # the page left while it was being answered
+        pass
+    finally:
+        answering.cancel()
+        await asyncio.gather(answering, return_exceptions=True)
+
+
+def _needed(name: str) -> Any:
+    """A module of the extra, or one line that says how to get it."""
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as error:
+        raise ExtraError(
+            "The studio needs Starlette, uvicorn and websockets, which are not all installed "
+            "here. Install them with: pip install 'stepwell[studio]'",
+            name=error.name,
+        ) from None

@@ -1,0 +1,167 @@
+"""One open page: of each kind of question the latest is answered, one at a time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from concurrent.futures import Executor
+from typing import Any
+
+from stepwell.files import preset_text, tables_in
+from stepwell.studio.answering import answered
+from stepwell.studio.aside import Aside
+from stepwell.studio.panels import is_long, types
+from stepwell.studio.wire import (
+    Message,
+    Problem,
+    View,
+    WireError,
+    failed,
+    message_of,
+    packed,
+    refused,
+)
+
+CANCEL, START = "cancel", "start"
+
+
+class Waiting:
+    """Messages that wait: of each type the newest, the type that waits longest first."""
+
+    def __init__(self) -> None:
+        self._of: dict[str, Message] = {}
+        self._some = asyncio.Event()
+
+    def put(self, message: Message) -> None:
+        """Let a message wait, in place of the one of its type that does."""
+        self._of[message.type] = message
+        self._some.set()
+
+    async def take(self) -> Message:
+        """The next message, as soon as there is one."""
+        await self._some.wait()
+        kind = next(iter(self._of))
+        message = self._of.pop(kind)
+        if not self._of:
+            self._some.clear()
+        return message
+
+    def drop(self, seq: int) -> Message | None:
+        """Forget the message of that number, if it waits."""
+        for kind, message in self._of.items():
+            if message.seq == seq:
+                del self._of[kind]
+                if not self._of:
+                    self._some.clear()
+                return message
+        return None
+
+
+class Session:
+    """What goes on for one socket.
+
+    Args:
+        send: of the socket, bytes.
+        threads: where quick questions are answered, so that the socket keeps hearing.
+        start: the tables of the design that the command was started with, or None.
+    """
+
+    def __init__(
+        self,
+        send: Callable[[bytes], Awaitable[None]],
+        threads: Executor,
+        start: dict[str, Any] | None,
+    ):
+        self._send = send
+        self._threads = threads
+        self._start = start
+        self._quick = Waiting()
+        # Of each long type by itself: a wish of minutes must not keep a yield from being told.
+        self._long = {kind: Lane(self._send_soon) for kind in types() if is_long(kind)}
+        self._types = (*types(), START, CANCEL)
+
+    async def hear(self, text: str) -> None:
+        """Take a message of the page; it is answered when its turn comes."""
+        try:
+            message = message_of(text, self._types)
+        except WireError as error:
+            await self._send(failed(error))
+            return
+        if message.type == CANCEL:
+            await self._cancel(message.seq)
+        elif message.type == START:
+            title = (self._start or {}).get("title", "")
+            view = View({"design": self._start, "title": title})
+            await self._send(packed(START, message.seq, view))
+        else:
+            lane = self._long.get(message.type)
+            (self._quick if lane is None else lane.waiting).put(message)
+
+    async def answer(self) -> None:
+        """Answer what waits, until this is cancelled."""
+        try:
+            lanes = [lane.answer(self._send) for lane in self._long.values()]
+            await asyncio.gather(self._answer_quick(), *lanes)
+        finally:
+            for lane in self._long.values():
+                lane.aside.end()
+
+    async def _answer_quick(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            message = await self._quick.take()
+            await self._send(await loop.run_in_executor(self._threads, answered, message))
+
+    def _send_soon(self, data: bytes) -> asyncio.Task[None]:
+        async def send() -> None:
+            await self._send(data)
+
+        return asyncio.get_running_loop().create_task(send())
+
+    async def _cancel(self, seq: int) -> None:
+        for lane in self._long.values():
+            waiting = lane.waiting.drop(seq)
+            if waiting is not None:
+                await self._send(_ended(waiting))
+            elif lane.running is not None and lane.running.seq == seq:
+                lane.aside.end()  # which has the lane answer that it was ended
+
+
+class Lane:
+    """Long work of one type, in a process of its own.
+
+    Args:
+        send_soon: sends bytes after what was sent before, and does not wait.
+    """
+
+    def __init__(self, send_soon: Callable[[bytes], asyncio.Task[None]]):
+        self.waiting, self.aside = Waiting(), Aside()
+        self.running: Message | None = None
+        self._send_soon = send_soon
+        self._told: list[asyncio.Task[None]] = []
+
+    def _tell(self, data: bytes) -> None:
+        self._told.append(self._send_soon(data))
+
+    async def answer(self, send: Callable[[bytes], Awaitable[None]]) -> None:
+        """Answer what waits, until this is cancelled."""
+        while True:
+            message = self.running = await self.waiting.take()
+            self._told.clear()
+            data = await self.aside.run(message, self._tell)
+            self.running = None
+            await asyncio.gather(*self._told)
+            await send(_ended(message) if data is None else data)
+
+
+def warm() -> None:
+    """Answer what a page asks first, so that the first drag meets machine code."""
+    first = preset_text("paper-forward")
+    answered(Message("gallery", 0, None, {}))
+    answered(Message("evaluate", 0, tables_in(first), {}))
+
+
+def _ended(message: Message) -> bytes:
+    return refused(
+        message.type, message.seq, [Problem("", "Ended before it was done.")], ended=True
+    )

@@ -1,0 +1,121 @@
+"""What a request asks for beside its design: keys with a bound each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import isfinite
+from typing import Any
+
+from stepwell.base import InputError, nearest_word
+
+Tell = Callable[[float, float], None]
+
+
+def _nobody(_done: float, _total: float) -> None:
+    """Where nobody asks how far it is."""
+
+
+class Ask:
+    """The keys of a request. Each is taken once; `close` refuses what is left.
+
+    Args:
+        keys: as JSON has them.
+        tell: called with (done, total) by panels that take long.
+    """
+
+    def __init__(self, keys: Mapping[str, Any] | None = None, tell: Tell = _nobody):
+        self._keys = dict(keys or {})
+        self._known: list[str] = []
+        self.tell = tell
+
+    def number(self, key: str, least: float, most: float, default: float | None = None) -> float:
+        """A number between two bounds.
+
+        Raises:
+            ValueError: another value, or none where there is no default.
+        """
+        value = self._take(key, default)
+        real = isinstance(value, int | float) and not isinstance(value, bool)
+        if not real or not isfinite(value) or not least <= value <= most:
+            raise InputError(f"ask.{key} = {_shown(value)}: must be from {least:g} to {most:g}.")
+        return float(value)
+
+    def whole(self, key: str, least: int, most: int, default: int | None = None) -> int:
+        """A whole number between two bounds.
+
+        Raises:
+            ValueError: another value, or none where there is no default.
+        """
+        value = self._take(key, default)
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            allowed = f"a whole number from {least} to {most}"
+            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+        return value
+
+    def text(self, key: str, longest: int, default: str | None = None) -> str:
+        """Text of a length.
+
+        Raises:
+            ValueError: another value, or none where there is no default.
+        """
+        value = self._take(key, default)
+        if not isinstance(value, str) or len(value) > longest:
+            allowed = f"text of at most {longest} letters"
+            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+        return value
+
+    def has(self, key: str) -> bool:
+        """Whether the request has the key."""
+        self._known.append(key)
+        return key in self._keys
+
+    def pair(self, key: str, least: float, most: float) -> tuple[float, float]:
+        """Two numbers between two bounds, the first below the second.
+
+        Raises:
+            ValueError: another value, or none.
+        """
+        value = self._take(key, None)
+        if isinstance(value, list) and len(value) == 2:
+            low, high = (Ask({key: one}).number(key, least, most) for one in value)
+            if low < high:
+                return low, high
+        raise InputError(
+            f"ask.{key} = {_shown(value)}: must be two numbers from {least:g} to {most:g}, the "
+            f"first below the second."
+        )
+
+    def numbers(
+        self, key: str, longest: int, least: float, most: float, *, least_many: int = 1
+    ) -> list[float]:
+        """Numbers of a list, each between two bounds.
+
+        Raises:
+            ValueError: another value, too few, too many, or none.
+        """
+        value = self._take(key, None)
+        if not isinstance(value, list) or not least_many <= len(value) <= longest:
+            allowed = f"a list of {least_many} to {longest} numbers"
+            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+        return [Ask({key: one}).number(key, least, most) for one in value]
+
+    def close(self) -> None:
+        """Refuse keys that nobody has taken.
+
+        Raises:
+            ValueError: there are some; the text names the first.
+        """
+        for key in self._keys:
+            near = nearest_word(key, self._known)
+            known = ", ".join(dict.fromkeys(self._known)) or "none"
+            advice = f"Did you mean {near}?" if near else f"Known here: {known}."
+            raise InputError(f"ask.{_shown(key)}: unknown key. {advice}")
+
+    def _take(self, key: str, default: Any) -> Any:
+        self._known.append(key)
+        return self._keys.pop(key, default)
+
+
+def _shown(value: Any) -> str:
+    text = "nothing" if value is None else ascii(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,354 @@
+"""What the page is told is what Python says, number by number."""
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from stepwell.design import USUAL
+from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
+from stepwell.results import design_record, yield_record
+from stepwell.sequences import to_dot
+from stepwell.statics import EventKind
+from stepwell.studio.answering import answered
+from stepwell.studio.wire import Message
+from stepwell.studio.wire.message import unpacked
+from studio.pages import FORWARD, Answer
+
+CHAINS = [name for name in presets() if not name.startswith("robot-")]
+
+
+def ask(kind: str, design: Any = None, **keys: Any) -> Answer:
+    """What a panel answers, through the wire and back."""
+    design = json.loads(json.dumps(design, allow_nan=False))
+    return Answer(*unpacked(answered(Message(kind, 1, design, keys))))
+
+
+def tables(name: str) -> dict[str, Any]:
+    return tables_in(preset_text(name))
+
+
+def test_the_gallery_lists_what_comes_along():
+    found = ask("gallery").header["designs"]
+    assert {one["name"]: one["title"] for one in found} == presets()
+    forward, robot = (
+        next(o for o in found if o["name"] == n) for n in ("paper-forward", "robot-left")
+    )
+    assert (forward["kind"], forward["cells"]) == ("chain", 2)
+    assert robot["kind"] == "robot"
+
+
+@pytest.mark.parametrize("name", presets())
+def test_a_design_of_the_gallery_opens(name: str):
+    header = ask("open", preset=name).header
+    assert header["title"] == presets()[name]
+    assert loads_tables(header["design"])[0] == sw.preset(name)
+
+
+def test_the_text_of_a_file_opens_and_a_wrong_one_is_told_as_by_a_command():
+    text = preset_text("three-wave")
+    assert ask("open", toml=text).header["design"] == tables_in(text)
+    for wrong in (text.replace("q_mm", "q_mmm", 1), "[chain", ""):
+        with pytest.raises(DesignError) as error:
+            loads(wrong)
+        problems = ask("open", toml=wrong).header["problems"]
+        assert tuple(one["text"] for one in problems) == error.value.problems
+
+
+@pytest.mark.parametrize(
+    "keys", [{}, {"preset": "x", "toml": ""}, {"preset": 3}, {"path": "a.toml"}]
+)
+def test_opening_needs_a_name_or_a_text(keys: Any):
+    assert ask("open", **keys).header["ok"] is False
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../presets/paper-forward", "paper-forward.toml"])
+def test_a_path_is_no_name_of_the_gallery(name: str):
+    problem = ask("open", preset=name).header["problems"][0]
+    assert "no such design" in problem["text"]
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_file_and_script_make_the_same_chain(name: str):
+    header = ask("text", tables(name)).header
+    assert loads(header["toml"]) == sw.preset(name)
+    made: dict[str, Any] = {}
+    exec(header["python"].replace("print(chain.cycle())", ""), made)
+    assert made["chain"] == sw.preset(name)
+
+
+def test_a_design_keeps_its_program_as_text():
+    assert "[program]" in ask("text", tables("combination-lock")).header["toml"]
+
+
+@pytest.mark.parametrize("name", ["paper-forward", "friction", "three-wave", "countdown", "slack"])
+def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
+    chain = sw.preset(name)
+    cycle = chain.cycle()
+    header, blocks = ask("evaluate", tables(name))
+    assert header["sequence"] == str(cycle.sequence)
+    assert header["pathway"] == (cycle.pathway.label if cycle.pathway else "")
+    assert header["peak_force_N"] == cycle.peak_force
+    assert header["dissipated_mJ"] == cycle.dissipated * 1e3
+    assert header["full_stroke_mm"] == chain.full_stroke * 1e3
+    path = cycle.path.resampled(_points(cycle.path, len(blocks["drive"])))
+    for block, array in (
+        ("drive", path.drive * 1e3),
+        ("stroke", path.stroke * 1e3),
+        ("force", path.force),
+        ("energy", path.energy * 1e3),
+        ("travel", path.travel * 1e3),
+        ("segment", path.branch),
+        ("direction", path.direction),
+    ):
+        np.testing.assert_array_equal(blocks[block], array, err_msg=block)
+    for i, cell in enumerate(chain.levers):
+        told = header["cells"][i]
+        np.testing.assert_array_equal(
+            blocks["angle"][:, i], np.degrees(cell.angle(path.travel[:, i]))
+        )
+        np.testing.assert_array_equal(
+            blocks["landscape_energy"][:, i],
+            cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3,
+        )
+        assert (told["force_0_N"], told["force_1_N"]) == (cell.force_0, cell.force_1)
+        assert told["full_travel_mm"] == cell.full_travel * 1e3
+        assert told["bands"][0]["q_mm"] == [x * 1e3 for x in cell.bands[0].q]
+        assert (told["stable"] == [0, 1]) == cell.is_bistable
+
+
+def _points(path: Any, size: int) -> int:
+    return next(points for points in range(2, 34) if len(path.resampled(points).drive) == size)
+
+
+@pytest.mark.parametrize(
+    "name", ["paper-forward", "friction", "countdown", "balloon", "force-control"]
+)
+def test_every_event_is_pythons_and_lies_at_its_sample(name: str):
+    chain = sw.preset(name)
+    header, blocks = ask("evaluate", tables(name))
+    events = chain.cycle().events
+    assert len(header["events"]) == len(events)
+    before = -1
+    for told, event in zip(header["events"], events, strict=True):
+        assert told["kind"] == event.kind.name.lower()
+        assert told["cause"] == event.cause.name.lower()
+        assert told["cells"] == list(event.cells)
+        assert told["released_mJ"] == event.released * 1e3
+        k = told["sample"]
+        assert k >= before
+        before = k
+        assert blocks["drive"][k] == told["drive_mm"]
+        if event.kind is EventKind.SNAP:
+            # A jump between two samples, and never a piece of a curve.
+            assert blocks["segment"][k] != blocks["segment"][k + 1]
+            assert blocks["drive"][k] == blocks["drive"][k + 1]
+            np.testing.assert_allclose(
+                blocks["force"][k], told["force_before_N"], rtol=1e-9, atol=1e-9
+            )
+    jumps = np.count_nonzero(np.diff(blocks["segment"]))
+    assert jumps >= sum(one["kind"] == "snap" for one in header["events"])
+
+
+@pytest.mark.parametrize("name", ["paper-forward", "three-wave", "countdown"])
+def test_margins_are_pythons(name: str):
+    header = ask("evaluate", tables(name)).header
+    margin = sw.margin(sw.preset(name))
+    assert header["method"] == margin.method.name.lower() == "exact"
+    for told, change in zip(header["margins"], margin.changes, strict=True):
+        assert (told["cell"], told["what"]) == (change.cell, change.parameter)
+        if change.parameter == "anchor" and isinstance(change.move, tuple):
+            assert told["reach_mm"] == change.distance * 1e3
+            assert told["move_mm"] == [x * 1e3 for x in change.move]
+            assert told["becomes"] == change.becomes
+        else:
+            assert told["reach_percent"] == change.distance * 100
+    assert header["margin"]["reach_mm"] == float(np.min(margin.anchors)) * 1e3
+
+
+def test_a_margin_that_has_to_be_searched_is_asked_for_aside():
+    assert ask("evaluate", tables("slack")).header["margins"] == []
+    header = ask("margin", tables("slack")).header
+    margin = sw.margin(sw.preset("slack"))
+    assert header["method"] == "search"
+    assert header["margin"]["reach_mm"] == float(np.min(margin.anchors)) * 1e3
+
+
+@pytest.mark.parametrize(
+    "name", ["balloon", "dome", "curved-beam", "kresling", "compliant-actuator"]
+)
+def test_elements_have_units_of_their_own_and_no_angles(name: str):
+    header, blocks = ask("evaluate", tables(name))
+    chain = sw.preset(name)
+    for i, cell in enumerate(header["cells"]):
+        assert np.isnan(blocks["angle"][:, i]).all() == (cell["kind"] == "element")
+    units = ("mL", "kPa") if name == "balloon" else ("mm", "N")
+    assert (header["units"]["travel"], header["units"]["force"]) == units
+    assert len(blocks["drive"]) < 2500
+    assert header["sequence"] == str(chain.cycle().sequence)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "at"),
+    [
+        ("q_mm", [20], "chain.cell[1].q_mm"),
+        ("q_mmm", [20, 0], "chain.cell[1].q_mmm"),
+        ("lever_mm", 0, "chain.cell[1].lever_mm"),
+        ("friction_N", None, "chain.cell[1].friction_N"),
+        ("table_csv", "secret.csv", "chain.cell[1].table_csv"),
+        ("q_mm", [2e5, 0], "chain.cell[1].q_mm"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["evaluate", "text", "margin"])
+def test_what_is_wrong_with_a_design_is_told_at_its_key(kind: str, key: str, value: Any, at: str):
+    design = json.loads(json.dumps(FORWARD))
+    design["chain"]["cell"][1][key] = value
+    header = ask(kind, design).header
+    with pytest.raises(DesignError) as error:
+        loads_tables(design)
+    assert tuple(one["text"] for one in header["problems"]) == error.value.problems
+    assert header["problems"][0]["at"] == at
+
+
+def test_robots_missing_designs_and_long_chains_are_refused_in_words():
+    long = {"chain": FORWARD["chain"] | {"cell": FORWARD["chain"]["cell"] * 40}}
+    for design, words in (
+        (tables("robot-left"), "is a robot"),
+        (None, "is missing"),
+        (long, "80 cells"),
+    ):
+        assert words in ask("evaluate", design).header["problems"][0]["text"]
+    problem = ask("evaluate", FORWARD, wanted="x").header["problems"][0]
+    assert problem["at"] == "" and "unknown key" in problem["text"]
+
+
+def test_the_graph_is_pythons():
+    header = ask("graph", tables("three-wave")).header
+    graph = sw.preset("three-wave").graph()
+    assert header["dot"] == to_dot(graph)
+    assert [node["label"] for node in header["nodes"]] == list(graph)
+    assert {n["label"] for n in header["nodes"] if n["reached"]} == graph.reachable()
+    for told, label in zip(header["nodes"], graph, strict=True):
+        node = graph.node(label)
+        assert (told["low_mm"], told["high_mm"]) == (node.low * 1e3, node.high * 1e3)
+    assert len(header["edges"]) == graph.number_of_edges()
+    for edge in header["edges"]:
+        found = graph.transition(edge["from"], edge["direction"])
+        assert found is not None
+        to, way = found
+        assert (edge["to"], edge["kind"]) == (to, way.kind.name.lower())
+        assert edge["drive_mm"] == way.drive * 1e3
+
+
+def test_a_graph_that_cannot_be_is_told_in_the_words_of_the_command():
+    problem = ask("graph", tables("friction")).header["problems"][0]["text"]
+    with pytest.raises(ValueError, match="friction") as error:
+        sw.preset("friction").graph()
+    assert problem == str(error.value)
+
+
+def test_the_program_to_a_state_is_pythons():
+    header, blocks = ask("program", FORWARD, to="01")
+    program = sw.preset("paper-forward").program("01")
+    assert header["turning_points_mm"] == [x * 1e3 for x in program.turning_points]
+    assert header["states"] == list(program.sequence.states)
+    assert header["does_it"] and header["proved"] is program.shortest
+    assert blocks["drive"][-1] == program.turning_points[-1] * 1e3
+    again, _ = ask("program", FORWARD, turning_points_mm=header["turning_points_mm"])
+    assert again["arrives"] == "01"
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "ask.to = nothing"),
+        ({"to": "1x"}, "one digit a cell"),
+        ({"to": "02"}, "one digit a cell"),
+        ({"to": "01", "start": "0"}, "one digit a cell"),
+        ({"turning_points_mm": []}, "a list of 1 to 100 numbers"),
+        ({"turning_points_mm": [0, "x"]}, "ask.turning_points_mm"),
+        ({"turning_points_mm": [0, 99]}, "out of reach"),
+    ],
+)
+def test_a_program_that_cannot_be_is_refused(keys: Any, words: str):
+    assert words in ask("program", FORWARD, **keys).header["problems"][0]["text"]
+
+
+def test_the_yield_is_pythons():
+    header = ask("yield", FORWARD, anchor_mm=0.5, stiffness_percent=3, samples=2000).header
+    tolerances = sw.Tolerances(anchor=0.5e-3, stiffness=0.03)
+    found = yield_record(sw.preset("paper-forward").yields(tolerances, n=2000))
+    told = json.loads(json.dumps(found))
+    assert {key: header[key] for key in told} == told
+
+
+@pytest.mark.parametrize(
+    ("keys", "at"),
+    [
+        ({"anchor_mm": -1}, "ask.anchor_mm"),
+        ({"stiffness_percent": 25}, "ask.stiffness_percent"),
+        ({"samples": 0}, "ask.samples"),
+        ({"samples": 10**9}, "ask.samples"),
+        ({"samples": 2.5}, "ask.samples"),
+        ({"seed": True}, "ask.seed"),
+    ],
+)
+def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
+    assert ask("yield", FORWARD, **keys).header["problems"][0]["at"] == at
+
+
+MAP: dict[str, Any] = {"cell": 1, "x_mm": [0, 30], "y_mm": [-15, 15], "pixels": [60, 40]}
+
+
+@pytest.mark.parametrize("anchor", ["p", "q"])
+def test_every_pixel_of_a_map_is_what_python_says(anchor: str):
+    x = [0, 30] if anchor == "q" else [-30, 0]
+    header, blocks = ask("map", FORWARD, **(MAP | {"x_mm": x}), anchor=anchor)
+    assert blocks["image"].shape == (40, 60)
+    chain = sw.preset("paper-forward")
+    for row, column in ((0, 0), (20, 30), (39, 59), (5, 50), (33, 12)):
+        place = blocks["x"][column] / 1e3, blocks["y"][row] / 1e3
+        cells = chain.levers[0], chain.levers[1].with_anchors(**{anchor: place})
+        said = header["sequences"][blocks["image"][row, column]]
+        assert said == str(sw.Chain(cells).cycle().sequence)
+    assert header["boundaries"] and blocks[header["boundaries"][0]["block"]].shape[1] == 2
+
+
+def test_a_coarse_map_is_smaller_and_one_that_must_be_followed_coarser_still():
+    assert ask("map", FORWARD, **MAP, coarse=4).blocks["image"].shape == (10, 15)
+    header = ask("map", tables("slack"), **MAP).header
+    assert header["coarse"] > 1 and header["boundaries"] == []
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"cell": 2},
+        {"anchor": "r"},
+        {"x_mm": [3, 3]},
+        {"y_mm": [5, None]},
+        {"pixels": [0, 10]},
+        {"pixels": [10**6, 10]},
+        {"coarse": 0},
+    ],
+)
+def test_a_map_is_asked_within_bounds(keys: Any):
+    problem = ask("map", FORWARD, **(MAP | keys)).header["problems"][0]
+    assert problem["at"] == f"ask.{next(iter(keys))}"
+
+
+def test_a_wish_is_granted_as_by_python():
+    header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
+    found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
+    told = json.loads(json.dumps(design_record(found)))
+    assert {key: header[key] for key in told} == told
+    assert loads_tables(header["design"])[0] == found.chain
+    assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"
+
+
+def test_a_wish_that_no_chain_grants_is_told_why():
+    for sequence in ("00>11>10>00", "00>x", "0" * 20):
+        assert ask("wish", sequence=sequence).header["ok"] is False

@@ -1,0 +1,114 @@
+"""Messages between page and server: what is understood, and what is refused in words."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stepwell.studio.answering import answered
+from stepwell.studio.panels import types
+from stepwell.studio.wire import Message, View, WireError, message_of, packed
+from stepwell.studio.wire.message import unpacked
+from studio.pages import FORWARD
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),
+    max_leaves=12,
+)
+
+
+def test_a_message_is_read():
+    text = json.dumps({"v": 1, "type": "evaluate", "seq": 7, "design": {"a": 1}, "ask": {"b": 2}})
+    assert message_of(text, types()) == Message("evaluate", 7, {"a": 1}, {"b": 2})
+
+
+@pytest.mark.parametrize(
+    ("text", "seq", "words"),
+    [
+        ("", 0, "not JSON"),
+        ("{", 0, "not JSON"),
+        ("[1]", 0, "must be an object"),
+        ("[" * 100_000, 0, "nested too deeply"),
+        ('{"v": 1, "seq": 3}', 3, "type = None: no such type"),
+        ('{"v": 1, "seq": 3, "type": "evalute"}', 3, "Did you mean evaluate"),
+        ('{"v": 1, "seq": 3, "type": ["evaluate"]}', 3, "no such type"),
+        ('{"v": 2, "seq": 3, "type": "evaluate"}', 3, "v = 2: must be 1"),
+        ('{"v": true, "seq": 3, "type": "evaluate"}', 3, "v = True: must be 1"),
+        ('{"v": 1, "seq": -1, "type": "evaluate"}', 0, "seq = -1"),
+        ('{"v": 1, "seq": NaN, "type": "evaluate"}', 0, "seq = nan"),
+        ('{"v": 1, "seq": true, "type": "evaluate"}', 0, "seq = True"),
+        ('{"v": 1, "type": "evaluate"}', 0, "seq = None"),
+        ('{"v": 1, "seq": 3, "type": "evaluate", "design": []}', 3, "design = []"),
+        ('{"v": 1, "seq": 3, "type": "evaluate", "ask": "x"}', 3, "ask = 'x'"),
+        ('{"v": 1, "seq": 3, "type": "evaluate", "path": "x"}', 3, "'path': unknown key"),
+        ('{"v": 1, "seq": 3, "type": "../evaluate"}', 3, "no such type"),
+        ('{"v": 1, "seq": 3, "type": "_known"}', 3, "no such type"),
+        ("9" * 10_000, 0, "not JSON"),
+    ],
+)
+def test_a_message_that_cannot_be_understood_is_refused_with_its_number(
+    text: str, seq: int, words: str
+):
+    with pytest.raises(WireError) as error:
+        message_of(text, types())
+    assert error.value.seq == seq
+    assert words in str(error.value)
+
+
+@given(st.text() | JSON.map(json.dumps))
+def test_any_text_is_a_message_or_refused(text: str):
+    with pytest.raises(WireError) as error:
+        message_of(text, types())
+    assert str(error.value).isprintable()
+
+
+@given(
+    kind=st.sampled_from([name for name in types() if name != "gallery"]),
+    design=st.none() | st.dictionaries(st.text(max_size=8), JSON, max_size=4),
+    ask=st.dictionaries(st.sampled_from(["preset", "toml", "x"]), JSON, max_size=2),
+)
+def test_whatever_is_asked_there_is_an_answer_with_words(kind: str, design: Any, ask: Any):
+    header, blocks = unpacked(answered(Message(kind, 5, design, ask)))
+    assert (header["v"], header["type"], header["seq"]) == (1, kind, 5)
+    assert header["ok"] is False and header["problems"] and not blocks
+    assert "failed on this" not in header["problems"][0]["text"]
+
+
+@given(
+    path=st.sampled_from([("chain",), ("chain", "cell"), ("chain", "cell", 1), ("title",)])
+    | st.tuples(
+        st.just("chain"),
+        st.just("cell"),
+        st.sampled_from([0, 1]),
+        st.sampled_from(["p_mm", "q_mm", "name", "band", "bands", "lever_mm", "load_mm_N"]),
+    ),
+    value=JSON,
+)
+def test_a_design_with_anything_in_it_is_evaluated_or_refused(path: Any, value: Any):
+    design = json.loads(json.dumps(FORWARD))
+    place = design
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    header, _ = unpacked(answered(Message("evaluate", 1, design, {})))
+    assert header["ok"] or "failed on this" not in str(header["problems"])
+
+
+def test_blocks_come_back_as_they_were():
+    blocks = {
+        "a": np.arange(6.0).reshape(3, 2)[:, ::-1],
+        "b": np.array([1, -2, 3]),
+        "none": np.empty((0, 2)),
+        "c": np.array([np.nan, np.inf, -0.0]),
+        "d": np.array([True]),
+    }
+    data = packed("x", 3, View({"words": "ü → λ"}, blocks))
+    assert len(data) % 8 == 0
+    header, found = unpacked(data)
+    assert header["words"] == "ü → λ" and header["ok"] is True
+    for name, block in blocks.items():
+        np.testing.assert_array_equal(found[name], block)
+    assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4"]
