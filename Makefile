@@ -10,7 +10,7 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo test types style pages test-lowest coverage bench docs lock clean
+.PHONY: help venv demo test types style pages page test-lowest coverage bench docs lock clean
 
 help:
 	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
@@ -18,6 +18,7 @@ help:
 	@echo "make test-lowest  run the tests on the oldest supported dependencies"
 	@echo "make coverage     run all tests and tell which lines they never reach"
 	@echo "make bench        print speed ratios against named peers"
+	@echo "make page         build the studio's page from studio/ (needs Node 20.19 or newer)"
 	@echo "make docs         build the documentation into site/"
 	@echo "make venv         only set up .venv/"
 	@echo "make lock         pin the dependencies again (UPGRADE=--upgrade takes newer ones)"
@@ -83,6 +84,10 @@ endef
 	$(call make_venv,.venv-lowest,requirements-lowest.lock)
 
 # One file for every platform and every Python from 3.11 on, with hashes and without an index.
+# What is built is committed, so that nobody who installs it needs Node; a test builds it anew.
+page:
+	cd studio && npm ci --no-audit --no-fund --ignore-scripts && npm run check && npm run build
+
 lock:
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION)

@@ -16,13 +16,14 @@ import maps
 import peers
 import programs
 import robot
+import studio
 import yields
 
 
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    for module in (maps, cycles, graphs, programs, yields, inverse, peers, commands, robot):
+    for module in (maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, studio):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)
