@@ -46,11 +46,16 @@ class Studio {
   theme = $state<"light" | "dark">("light");
   /** How much of the search for the margin is done, 0 to 1. */
   searched = $state(1);
+  /** Whether something is still to be answered or kept of what was changed last. */
+  busy = $state(false);
   undos = $state(0);
   redos = $state(0);
 
   private past: Design[] = [];
   private future: Design[] = [];
+  private asked = 0;
+  private known = 0;
+  private unsaved = false;
   private saving = 0;
   private resting = 0;
   private following = 0;
@@ -119,7 +124,8 @@ class Studio {
     this.counted();
     window.clearTimeout(this.resting);
     this.wire.cancel("margin");
-    this.wire.ask("evaluate", design);
+    this.asked = this.wire.ask("evaluate", design);
+    this.busy = this.unsaved = true;
     window.clearTimeout(this.saving);
     this.saving = window.setTimeout(() => this.save(), 250);
   }
@@ -197,10 +203,20 @@ class Studio {
     store(KEPT, JSON.stringify(this.design));
     const { pathname, search } = location;
     history.replaceState(null, "", `${pathname}${search}#design=${toHash(this.design)}`);
+    this.unsaved = false;
+    this.calm();
+  }
+
+  private calm(): void {
+    if (!this.unsaved && this.known >= this.asked) this.busy = false;
   }
 
   private answered(view: View): void {
     if (view.type === "error") return;
+    if (view.type === "evaluate") {
+      this.known = view.seq;
+      this.calm();
+    }
     if (!view.ok) {
       if (view.type === "evaluate") this.problems = view.problems ?? [];
       if (view.type === "margin") this.searched = 1;
