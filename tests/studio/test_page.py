@@ -52,7 +52,6 @@ from playwright.sync_api import (  # noqa: E402, where it is missing the tests a
     sync_playwright,
 )
 
-
 # A busy machine is no failure.
 expect.set_options(timeout=30_000)
 
