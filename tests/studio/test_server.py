@@ -270,6 +270,14 @@ def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
     assert len(result.stderr.splitlines()) == 1 and "in use" in result.stderr
 
 
+def test_a_robot_is_told_to_walk_instead():
+    command = [sys.executable, "-m", "stepwell", "studio", "--no-open", "preset:robot-forward"]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 2
+    (line,) = result.stderr.splitlines()
+    assert "is a robot, and this needs a chain: try `stepwell walk`" in line
+
+
 def test_without_its_packages_the_command_says_how_to_get_them():
     code = (
         "import sys; sys.modules['starlette'] = sys.modules['starlette.applications'] = None\n"

@@ -37,6 +37,8 @@ def studio(
     tables = None
     if design is not None:
         tables = files.tables_in(files.text_of(design), design)
+        if "leg" in tables:
+            files.load_chain(design)  # which says that this is a robot
 
     def opened(address: str) -> None:
         show_lines(address)
