@@ -242,7 +242,9 @@ def test_a_page_that_leaves_takes_its_work_along(studio: Studio):
 def _children(studio: Studio) -> int:
     """Processes that work for the studio."""
     listing = subprocess.run(
-        ["ps", "-ww", "-o", "args=", "--ppid", str(studio.process.pid)], capture_output=True, text=True
+        ["ps", "-ww", "-o", "args=", "--ppid", str(studio.process.pid)],
+        capture_output=True,
+        text=True,
     )
     return listing.stdout.count("spawn_main")
 
