@@ -116,7 +116,10 @@ class Session:
         async def send() -> None:
             await self._send(data)
 
-        return asyncio.get_running_loop().create_task(send())
+        task = asyncio.get_running_loop().create_task(send())
+        # A page that leaves meanwhile is noticed where it is heard; nobody may ask this task.
+        task.add_done_callback(lambda done: done.cancelled() or done.exception())
+        return task
 
     async def _cancel(self, seq: int) -> None:
         for lane in self._long.values():
