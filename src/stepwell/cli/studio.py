@@ -36,9 +36,9 @@ def studio(
 
     tables = None
     if design is not None:
-        tables = files.tables_in(files.text_of(design), design)
-        if "leg" in tables:
-            files.load_chain(design)  # which says that this is a robot
+        text = files.text_of(design)
+        files.loads_chain(text, design)  # which sends robots elsewhere
+        tables = files.tables_in(text, design)
 
     def opened(address: str) -> None:
         show_lines(address)

@@ -77,7 +77,7 @@ class Session:
         self._start = start
         self._quick = Waiting()
         # Of each long type by itself: a wish of minutes must not keep a yield from being told.
-        self._long = {kind: Lane(self._send_soon) for kind in types() if is_long(kind)}
+        self._long = {kind: Lane(send) for kind in types() if is_long(kind)}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
@@ -100,7 +100,7 @@ class Session:
     async def answer(self) -> None:
         """Answer what waits, until this is cancelled."""
         try:
-            lanes = [lane.answer(self._send) for lane in self._long.values()]
+            lanes = [lane.answer() for lane in self._long.values()]
             await asyncio.gather(self._answer_quick(), *lanes)
         finally:
             for lane in self._long.values():
@@ -111,15 +111,6 @@ class Session:
         while True:
             message = await self._quick.take()
             await self._send(await loop.run_in_executor(self._threads, answered, message))
-
-    def _send_soon(self, data: bytes) -> asyncio.Task[None]:
-        async def send() -> None:
-            await self._send(data)
-
-        task = asyncio.get_running_loop().create_task(send())
-        # A page that leaves meanwhile is noticed where it is heard; nobody may ask this task.
-        task.add_done_callback(lambda done: done.cancelled() or done.exception())
-        return task
 
     async def _cancel(self, seq: int) -> None:
         for lane in self._long.values():
@@ -134,19 +125,22 @@ class Lane:
     """Long work of one type, in a process of its own.
 
     Args:
-        send_soon: sends bytes after what was sent before, and does not wait.
+        send: of the socket, bytes.
     """
 
-    def __init__(self, send_soon: Callable[[bytes], asyncio.Task[None]]):
+    def __init__(self, send: Callable[[bytes], Awaitable[None]]):
         self.waiting, self.aside = Waiting(), Aside()
         self.running: Message | None = None
-        self._send_soon = send_soon
-        self._told: list[asyncio.Task[None]] = []
+        self._send = send
+        self._told: list[asyncio.Future[None]] = []
 
     def _tell(self, data: bytes) -> None:
-        self._told.append(self._send_soon(data))
+        telling = asyncio.ensure_future(self._send(data))
+        # A page that leaves meanwhile is noticed where it is heard; nobody may ask this one.
+        telling.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._told.append(telling)
 
-    async def answer(self, send: Callable[[bytes], Awaitable[None]]) -> None:
+    async def answer(self) -> None:
         """Answer what waits, until this is cancelled."""
         while True:
             message = self.running = await self.waiting.take()
@@ -154,7 +148,7 @@ class Lane:
             data = await self.aside.run(message, self._tell)
             self.running = None
             await asyncio.gather(*self._told)
-            await send(_ended(message) if data is None else data)
+            await self._send(_ended(message) if data is None else data)
 
 
 def warm() -> None:

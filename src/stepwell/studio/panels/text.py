@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from stepwell import files
-from stepwell.base import InputError
-from stepwell.mechanism import Chain
 from stepwell.studio.panels._script import script
 from stepwell.studio.wire import Ask, Design, View
 
@@ -12,8 +10,6 @@ from stepwell.studio.wire import Ask, Design, View
 def answer(design: Design, ask: Ask) -> View:
     """TOML that reads as this design, and Python that makes it."""
     ask.close()
-    found, program = design.read
-    if not isinstance(found, Chain):
-        raise InputError("design: is a robot, and this needs a chain.")
-    toml = files.dumps(found, program=program)
-    return View({"toml": toml, "python": script(found, toml)})
+    chain = design.whole
+    toml = files.dumps(chain, program=design.program)
+    return View({"toml": toml, "python": script(chain, toml)})

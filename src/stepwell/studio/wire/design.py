@@ -36,15 +36,25 @@ class Design:
         return loads_tables(self.tables)
 
     @property
-    def chain(self) -> Chain:
-        """The chain.
+    def whole(self) -> Chain:
+        """The chain, however long.
 
         Raises:
-            ValueError: as `read`, or it is a robot, or longer than the studio can show.
+            ValueError: as `read`, or it is a robot.
         """
         found, _ = self.read
         if not isinstance(found, Chain):
             raise DesignError("design", ["is a robot, and this needs a chain."])
+        return found
+
+    @property
+    def chain(self) -> Chain:
+        """The chain.
+
+        Raises:
+            ValueError: as `whole`, or it is longer than the studio can show.
+        """
+        found = self.whole
         if len(found) > MOST_CELLS:
             raise InputError(
                 f"chain.cell: {len(found)} cells: the studio follows at most {MOST_CELLS} while "
