@@ -1,5 +1,6 @@
 // Reads the samples of a cycle: where everything is at the cursor, and how play passes through it.
 
+import type { Point } from "./design";
 import type { View } from "./wire";
 
 /** How long a snap is shown, though it takes next to no time [ms]. */
@@ -30,10 +31,10 @@ export function row(view: View, name: string, at: number): number[] {
 }
 
 /** The midpoints of all blocks, the fixed one first [mm]. */
-export function midpoints(view: View, at: number): [number, number][] {
+export function midpoints(view: View, at: number): Point[] {
   const angle = row(view, "angle", at);
   const travel = row(view, "travel", at);
-  const points: [number, number][] = [[0, 0]];
+  const points: Point[] = [[0, 0]];
   let [x, y] = [0, 0];
   for (const [i, cell] of view.cells.entries()) {
     if (cell.kind === "lever") {
@@ -47,6 +48,26 @@ export function midpoints(view: View, at: number): [number, number][] {
     points.push([x, y]);
   }
   return points;
+}
+
+/** What a whole motion takes up: x and y of its upper left corner, width, height [mm, y down]. */
+export function boxOf(view: View): number[] {
+  let [left, right, low, high] = [-0.35 * width(view), 0, 0, 0];
+  const n = view.blocks.drive.length;
+  const hold = (x: number, y: number, room: number): void => {
+    [left, right] = [Math.min(left, x - room), Math.max(right, x + room)];
+    [low, high] = [Math.min(low, y - room), Math.max(high, y + room)];
+  };
+  for (let k = 0; k < n; k += Math.max(1, Math.floor(n / 40))) {
+    const middles = midpoints(view, k);
+    for (const [i, [x, y]] of middles.entries()) {
+      hold(x, y, width(view) / 2);
+      for (const { p_mm: p } of view.cells[i]?.bands ?? []) hold(x + p[0], y + p[1], 0);
+      for (const { q_mm: q } of view.cells[i - 1]?.bands ?? []) hold(x + q[0], y + q[1], 0);
+    }
+  }
+  const room = 5;
+  return [left - room, -high - room, right - left + 2 * room, high - low + 2 * room];
 }
 
 /** How wide an element is drawn [mm]. */

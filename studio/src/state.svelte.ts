@@ -1,21 +1,57 @@
 // What the page holds: the design with its undo, what the server answered, and the cursor.
 
-import { type Design, designIn, fromHash, toHash } from "./design";
+import {
+  type CellTable,
+  type Design,
+  cellsOf,
+  chainKey,
+  designIn,
+  fromHash,
+  isRobot,
+  toHash,
+  withCells,
+} from "./design";
 import { type Problem, type View, Wire } from "./wire";
 
 const STEPS = 100;
 const KEPT = "stepwell.design";
 const THEME = "stepwell.theme";
-// A search for the margin takes long, so it waits until the hand rests.
-const REST_MS = 400;
+// Quick questions follow a short rest of the hand; what takes long waits for a longer one.
 const FOLLOW_MS = 120;
+const REST_MS = 400;
+
+/** What is asked of a design whenever it has changed. */
+export interface Follower {
+  type: string;
+  /** Whether the server answers in a process of its own, with words on how far it is. */
+  long?: boolean;
+  /** What is asked beside the design; null where nothing is. */
+  ask?: () => object | null;
+}
+
+/** A design beside which another is looked at. */
+export interface Pinned {
+  design: Design;
+  leg: number;
+  view: View;
+}
 
 /** The shared state of all panels. */
 class Studio {
   design = $state.raw<Design | null>(null);
+  /** Of a robot, the leg whose chain is shown. */
+  leg = $state(0);
+  robot = $derived(isRobot(this.design));
+  cells = $derived(cellsOf(this.design, this.leg));
+  /** The key of the shown chain as messages name it. */
+  chainKey = $derived(chainKey(this.design, this.leg));
   /** The last good answer of each type. */
   views = $state.raw<Record<string, View>>({});
-  /** A way to a state by its shortest program; null while the full cycle is shown. */
+  /** The types whose answer is of the present design. */
+  fresh = $state.raw<ReadonlySet<string>>(new Set());
+  /** How much of what takes long is done, 0 to 1, by type. */
+  progress = $state.raw<Record<string, number>>({});
+  /** A way by a stroke program; null while the full cycle is shown. */
   way = $state.raw<View | null>(null);
   /** What the drawing and the curves show: the way, or the full cycle. */
   shown = $derived<View | undefined>(
@@ -27,10 +63,18 @@ class Studio {
         }
       : this.views.evaluate,
   );
-  /** What else is asked when the hand rests: the types of the panels. */
-  types: string[] = [];
-  /** Whether those answers are of an older design. */
-  stale = $state(false);
+  /** The margins of the present design; null while they are searched. */
+  limits = $derived<View | null>(
+    this.views.evaluate?.method !== "search"
+      ? (this.views.evaluate ?? null)
+      : this.fresh.has("margin")
+        ? this.views.margin
+        : null,
+  );
+  /** The design that was put beside the present one. */
+  pinned = $state.raw<Pinned | null>(null);
+  /** What follows the design: that of the panels in view. */
+  followers: () => Follower[] = () => [];
   problems = $state.raw<Problem[]>([]);
   /** null until the first connection stands or fails. */
   alive = $state<boolean | null>(null);
@@ -44,8 +88,6 @@ class Studio {
   gallery = $state(false);
   kept = $state.raw<Design | null>(null);
   theme = $state<"light" | "dark">("light");
-  /** How much of the search for the margin is done, 0 to 1. */
-  searched = $state(1);
   /** Whether something is still to be answered or kept of what was changed last. */
   busy = $state(false);
   undos = $state(0);
@@ -55,6 +97,7 @@ class Studio {
   private future: Design[] = [];
   private asked = 0;
   private known = 0;
+  private readonly underWay = new Set<string>();
   private unsaved = false;
   private saving = 0;
   private resting = 0;
@@ -63,13 +106,9 @@ class Studio {
 
   constructor() {
     const token = new URLSearchParams(location.search).get("token") ?? "";
-    this.wire = new Wire(
-      token,
-      (view) => this.answered(view),
-      (alive) => {
-        this.alive = alive;
-      },
-    );
+    this.wire = new Wire(token, (alive) => {
+      this.alive = alive;
+    });
   }
 
   /** Reads what was kept, connects, and asks what to begin with. */
@@ -81,7 +120,7 @@ class Studio {
     const held = fromHash(location.hash);
     if (held) this.replace(held);
     else
-      this.wire.ask("start", null, {}, (view) => {
+      this.once("start", {}, (view) => {
         if (this.design) return;
         if (view.ok && view.design) this.replace(view.design);
         else this.gallery = true;
@@ -89,8 +128,13 @@ class Studio {
   }
 
   /** Asks for one thing, apart from what follows the design. */
-  once(type: string, ask: object, then: (view: View) => void): void {
-    this.wire.ask(type, this.design, ask, then);
+  once(type: string, ask: object, then: (view: View) => void, partly?: (view: View) => void): void {
+    this.wire.ask(type, this.design, this.leg, ask, then, partly);
+  }
+
+  /** Ends what is under way of a type that takes long. */
+  cancel(type: string): void {
+    this.wire.cancel(type);
   }
 
   /** A new design altogether, without a way back to the one before. */
@@ -98,7 +142,9 @@ class Studio {
     this.past = [];
     this.future = [];
     this.locked = new Set();
+    this.leg = 0;
     this.at = 0;
+    this.views = {};
     this.show(design);
   }
 
@@ -116,30 +162,84 @@ class Studio {
     this.show(design);
   }
 
+  /** One edit of the shown chain that can be undone. */
+  editCells(cells: CellTable[]): void {
+    this.edit(withCells(this.design!, this.leg, cells));
+  }
+
+  /** The shown chain while it is dragged. */
+  showCells(cells: CellTable[]): void {
+    this.show(withCells(this.design!, this.leg, cells));
+  }
+
   /** The design while it is dragged; what was marked before is what undo comes back to. */
   show(design: Design): void {
     this.design = design;
-    if (this.way) this.leave();
-    this.stale = true;
     this.counted();
-    window.clearTimeout(this.resting);
-    this.wire.cancel("margin");
-    this.asked = this.wire.ask("evaluate", design);
     this.busy = this.unsaved = true;
     window.clearTimeout(this.saving);
     this.saving = window.setTimeout(() => this.save(), 250);
+    this.evaluate();
+  }
+
+  /** Of a robot, another leg. */
+  showLeg(leg: number): void {
+    this.leg = leg;
+    this.at = 0;
+    this.views = {};
+    this.evaluate();
+  }
+
+  /** Asks what follows the design and is not known of it yet. */
+  follow(long: boolean): void {
+    const { design, leg } = this;
+    if (!this.views.evaluate) return;
+    for (const { type, ask = () => ({}), long: own = false } of this.followers()) {
+      const known = this.fresh.has(type) || this.underWay.has(type);
+      const asked = own === long && !known ? ask() : null;
+      if (!asked) continue;
+      this.underWay.add(type);
+      if (long) this.progress = { ...this.progress, [type]: 0 };
+      this.once(
+        type,
+        asked,
+        (view) => {
+          if (this.design !== design || this.leg !== leg || view.ended) return;
+          this.underWay.delete(type);
+          this.progress = { ...this.progress, [type]: 1 };
+          this.fresh = new Set([...this.fresh, type]);
+          this.views = { ...this.views, [type]: view };
+        },
+        (view) => {
+          if (!view.progress || this.design !== design) return;
+          this.progress = { ...this.progress, [type]: view.progress[0] / view.progress[1] };
+        },
+      );
+    }
+  }
+
+  /** Asks once more what follows the design, since something else was asked of it. */
+  again(type: string): void {
+    this.fresh = new Set([...this.fresh].filter((one) => one !== type));
+    this.underWay.delete(type);
+    this.follow(this.followers().some((one) => one.type === type && one.long));
   }
 
   /** Brings the mechanism to a state from where the last way ended, or from the first state. */
   goTo(state: string, failed: (text: string) => void): void {
     const start = this.way ? { start: this.way.arrives } : {};
+    this.drive({ to: state, ...start }, failed);
+  }
+
+  /** Shows the way of a stroke program. */
+  drive(ask: object, failed: (text: string) => void, play = true): void {
     const design = this.design;
-    this.once("program", { to: state, ...start }, (view) => {
+    this.once("program", ask, (view) => {
       if (this.design !== design) return;
-      if (!view.ok) return failed(view.problems?.map((one) => one.text).join(" ") ?? "");
+      if (!view.ok) return failed(refusal(view));
       this.way = view;
       this.at = 0;
-      this.playing = view.blocks.drive.length > 1;
+      this.playing = play && view.blocks.drive.length > 1;
       failed("");
     });
   }
@@ -149,6 +249,27 @@ class Studio {
     this.way = null;
     this.at = 0;
     this.playing = false;
+  }
+
+  /** Puts the present design beside what comes after it. */
+  pin(): void {
+    const view = this.views.evaluate;
+    if (this.design && view) this.pinned = { design: this.design, leg: this.leg, view };
+  }
+
+  /** The present design and the one beside it change places. */
+  swap(): void {
+    const { pinned } = this;
+    if (!pinned) return;
+    this.pin();
+    this.mark();
+    this.leg = pinned.leg;
+    this.show(pinned.design);
+  }
+
+  /** Nothing is beside the design any more. */
+  unpin(): void {
+    this.pinned = null;
   }
 
   undo(): void {
@@ -182,15 +303,32 @@ class Studio {
     return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
   }
 
-  private follow(): void {
-    const design = this.design;
-    for (const type of this.types) {
-      this.once(type, {}, (view) => {
-        if (this.design !== design) return;
-        this.stale = false;
-        this.views = { ...this.views, [type]: view };
-      });
+  private evaluate(): void {
+    if (this.way) this.leave();
+    this.fresh = new Set();
+    this.underWay.clear();
+    window.clearTimeout(this.resting);
+    for (const { type, long } of this.followers()) if (long) this.wire.cancel(type);
+    this.busy = true;
+    this.asked = this.wire.ask("evaluate", this.design, this.leg, {}, (view) =>
+      this.answered(view),
+    );
+  }
+
+  private answered(view: View): void {
+    this.known = view.seq;
+    this.calm();
+    if (!view.ok) {
+      this.problems = view.problems ?? [];
+      return;
     }
+    this.problems = [];
+    this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
+    this.views = { ...this.views, evaluate: view };
+    window.clearTimeout(this.following);
+    this.following = window.setTimeout(() => this.follow(false), FOLLOW_MS);
+    window.clearTimeout(this.resting);
+    this.resting = window.setTimeout(() => this.follow(true), REST_MS);
   }
 
   private counted(): void {
@@ -210,42 +348,10 @@ class Studio {
   private calm(): void {
     if (!this.unsaved && this.known >= this.asked) this.busy = false;
   }
-
-  private answered(view: View): void {
-    if (view.type === "error") return;
-    if (view.type === "evaluate") {
-      this.known = view.seq;
-      this.calm();
-    }
-    if (!view.ok) {
-      if (view.type === "evaluate") this.problems = view.problems ?? [];
-      if (view.type === "margin") this.searched = 1;
-      return;
-    }
-    if (view.progress) {
-      this.searched = view.progress[0] / view.progress[1];
-      return;
-    }
-    if (view.type === "margin") {
-      const { margin, margins, method } = view;
-      this.searched = 1;
-      this.views = { ...this.views, evaluate: { ...this.views.evaluate, margin, margins, method } };
-      return;
-    }
-    if (view.type === "evaluate") {
-      this.problems = [];
-      this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
-      if (view.method === "search" && !view.margins.length) {
-        this.searched = 0;
-        window.clearTimeout(this.resting);
-        this.resting = window.setTimeout(() => this.wire.ask("margin", this.design), REST_MS);
-      } else this.searched = 1;
-      window.clearTimeout(this.following);
-      this.following = window.setTimeout(() => this.follow(), FOLLOW_MS);
-    }
-    this.views = { ...this.views, [view.type]: view };
-  }
 }
+
+/** What a refusal says, in one line. */
+export const refusal = (view: View): string => view.problems?.map((one) => one.text).join(" ") ?? "";
 
 // The cursor stays at its stroke of the actuator and on its way, loading or unloading.
 function carried(before: View | undefined, now: View, at: number): number {

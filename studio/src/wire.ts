@@ -2,7 +2,7 @@
 
 import type { Design } from "./design";
 
-export type Block = Float64Array | Int32Array;
+export type Block = Float64Array | Int32Array | Uint8Array;
 
 /** What is wrong with a design, and with which of its keys. */
 export interface Problem {
@@ -16,7 +16,8 @@ export interface View {
   seq: number;
   ok: boolean;
   problems?: Problem[];
-  blocks: Record<string, Block>;
+  // eslint-disable-next-line @typescript-eslint/no-explicit-any
+  blocks: Record<string, any>;
   // eslint-disable-next-line @typescript-eslint/no-explicit-any
   [key: string]: any;
 }
@@ -25,13 +26,16 @@ interface Request {
   type: string;
   seq: number;
   text: string;
-  settle?: (view: View) => void;
+  settle: (view: View) => void;
+  partly: (view: View) => void;
 }
 
 // Before the first answer the second request is on its way already, so the server never waits for
 // the page; more would only pile up.
 const IN_FLIGHT = 2;
 const RETRY_MS = 700;
+
+const KINDS = { f8: Float64Array, i4: Int32Array, u1: Uint8Array };
 
 /** The header and the arrays of a binary message. */
 export function unpack(message: ArrayBuffer): View {
@@ -41,9 +45,9 @@ export function unpack(message: ArrayBuffer): View {
   let at = padded(4 + length);
   for (const { name, dtype, shape } of header.blocks) {
     const size = shape.reduce((all: number, one: number) => all * one, 1);
-    blocks[name] =
-      dtype === "f8" ? new Float64Array(message, at, size) : new Int32Array(message, at, size);
-    at = padded(at + size * (dtype === "f8" ? 8 : 4));
+    const kind = KINDS[dtype as keyof typeof KINDS];
+    blocks[name] = new kind(message, at, size);
+    at = padded(at + size * kind.BYTES_PER_ELEMENT);
   }
   return { ...header, blocks };
 }
@@ -61,7 +65,6 @@ export class Wire {
 
   constructor(
     private readonly token: string,
-    private readonly answered: (view: View) => void,
     private readonly linked: (alive: boolean) => void,
   ) {}
 
@@ -84,11 +87,24 @@ export class Wire {
     };
   }
 
-  /** Asks; of each type only the newest request counts. */
-  ask(type: string, design: Design | null, ask: object = {}, settle?: (view: View) => void): number {
+  /**
+   * Asks; of each type only the newest request counts.
+   *
+   * @param leg of a robot, whose chain is meant.
+   * @param settle is given the answer, unless a newer one overtakes it.
+   * @param partly is given every word on the way to it: how far it is, or what is known already.
+   */
+  ask(
+    type: string,
+    design: Design | null,
+    leg: number,
+    ask: object,
+    settle: (view: View) => void,
+    partly: (view: View) => void = () => {},
+  ): number {
     const seq = ++this.seq;
-    const text = JSON.stringify({ v: 1, type, seq, design, ask });
-    const request = { type, seq, text, settle };
+    const text = JSON.stringify({ v: 1, type, seq, design, leg, ask });
+    const request = { type, seq, text, settle, partly };
     if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
     else this.waiting.set(type, request);
     return seq;
@@ -113,7 +129,7 @@ export class Wire {
     const sent = this.sent.get(view.type) ?? [];
     const own = sent.find((request) => request.seq === view.seq);
     if (!own) return;
-    if (view.progress) return this.answered(view);
+    if (view.progress || view.part) return own.partly(view);
     // Requests older than an answer were passed over by the server.
     this.sent.set(
       view.type,
@@ -124,8 +140,7 @@ export class Wire {
       this.waiting.delete(view.type);
       this.send(next);
     }
-    if (own.settle) own.settle(view);
-    else this.answered(view);
+    own.settle(view);
   }
 
   // What had no answer when the connection was lost is asked once more, the newest of each type.

@@ -417,7 +417,6 @@ WRONG = [
             "maze robot-forward wal",
             "view preset:paper-forward --arena open",
             "studio range.toml.gone --no-open",
-            "studio preset:robot-forward --no-open --port 8000",
             "export preset:paper-forward",
         ),
         given={

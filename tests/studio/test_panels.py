@@ -21,10 +21,10 @@ from studio.pages import FORWARD, Answer
 CHAINS = [name for name in presets() if not name.startswith("robot-")]
 
 
-def ask(kind: str, design: Any = None, **keys: Any) -> Answer:
+def ask(kind: str, design: Any = None, *, leg: Any = 0, **keys: Any) -> Answer:
     """What a panel answers, through the wire and back."""
     design = json.loads(json.dumps(design, allow_nan=False))
-    return Answer(*unpacked(answered(Message(kind, 1, design, keys))))
+    return Answer(*unpacked(answered(Message(kind, 1, design, keys, leg))))
 
 
 def tables(name: str) -> dict[str, Any]:
@@ -213,10 +213,26 @@ def test_what_is_wrong_with_a_design_is_told_at_its_key(kind: str, key: str, val
     assert header["problems"][0]["at"] == at
 
 
-def test_robots_missing_designs_and_long_chains_are_refused_in_words():
+def test_the_chain_of_a_leg_is_the_robots():
+    robot = sw.preset("robot-left")
+    for k, leg in enumerate(robot.legs):
+        told = ask("evaluate", tables("robot-left"), leg=k).header
+        assert told["sequence"] == str(leg.chain.cycle().sequence)
+        assert told["names"] == list(leg.chain.names)
+    problem = ask("evaluate", tables("robot-left"), leg=2).header["problems"][0]
+    assert problem == {"at": "leg[2]", "text": "leg[2]: there are 2."}
+
+
+def test_the_python_of_a_robot_makes_it():
+    told = ask("text", tables("robot-left")).header
+    made: dict[str, object] = {}
+    exec(told["python"], made)
+    assert made["robot"] == sw.preset("robot-left")
+
+
+def test_missing_designs_and_long_chains_are_refused_in_words():
     long = {"chain": FORWARD["chain"] | {"cell": FORWARD["chain"]["cell"] * 40}}
     for design, words in (
-        (tables("robot-left"), "is a robot"),
         (None, "is missing"),
         (long, "80 cells"),
     ):

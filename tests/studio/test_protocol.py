@@ -43,6 +43,8 @@ def test_a_message_is_read():
         ('{"v": 1, "type": "evaluate"}', 0, "seq = None"),
         ('{"v": 1, "seq": 3, "type": "evaluate", "design": []}', 3, "design = []"),
         ('{"v": 1, "seq": 3, "type": "evaluate", "ask": "x"}', 3, "ask = 'x'"),
+        ('{"v": 1, "seq": 3, "type": "evaluate", "leg": -1}', 3, "leg = -1: must be a whole"),
+        ('{"v": 1, "seq": 3, "type": "evaluate", "leg": true}', 3, "leg = True: must be a whole"),
         ('{"v": 1, "seq": 3, "type": "evaluate", "path": "x"}', 3, "'path': unknown key"),
         ('{"v": 1, "seq": 3, "type": "../evaluate"}', 3, "no such type"),
         ('{"v": 1, "seq": 3, "type": "_known"}', 3, "no such type"),

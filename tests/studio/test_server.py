@@ -272,12 +272,9 @@ def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
     assert len(result.stderr.splitlines()) == 1 and "in use" in result.stderr
 
 
-def test_a_robot_is_told_to_walk_instead():
-    command = [sys.executable, "-m", "stepwell", "studio", "--no-open", "preset:robot-forward"]
-    result = subprocess.run(command, capture_output=True, text=True)
-    assert result.returncode == 2
-    (line,) = result.stderr.splitlines()
-    assert "is a robot, and this needs a chain: try `stepwell walk`" in line
+def test_a_robot_is_shown_first_where_it_is_named():
+    with running("preset:robot-forward") as studio, opened(studio) as page:
+        assert page.ask("start").header["design"] == tables_in(preset_text("robot-forward"))
 
 
 def test_without_its_packages_the_command_says_how_to_get_them():

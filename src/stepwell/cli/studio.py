@@ -37,7 +37,7 @@ def studio(
     tables = None
     if design is not None:
         text = files.text_of(design)
-        files.loads_chain(text, design)  # which sends robots elsewhere
+        files.loads(text, design)  # which refuses what cannot be
         tables = files.tables_in(text, design)
 
     def opened(address: str) -> None:

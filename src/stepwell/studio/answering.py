@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable
 
 from stepwell.base import StepwellError
 from stepwell.studio.panels import answer
@@ -16,10 +15,15 @@ _BROKEN = (
 )
 
 
-def answered(message: Message, tell: Callable[[float, float], None] | None = None) -> bytes:
-    """What the panel of a message answers, or everything that is wrong with the message."""
-    design = Design(message.design)
-    ask = Ask(message.ask) if tell is None else Ask(message.ask, tell)
+def answered(message: Message, ask: Ask | None = None) -> bytes:
+    """What the panel of a message answers, or everything that is wrong with the message.
+
+    Args:
+        message: of the page.
+        ask: what it asks for, where somebody is told how far it is.
+    """
+    design = Design(message.design, message.leg)
+    ask = ask or Ask(message.ask)
     try:
         return packed(message.type, message.seq, answer(message.type, design, ask))
     except StepwellError as error:

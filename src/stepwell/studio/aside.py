@@ -13,7 +13,7 @@ from multiprocessing.process import BaseProcess
 from time import monotonic
 
 from stepwell.studio.answering import answered
-from stepwell.studio.wire import Message, step
+from stepwell.studio.wire import Ask, Message, View, part, step
 
 # So often it is said how far the work is [s].
 _EVERY = 0.1
@@ -80,4 +80,7 @@ def work(pipe: Connection) -> None:
                     told = now
                     pipe.send((False, step(message.type, message.seq, done, total)))
 
-            pipe.send((True, answered(message, tell)))
+            def show(view: View, message: Message = message) -> None:
+                pipe.send((False, part(message.type, message.seq, view)))
+
+            pipe.send((True, answered(message, Ask(message.ask, tell, show))))

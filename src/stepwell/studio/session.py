@@ -154,8 +154,8 @@ class Lane:
 def warm() -> None:
     """Answer what a page asks first, so that the first drag meets machine code."""
     first = preset_text("paper-forward")
-    answered(Message("gallery", 0, None, {}))
-    answered(Message("evaluate", 0, tables_in(first), {}))
+    answered(Message("gallery", 0))
+    answered(Message("evaluate", 0, tables_in(first)))
 
 
 def _ended(message: Message) -> bytes:

@@ -1,4 +1,10 @@
 // The states in which the chain can stand, and what leads from one to another.
 import Graph from "./Graph.svelte";
 
-export default { name: "graph", title: "Graph", type: "graph", view: Graph };
+export default {
+  name: "graph",
+  title: "Graph",
+  place: "tab" as const,
+  follows: { type: "graph" },
+  view: Graph,
+};

@@ -1,15 +1,20 @@
 // The panels in the order of the page; a panel is a module of one shape.
 import type { Component } from "svelte";
+import type { Follower } from "../state.svelte";
 import graph from "./graph";
 import mechanism from "./mechanism";
 import motion from "./motion";
+import summary from "./summary";
 
-/** A panel: which answer of the server it shows, and how. */
+/** A panel: what of the server it follows, where it is, and how it looks. */
 export interface Panel {
   name: string;
   title: string;
-  type: string;
+  /** A line at the top, a place in the middle, or behind a tab; robot: above the leg's panels. */
+  place: "top" | "robot" | "middle" | "tab";
+  /** What it asks whenever the design has changed, beside the cycle that is always asked. */
+  follows?: Follower;
   view: Component;
 }
 
-export const panels: Panel[] = [mechanism, motion, graph];
+export const panels: Panel[] = [summary, mechanism, motion, graph];

@@ -1,4 +1,9 @@
 // The drawing of the chain, whose anchors are dragged.
 import Mechanism from "./Mechanism.svelte";
 
-export default { name: "mechanism", title: "Mechanism", type: "evaluate", view: Mechanism };
+export default {
+  name: "mechanism",
+  title: "Mechanism",
+  place: "middle" as const,
+  view: Mechanism,
+};

@@ -1,4 +1,4 @@
 // The curves of one full cycle, with one cursor.
 import Motion from "./Motion.svelte";
 
-export default { name: "motion", title: "Motion", type: "evaluate", view: Motion };
+export default { name: "motion", title: "Motion", place: "middle" as const, view: Motion };

@@ -1,4 +1,4 @@
-"""A chain as Python that makes it."""
+"""A design as Python that makes it."""
 
 from __future__ import annotations
 
@@ -6,21 +6,26 @@ from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 from stepwell.mechanism import Chain
+from stepwell.robot import Robot
 
 _LONGEST = 88
 
 
-def script(chain: Chain, toml: str) -> str:
-    """Python that makes the chain, equal to the last bit, and says what it does.
+def script(design: Chain | Robot, toml: str) -> str:
+    """Python that makes the design, equal to the last bit, and says what it does.
 
     Args:
-        chain: any.
-        toml: its design file, for chains with elements: their curves are read, not spelled out.
+        design: any.
+        toml: its design file, for robots and for chains with elements: they are read from it, not
+            spelled out.
     """
-    if chain.elements:
+    if isinstance(design, Robot):
+        made = f"from stepwell.files import loads_robot\n\nrobot = loads_robot({_block(toml)})"
+        return f"{made}\nprint(robot.predict())\n"
+    if design.elements:
         made = f"from stepwell.files import loads_chain\n\nchain = loads_chain({_block(toml)})"
     else:
-        made = f"import stepwell as sw\n\nchain = {_made(chain, 0)}"
+        made = f"import stepwell as sw\n\nchain = {_made(design, 0)}"
     imports = "from math import inf\n\n" if "=inf" in made else ""
     return f"{imports}{made}\nprint(chain.cycle())\n"
 

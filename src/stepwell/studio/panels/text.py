@@ -10,6 +10,6 @@ from stepwell.studio.wire import Ask, Design, View
 def answer(design: Design, ask: Ask) -> View:
     """TOML that reads as this design, and Python that makes it."""
     ask.close()
-    chain = design.whole
-    toml = files.dumps(chain, program=design.program)
-    return View({"toml": toml, "python": script(chain, toml)})
+    found, program = design.read
+    toml = files.dumps(found, program=program)
+    return View({"toml": toml, "python": script(found, toml)})

@@ -9,6 +9,7 @@ from stepwell.studio.wire.message import (
     failed,
     message_of,
     packed,
+    part,
     refused,
     step,
 )

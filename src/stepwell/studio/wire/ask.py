@@ -7,11 +7,13 @@ from math import isfinite
 from typing import Any
 
 from stepwell.base import InputError, nearest_word
+from stepwell.studio.wire.view import View
 
 Tell = Callable[[float, float], None]
+Show = Callable[[View], None]
 
 
-def _nobody(_done: float, _total: float) -> None:
+def _nobody(*_told: object) -> None:
     """Where nobody asks how far it is."""
 
 
@@ -21,12 +23,18 @@ class Ask:
     Args:
         keys: as JSON has them.
         tell: called with (done, total) by panels that take long.
+        show: called by them with what they know already.
     """
 
-    def __init__(self, keys: Mapping[str, Any] | None = None, tell: Tell = _nobody):
+    def __init__(
+        self,
+        keys: Mapping[str, Any] | None = None,
+        tell: Tell = _nobody,
+        show: Show = _nobody,
+    ):
         self._keys = dict(keys or {})
         self._known: list[str] = []
-        self.tell = tell
+        self.tell, self.show = tell, show
 
     def number(self, key: str, least: float, most: float, default: float | None = None) -> float:
         """A number between two bounds.

@@ -19,10 +19,11 @@ class Design:
 
     Args:
         tables: of a design file, as JSON has them; None where the request has no design.
+        leg: of a robot, whose chain is meant where a chain is asked for.
     """
 
-    def __init__(self, tables: dict[str, Any] | None):
-        self.tables = tables
+    def __init__(self, tables: dict[str, Any] | None, leg: int = 0):
+        self.tables, self.leg = tables, leg
 
     @cached_property
     def read(self) -> tuple[Chain | Robot, WrittenProgram | None]:
@@ -36,30 +37,35 @@ class Design:
         return loads_tables(self.tables)
 
     @property
-    def whole(self) -> Chain:
-        """The chain, however long.
-
-        Raises:
-            ValueError: as `read`, or it is a robot.
-        """
-        found, _ = self.read
-        if not isinstance(found, Chain):
-            raise DesignError("design", ["is a robot, and this needs a chain."])
-        return found
-
-    @property
     def chain(self) -> Chain:
-        """The chain.
+        """The chain, or that of one leg of the robot.
 
         Raises:
-            ValueError: as `whole`, or it is longer than the studio can show.
+            ValueError: as `read`, or there is no such leg, or it is longer than the studio can
+                show.
         """
-        found = self.whole
-        if len(found) > MOST_CELLS:
+        chain, _ = self.read
+        if isinstance(chain, Robot):
+            if self.leg >= len(chain.legs):
+                raise DesignError("design", [f"leg[{self.leg}]: there are {len(chain.legs)}."])
+            chain = chain.legs[self.leg].chain
+        if len(chain) > MOST_CELLS:
             raise InputError(
-                f"chain.cell: {len(found)} cells: the studio follows at most {MOST_CELLS} while "
+                f"chain.cell: {len(chain)} cells: the studio follows at most {MOST_CELLS} while "
                 f"they are dragged; `stepwell run` takes more."
             )
+        return chain
+
+    @property
+    def robot(self) -> Robot:
+        """The robot.
+
+        Raises:
+            ValueError: as `read`, or it is a chain.
+        """
+        found, _ = self.read
+        if not isinstance(found, Robot):
+            raise DesignError("design", ["is a chain, and this needs a robot."])
         return found
 
     @property

@@ -1,7 +1,8 @@
 """The messages between page and server: JSON in, a header of JSON and arrays out.
 
-A message of the page is text: {"v": 1, "type": T, "seq": n, "design": D, "ask": {...}}. An answer
-is binary: the length of the header as a little-endian u32, the header as JSON in UTF-8, zeros up
+A message of the page is text: {"v": 1, "type": T, "seq": n, "design": D, "ask": {...}}, and
+"leg": k where D is a robot and the question is about the chain of one of its legs. An answer is
+binary: the length of the header as a little-endian u32, the header as JSON in UTF-8, zeros up
 to a multiple of 8, then the arrays that the header lists, each filled up to a multiple of 8.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +22,7 @@ from stepwell.studio.wire.view import View
 
 VERSION = 1
 LONGEST_MESSAGE = 1 << 20  # bytes
-_KEYS = ("v", "type", "seq", "design", "ask")
+_KEYS = ("v", "type", "seq", "design", "leg", "ask")
 _MOST = 2**53 - 1  # what JavaScript counts to
 _DTYPES = {"f": ("f8", "<f8"), "i": ("i4", "<i4"), "u": ("i4", "<i4"), "b": ("i4", "<i4")}
 
@@ -38,8 +40,9 @@ class Message(NamedTuple):
 
     type: str
     seq: int
-    design: dict[str, Any] | None
-    ask: dict[str, Any]
+    design: dict[str, Any] | None = None
+    ask: Mapping[str, Any] = MappingProxyType({})
+    leg: int = 0
 
 
 def message_of(text: str, types: Iterable[str]) -> Message:
@@ -82,7 +85,10 @@ def message_of(text: str, types: Iterable[str]) -> Message:
     for key, value in (("design", design), ("ask", ask)):
         if value is not None and not isinstance(value, dict):
             raise WireError(f"{key} = {_cut(value)}: must be an object.", seq)
-    return Message(kind, seq, design, ask or {})
+    leg = found.get("leg", 0)
+    if not isinstance(leg, int) or isinstance(leg, bool) or leg < 0:
+        raise WireError(f"leg = {_cut(leg)}: must be a whole number from 0.", seq)
+    return Message(kind, seq, design, ask or {}, leg)
 
 
 def packed(kind: str, seq: int, view: View) -> bytes:
@@ -108,6 +114,11 @@ def refused(kind: str, seq: int, problems: Iterable[Problem], **more: Any) -> by
 def failed(error: WireError) -> bytes:
     """What answers a message that cannot be understood."""
     return refused("error", error.seq, [Problem("", str(error))])
+
+
+def part(kind: str, seq: int, view: View) -> bytes:
+    """What is known of an answer before all of it is, as bytes."""
+    return packed(kind, seq, View({**view.header, "part": True}, view.blocks))
 
 
 def step(kind: str, seq: int, done: float, total: float) -> bytes:
@@ -139,6 +150,8 @@ def _head(header: Mapping[str, Any]) -> bytes:
 
 
 def _plain(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
+    if block.dtype == np.uint8:  # a file
+        return "u1", np.ascontiguousarray(block)
     dtype, stored = _DTYPES[block.dtype.kind]
     return dtype, np.ascontiguousarray(block, stored)
 
