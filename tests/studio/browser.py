@@ -1,0 +1,158 @@
+"""A page in a browser: what its tests share."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from stepwell import files
+from stepwell.mechanism import Chain
+
+REQUIRED = os.environ.get("STEPWELL_REQUIRE_BROWSER") == "1"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+SERVE = """
+import sys
+from stepwell.files import preset_text, tables_in
+from stepwell.studio.server import serve
+
+if __name__ == "__main__":
+    name = sys.argv[1]
+    design = tables_in(preset_text(name), name) if name else None
+    serve(design, opened=lambda address: print(address, flush=True))
+"""
+
+if not REQUIRED:
+    if CHROMIUM is None:
+        pytest.skip(
+            "the page is not tested: there is no chromium here. STEPWELL_REQUIRE_BROWSER=1 makes "
+            "that a failure.",
+            allow_module_level=True,
+        )
+    for package in ("playwright", "starlette", "uvicorn", "websockets"):
+        pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
+
+from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Page,
+    expect,
+)
+
+# A busy machine is no failure.
+expect.set_options(timeout=30_000)
+
+
+@contextmanager
+def served(folder: Path, preset: str) -> Iterator[str]:
+    """The address of a studio that begins with a preset, or with the gallery."""
+    script = folder / "serve.py"
+    script.write_text(SERVE)
+    command = [sys.executable, str(script), preset]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        yield server.stdout.readline().strip()
+        server.terminate()
+
+
+class Opened:
+    """A page with what went wrong in it and what it asked for."""
+
+    def __init__(self, page: Page):
+        self.page = page
+        self.wrong: list[str] = []
+        self.asked: list[str] = []
+        page.on("pageerror", lambda error: self.wrong.append(str(error)))
+        page.on(
+            "console",
+            lambda said: self.wrong.append(said.text) if said.type == "error" else None,
+        )
+        page.on("request", lambda request: self.asked.append(request.url))
+
+
+def output(page: Page, name: str):
+    return page.get_by_role("status", name=name, exact=True)
+
+
+def number(page: Page, name: str) -> float:
+    return float(output(page, name).inner_text().replace("−", "-"))
+
+
+def shown_as(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def field(page: Page, anchor: str, cell: str, axis: str):
+    return page.get_by_role("spinbutton", name=f"{anchor} of {cell}, {axis} in mm")
+
+
+def handle(page: Page, anchor: str, cell: str):
+    return page.get_by_role("button", name=f"{anchor} of {cell}", exact=True)
+
+
+def anchors(page: Page, cell: str) -> list[list[float]]:
+    return [
+        [float(field(page, anchor, cell, axis).input_value()) for axis in "xy"] for anchor in "pq"
+    ]
+
+
+def chain_shown(page: Page) -> Chain:
+    """The chain that Python makes of the anchors that the page shows."""
+    design = files.tables_in(files.preset_text("paper-forward"), "paper-forward")
+    for cell in design["chain"]["cell"]:
+        cell["p_mm"], cell["q_mm"] = anchors(page, cell["name"])
+    text = f"[chain]\nlever_mm = {design['chain']['lever_mm']}\nlimit_deg = 45\n"
+    text += "band = { stiffness_N_per_m = 28.5, rest_length_mm = 10 }\n"
+    for cell in design["chain"]["cell"]:
+        text += f"[[chain.cell]]\nname = {json.dumps(cell['name'])}\n"
+        text += f"p_mm = {cell['p_mm']}\nq_mm = {cell['q_mm']}\n"
+    return files.loads_chain(text)
+
+
+def compare(page: Page) -> None:
+    """Every number on the page with the one that Python gives."""
+    from stepwell.studio.panels.evaluate import drawn
+
+    chain = chain_shown(page)
+    cycle, margin = chain.cycle(), chain.margin()
+    expect(output(page, "sequence")).to_have_attribute("data-value", str(cycle.sequence))
+    assert number(page, "peak force") == shown_as(cycle.peak_force)
+    assert number(page, "dissipated") == shown_as(cycle.dissipated * 1e3)
+    assert number(page, "margin") == shown_as(min(margin.anchors) * 1e3)
+    path = drawn(cycle.path)
+    slider = page.get_by_role("slider", name="Stroke")
+    for k in (0, 40, len(path.drive) - 20):
+        slider.fill(str(k))
+        assert number(page, "stroke") == shown_as(path.stroke[k] * 1e3)
+        assert number(page, "force") == shown_as(path.force[k])
+        for i, name in enumerate(chain.names):
+            assert number(page, f"travel of {name}") == shown_as(path.travel[k, i] * 1e3)
+
+
+def settled(page: Page) -> None:
+    """All that was changed is answered and kept."""
+    page.wait_for_timeout(50)  # a drag is read once a frame
+    expect(page.locator("main")).to_have_attribute("aria-busy", "false", timeout=30_000)
+
+
+def drag(page: Page, anchor: str, cell: str, dx: int, dy: int) -> None:
+    box = handle(page, anchor, cell).locator(".dot").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for k in range(1, 11):
+        page.mouse.move(x + dx * k / 10, y + dy * k / 10)
+    page.mouse.up()
+    settled(page)

@@ -1,0 +1,68 @@
+"""A browser, studios to look at, and pages opened on them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from studio.browser import Opened
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    from playwright.sync_api import sync_playwright
+
+    from studio.browser import CHROMIUM, QUIET
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    from studio.browser import served
+
+    with served(tmp_path_factory.mktemp("studio"), "paper-forward") as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def empty_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    from studio.browser import served
+
+    with served(tmp_path_factory.mktemp("studio"), "") as found:
+        yield found
+
+
+@pytest.fixture
+def opened(browser: Browser) -> Iterator[Opened]:
+    from studio.browser import Opened
+
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme="light")
+    found = Opened(context.new_page())
+    yield found
+    context.close()
+    assert not found.wrong
+    elsewhere = [
+        url for url in found.asked if not re.match(r"(http://127\.0\.0\.1:|data:|blob:)", url)
+    ]
+    assert not elsewhere
+
+
+@pytest.fixture
+def page(opened: Opened, address: str) -> Page:
+    from playwright.sync_api import expect
+
+    from studio.browser import output
+
+    opened.page.goto(address)
+    expect(output(opened.page, "sequence")).to_be_visible()
+    return opened.page
