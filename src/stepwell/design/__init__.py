@@ -21,6 +21,7 @@ from stepwell.design.margins import (
     Robustness,
     RobustnessLimit,
     margin,
+    proved_margin,
     reprogram,
     robustness,
 )
@@ -72,6 +73,7 @@ __all__ = [
     "parameter_boundaries",
     "parameter_map",
     "parameters",
+    "proved_margin",
     "reprogram",
     "robustness",
     "survival",

@@ -23,6 +23,8 @@ _WORTH_COMPILING = 1.0  # s
 # ... and one call that would take longer than this waits for the compiler instead.
 _WORTH_WAITING = 5.0  # s
 _LOOK_AGAIN = 0.25  # s
+# What answers for long is better off with machine code from its first call on.
+_long_lived = False
 
 AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
 
@@ -116,13 +118,19 @@ class Entry(Generic[P, R]):
         for place, field in self._sized:
             array = args[place]
             price *= (getattr(array, field) if field else array).size
-        if self._spent + price < _WORTH_LOADING:
+        if self._spent + price < _WORTH_LOADING and not _long_lived:
             return False
         if price > _WORTH_WAITING or self.ready():
             return True
         if self._spent > _WORTH_COMPILING:
             self.ask_for_machine_code(*args)
         return False
+
+
+def stay() -> None:
+    """Have every kernel go over to machine code that is on disk at its first call, from now on."""
+    global _long_lived
+    _long_lived = True
 
 
 def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P, R]]:

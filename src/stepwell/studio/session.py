@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from typing import Any
 
 from stepwell.files import preset_text, tables_in
+from stepwell.kernels import stay
 from stepwell.studio.answering import answered
 from stepwell.studio.aside import Aside
 from stepwell.studio.panels import is_long, types
@@ -153,9 +154,10 @@ class Lane:
 
 def warm() -> None:
     """Answer what a page asks first, so that the first drag meets machine code."""
+    stay()
     first = preset_text("paper-forward")
-    answered(Message("gallery", 0))
     answered(Message("evaluate", 0, tables_in(first)))
+    answered(Message("gallery", 0))
 
 
 def _ended(message: Message) -> bytes:

@@ -10,7 +10,7 @@ from stepwell.base import REACH, ByValue, Floats
 from stepwell.concave import SortedChain
 from stepwell.design.margins.change import Change, number_change
 from stepwell.design.margins.displacements import Displacements
-from stepwell.design.margins.nearest import nearest, sequence
+from stepwell.design.margins.nearest import nearest, nearest_proved, sequence
 from stepwell.design.margins.numbers import RESOLUTION, RESOLUTION_OF_FRICTION
 from stepwell.design.margins.search import resolution
 from stepwell.design.parameters import Parameter
@@ -111,6 +111,33 @@ def margin(
             changes.append(number_change(chain, forces, now, cell, part))
     if progress is not None:
         progress(len(asked), len(asked))
+    return _told(chain, forces, changes, ways)
+
+
+def proved_margin(chain: Chain) -> Margin | None:
+    """What `margin` gives where closed forms prove all of it; None where it would search.
+
+    Args:
+        chain: any number of cells.
+    """
+    forces = SortedChain.of(chain)
+    if forces is None:
+        return None
+    ways = Displacements.of(None, False, REACH)
+    now = sequence(chain)
+    changes: list[Change] = []
+    for cell in range(len(chain)):
+        found = nearest_proved(forces, Parameter(f"{cell + 1}.q", cell, "q"), ways)
+        if found is None:
+            return None
+        changes.append(Change(chain, cell, "anchor", *found))
+        changes.append(number_change(chain, forces, now, cell, "stiffness"))
+    return _told(chain, forces, changes, ways)
+
+
+def _told(
+    chain: Chain, forces: SortedChain | None, changes: list[Change], ways: Displacements
+) -> Margin:
     words = {
         "anchor": f"anchors {resolution(ways, small=False)}",
         "stiffness": f"stiffnesses {RESOLUTION}",
@@ -124,7 +151,7 @@ def margin(
         tuple(changes),
         math.nan if forces is None else _relative_gap(forces),
         Method.SEARCH if searched else Method.EXACT,
-        reach,
+        ways.reach,
         "; ".join(words[parameter] for parameter in words if parameter in searched),
     )
 

@@ -85,17 +85,12 @@ def nearest(
 
     known, past, proved = None, None, False
     if forces is not None:
-        cell, sign = forces.cells[anchor.cell], 1 if anchor.part == "q" else -1
-        known = _in_closed_form(forces, anchor.cell, wanted, ways, sign)
-        # One cell alone goes where the actuator goes, whatever its force.
-        proved = len(chain) == 1 or ways.proved(
-            cell, sign, ways.reach if known is None else known.distance
-        )
+        known, proved = _in_closed_form(forces, anchor, wanted, ways)
+        # Where any other sequence will do, the closed form is proof enough.
+        if proved and wanted is None:
+            return _proved(known)
         if known is not None:
-            just_past = [known.move + far * known.inward for far in _PAST]
-            # Where any other sequence will do, the closed form is proof enough.
-            sure = proved and wanted is None
-            past = just_past[0] if sure else next(filter(does, just_past), None)
+            past = next(filter(does, _just_past(known)), None)
     method = Method.EXACT if proved else Method.SEARCH
     within = ways.reach if known is None or past is None else known.distance
     if not proved:
@@ -110,21 +105,49 @@ def nearest(
     return Nearest(known.distance, _vec(known.move), _vec(past), method)
 
 
+def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
+    """The nearest displacement that changes anything; None where no closed form proves it.
+
+    Args:
+        forces: a chain in closed form.
+        anchor: a p or q of the chain.
+        ways: where the anchor may go.
+    """
+    known, proved = _in_closed_form(forces, anchor, None, ways)
+    return _proved(known) if proved else None
+
+
+def _proved(known: Place | None) -> Nearest:
+    if known is None:
+        nowhere = math.nan, math.nan
+        return Nearest(math.inf, nowhere, nowhere, Method.EXACT)
+    return Nearest(known.distance, _vec(known.move), _vec(_just_past(known)[0]), Method.EXACT)
+
+
+def _just_past(known: Place) -> list[Floats]:
+    return [known.move + far * known.inward for far in _PAST]
+
+
 def _vec(move: Floats) -> Vec2:
     x, y = move.tolist()
     return x, y
 
 
 def _in_closed_form(
-    forces: SortedChain, cell: int, wanted: Sequence | None, ways: Displacements, sign: int
-) -> Place | None:
+    forces: SortedChain, anchor: Parameter, wanted: Sequence | None, ways: Displacements
+) -> tuple[Place | None, bool]:
+    """The nearest place, and whether the cell is proved concave all the way there."""
+    assert anchor.cell is not None
+    cell, sign = anchor.cell, 1 if anchor.part == "q" else -1
     best: Place | None = None
     for conditions in _regions(forces, cell, wanted):
         within = ways.reach if best is None else best.distance
         place = nearest_place(forces.cells[cell], conditions, ways, sign, within)
         if place is not None and (best is None or place.distance < best.distance):
             best = place
-    return best
+    far = ways.reach if best is None else best.distance
+    # One cell alone goes where the actuator goes, whatever its force.
+    return best, len(forces.cells) == 1 or ways.proved(forces.cells[cell], sign, far)
 
 
 def _regions(forces: SortedChain, cell: int, wanted: Sequence | None) -> list[list[Neighbour]]:

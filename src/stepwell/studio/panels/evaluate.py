@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Floats, plain, told_in
-from stepwell.concave import SortedChain
-from stepwell.design import Change, Margin, margin
+from stepwell.design import Change, Margin, proved_margin
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.wire import Ask, Design, View
@@ -18,8 +17,6 @@ MM, MJ = 1e3, 1e3
 # A picture needs no more samples than this on all smooth segments together, nor on one of them.
 _ALL, _MOST, _LEAST = 600, 33, 3
 _LANDSCAPE = 65
-# Of longer chains it is told what the nearest changes lead to, and not what every anchor does.
-_BECOMING = 8
 
 
 def answer(design: Design, ask: Ask) -> View:
@@ -31,7 +28,7 @@ def answer(design: Design, ask: Ask) -> View:
     chain = design.chain
     cycle = chain.cycle()
     # A search takes a hundred times as long as all else here: panel `margin` does it aside.
-    limits = margin(chain) if SortedChain.of(chain) is not None else None
+    limits = proved_margin(chain)
     path = drawn(cycle.path)
     header = {
         "title": chain.title,
@@ -119,8 +116,10 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
         "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
     }
     if isinstance(cell, Cell):
-        both = {"stable": [0, 1]} if cell.is_bistable else {}
-        told |= both | {
+        # A slack band holds nothing at a stop, and yet a barrier may stand between the stops.
+        if len(told["stable"]) < 2 and cell.is_bistable:
+            told["stable"] = [0, 1]
+        told |= {
             "lever_mm": cell.lever * MM,
             "limit_deg": float(np.degrees(cell.limit)),
             "bands": [
@@ -185,25 +184,20 @@ def margins_of(limits: Margin | None) -> dict[str, Any]:
     """How far every anchor and every stiffness is from another sequence, and the nearest one."""
     if limits is None:
         return {"margins": [], "margin": None, "method": "search"}
-    known = [change for change in limits.changes if np.isfinite(change.distance)]
-    nearest: dict[str, Change] = {}
-    for change in sorted(known, key=lambda change: change.distance):
-        nearest.setdefault(change.parameter, change)
-    told = [_change(change, change in nearest.values()) for change in limits.changes]
-    first = nearest.get("anchor") or next(iter(nearest.values()), None)
+    known = sorted(
+        (change for change in limits.changes if np.isfinite(change.distance)),
+        key=lambda change: (change.parameter != "anchor", change.distance),
+    )
     return {
-        "margins": told,
-        "margin": None if first is None else told[limits.changes.index(first)],
+        "margins": [_change(change) for change in limits.changes],
+        # What a design becomes takes a cycle of its own: it is told of the nearest alone.
+        "margin": _change(known[0]) | {"becomes": known[0].becomes} if known else None,
         "method": limits.method.name.lower(),
     }
 
 
-def _change(change: Change, nearest: bool) -> dict[str, Any]:
-    """One change; what a design becomes past it takes a cycle of its own, so not all are told."""
-    moves, few = change.parameter == "anchor", len(change.chain) <= _BECOMING
+def _change(change: Change) -> dict[str, Any]:
+    moves = change.parameter == "anchor"
     reach = {"reach_mm" if moves else "reach_percent": plain(change.distance, MM if moves else 100)}
     move = plain(change.move, MM) if moves and np.isfinite(change.distance) else None
-    becomes = change.becomes if nearest or (moves and few) else ""
-    return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move} | {
-        "becomes": becomes
-    }
+    return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move}
