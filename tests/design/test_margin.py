@@ -47,6 +47,15 @@ def concave_margins(seed: int, count: int) -> list[tuple[sw.Chain, sw.Margin]]:
     return [(chain, sw.margin(chain)) for chain in chains]
 
 
+def test_a_margin_that_is_proved_is_the_margin():
+    for chain, margin in concave_margins(3, examples(10)):
+        proved = sw.design.proved_margin(chain)
+        assert proved is None or proved == margin
+        assert (proved is None) == (margin.method is not sw.design.Method.EXACT)
+    for name, exact in (("paper-backward", True), ("paper-counterclockwise", False)):
+        assert (sw.design.proved_margin(sw.preset(name)) is not None) is exact
+
+
 @pytest.mark.slow
 def test_nearer_than_the_margin_no_displacement_changes_the_sequence():
     for chain, margin in concave_margins(1, examples(2)):

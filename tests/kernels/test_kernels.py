@@ -288,6 +288,25 @@ def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_p
     assert kept == ["halved", "walk"]
 
 
+@pytest.mark.slow
+def test_what_stays_takes_machine_code_that_is_on_disk_at_once(tmp_path):
+    (tmp_path / "tiny.py").write_text(textwrap.dedent(TINY))
+    script = """
+        import sys, numpy as np, tiny
+        from stepwell.kernels import stay
+        if "stays" in sys.argv: stay()
+        tiny.walk(np.arange(3.0))
+        print(tiny.walk.interpreted)
+    """
+    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
+    staying = script.replace('if "stays" in sys.argv: ', "")
+    # Nothing is on disk yet, and nobody waits for a compiler.
+    assert said(staying, **settings).stdout == "True\n"
+    assert said(script, STEPWELL_KERNELS="compiled", **settings).stdout == "False\n"
+    assert said(script, **settings).stdout == "True\n"
+    assert said(staying, **settings).stdout == "False\n"
+
+
 def test_a_fingerprint_tells_what_is_computed_and_not_where_or_when(tmp_path, monkeypatch):
     def made(text: str) -> str:
         place = tmp_path / str(len(list(tmp_path.iterdir())))
