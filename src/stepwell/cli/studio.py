@@ -23,6 +23,9 @@ def studio(
         int,
         typer.Option(help="The port on this machine; 0 takes a free one.", min=0, max=65535),
     ] = 0,
+    demo: Annotated[
+        bool, typer.Option("--demo", help="Begin with a guided tour of two minutes.")
+    ] = False,
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Say the page's address and open no browser.")
     ] = False,
@@ -41,6 +44,7 @@ def studio(
         tables = files.tables_in(text, design)
 
     def opened(address: str) -> None:
+        address += "&demo=1" if demo else ""
         show_lines(address)
         if not no_open:
             webbrowser.open(address)
