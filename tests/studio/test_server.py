@@ -288,3 +288,13 @@ def test_without_its_packages_the_command_says_how_to_get_them():
         "The studio needs Starlette, uvicorn and websockets, which are not all installed here. "
         "Install them with: pip install 'stepwell[studio]'"
     ]
+
+
+def test_the_usual_port_is_taken_first_and_another_where_it_is_taken():
+    # Whoever has the usual port, a test beside this one or the first of these two: both come up.
+    with running() as first, running() as second:
+        ports = {int(studio.host.partition(":")[2]) for studio in (first, second)}
+        assert len(ports) == 2
+        with closing(http.client.HTTPConnection("127.0.0.1", max(ports))) as connection:
+            connection.request("GET", "/")
+            assert connection.getresponse().status == 200

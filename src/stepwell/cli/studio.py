@@ -20,9 +20,15 @@ def studio(
         ),
     ] = None,
     port: Annotated[
-        int,
-        typer.Option(help="The port on this machine; 0 takes a free one.", min=0, max=65535),
-    ] = 0,
+        int | None,
+        typer.Option(
+            help="The port on this machine, 0 for any; by default 7473, where the browser finds "
+            "the last design again, or any free one.",
+            min=0,
+            max=65535,
+            show_default=False,
+        ),
+    ] = None,
     demo: Annotated[
         bool, typer.Option("--demo", help="Begin with a guided tour of two minutes.")
     ] = False,

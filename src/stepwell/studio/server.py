@@ -18,6 +18,8 @@ from stepwell.studio.session import Session, warm
 from stepwell.studio.wire import LONGEST_MESSAGE
 
 HOST = "127.0.0.1"
+# A browser keeps what a page stores by its port: the same one each time keeps the last design.
+USUAL_PORT = 7473
 _TYPES = {
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
@@ -33,14 +35,14 @@ _PATIENCE = 1
 def serve(
     design: dict[str, Any] | None = None,
     *,
-    port: int = 0,
+    port: int | None = None,
     opened: Callable[[str], None] | None = None,
 ) -> None:
     """Serve the studio until it is interrupted.
 
     Args:
         design: tables of the design that the page shows first; the gallery by default.
-        port: of 127.0.0.1; any free one by default.
+        port: of 127.0.0.1, 0 for any free one; by default 7473, or any where that is taken.
         opened: called with the page's address once it can be had.
 
     Raises:
@@ -49,7 +51,7 @@ def serve(
     """
     uvicorn = _needed("uvicorn")
     _needed("websockets")
-    with socket.create_server((HOST, port), backlog=64) as listening:
+    with _listening(port) as listening:
         own = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
         address = f"http://{HOST}:{own}/?token={token}"
@@ -70,6 +72,15 @@ def serve(
             timeout_graceful_shutdown=_PATIENCE,
         )
         uvicorn.Server(config).run(sockets=[listening])
+
+
+def _listening(port: int | None) -> socket.socket:
+    if port is not None:
+        return socket.create_server((HOST, port), backlog=64)
+    try:
+        return socket.create_server((HOST, USUAL_PORT), backlog=64)
+    except OSError:
+        return socket.create_server((HOST, 0), backlog=64)
 
 
 def application(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from functools import cache
 from typing import Any
 
 from stepwell import files
-from stepwell.mechanism import Chain
 from stepwell.studio.wire import Ask, Design, View
 
 
@@ -22,7 +22,9 @@ def _designs() -> list[dict[str, Any]]:
 
 
 def _told(name: str, title: str) -> dict[str, Any]:
-    design = files.preset(name)
-    chain = design if isinstance(design, Chain) else design.legs[0].chain
-    kind = "chain" if design is chain else "robot"
-    return {"name": name, "title": title, "kind": kind, "cells": len(chain)}
+    tables = tomllib.loads(files.preset_text(name))
+    legs = tables.get("leg", [])
+    own = legs[0].get("chain", {}) if legs else {}
+    cells = own.get("cell") or tables["chain"]["cell"]
+    kind = "robot" if legs else "chain"
+    return {"name": name, "title": title, "kind": kind, "cells": len(cells)}
