@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
+from functools import cache
 from typing import Any
 
 from stepwell.files import preset_text, tables_in
@@ -112,6 +113,8 @@ class Session:
         while True:
             message = await self._quick.take()
             await self._send(await loop.run_in_executor(self._threads, answered, message))
+            # Loading machine code takes longer than the first answer without it.
+            await loop.run_in_executor(self._threads, hasten)
 
     async def _cancel(self, seq: int) -> None:
         for lane in self._long.values():
@@ -153,11 +156,15 @@ class Lane:
 
 
 def warm() -> None:
-    """Answer what a page asks first, so that the first drag meets machine code."""
+    """Answer what a page asks first, so that what it needs is imported."""
+    answered(Message("evaluate", 0, tables_in(preset_text("paper-forward"))))
+
+
+@cache
+def hasten() -> None:
+    """Go over to machine code, so that the first drag meets it."""
     stay()
-    first = preset_text("paper-forward")
-    answered(Message("evaluate", 0, tables_in(first)))
-    answered(Message("gallery", 0))
+    warm()
 
 
 def _ended(message: Message) -> bytes:
