@@ -50,7 +50,9 @@ def run(name: str, text: str) -> int:
     for step in steps(text):
         where = f"{name}, line {step.line}"
         if step.title:
-            Path(step.title).write_text(step.body, "utf-8")
+            file = Path(step.title)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(step.body, "utf-8")
         if step.language == "python":
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):
