@@ -99,14 +99,15 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
         yield from _keys(path, schema.LeverKeys, numbers)
         return
     measure = _measure([cell])
+    stops: Any = False
     if form in LibraryKeys.model_fields:
-        arguments = LIBRARY[form.replace("_", "-")].defaults
+        arguments, stops = LIBRARY[form.replace("_", "-")].defaults, _usual(form).stops
         (table,) = get_args(LibraryKeys.model_fields[form].annotation)[:1]
         numbers = {key: _told(key, arguments[field_of(key)]) for key in table.model_fields}
         yield from _keys((*path, form), table, numbers)
     friction = key_in("friction", measure.force_unit)
-    options = ("stops", "force_scale", "travel_scale", "mobility")
-    numbers = _defaults(Element, options) | {"name": "", friction: 0}
+    numbers = _defaults(Element, ("force_scale", "travel_scale", "mobility"))
+    numbers |= {"name": "", "stops": _told("stops", stops), friction: 0}
     if form == "table":
         numbers[key_in("noise", measure.force_unit)] = None
     yield from _keys(path, ElementKeys, numbers)
@@ -192,7 +193,7 @@ def _measure(cells: Sequence[Table]) -> Measure:
     for cell in cells:
         form = _form(cell)
         if form is None or form in LibraryKeys.model_fields:
-            return Measure.TRAVEL if form is None else _measure_of(form)
+            return Measure.TRAVEL if form is None else _usual(form).measure
         for measure, columns in COLUMNS.items():
             if any(key in _table(cell[form]) for key in columns):
                 return measure
@@ -200,8 +201,9 @@ def _measure(cells: Sequence[Table]) -> Measure:
 
 
 @cache
-def _measure_of(form: str) -> Measure:
-    return LIBRARY[form.replace("_", "-")].make().measure
+def _usual(form: str) -> Element:
+    """The element of the library that is told nothing."""
+    return LIBRARY[form.replace("_", "-")].make()
 
 
 def _table(found: Any) -> Table:
