@@ -120,6 +120,10 @@ export function labelOf(cells: CellTable[], { cell, band, anchor }: Place): stri
     : `${anchor} of ${name}`;
 }
 
+/** What tells an anchor from all others, though cells are reordered and bands are added. */
+export const lockOf = (chain: string, cells: CellTable[], { cell, band, anchor }: Place): string =>
+  `${chain} ${nameOf(cells[cell], cell)} ${band} ${anchor}`;
+
 /** The key of an anchor as messages name it. */
 export function keyOf(chain: string, cells: CellTable[], { cell, band, anchor }: Place): string {
   const own = Array.isArray(cells[cell]?.bands) ? `.bands[${band}]` : "";

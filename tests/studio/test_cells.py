@@ -88,6 +88,13 @@ def test_keys_of_nothing_are_no_failure(design: Any):
     assert ask("keys", design)[0]["cells"] == []
 
 
+def test_only_a_curve_by_points_has_columns():
+    assert ask("keys", tables("trilinear"))[0]["columns"] == [None] * 3
+    points = {"angle_deg": [0, 1, 2], "torque_mNm": [0, 1, 2]}
+    design = {"chain": {"cell": [{"table": points}, {"points": {"travel_mm": [0]}}, 3]}}
+    assert ask("keys", design)[0]["columns"] == [["table", "angle_deg", "torque_mNm"], None, None]
+
+
 @pytest.mark.parametrize("kind", new_cells())
 def test_a_cell_that_can_be_added_is_a_design(kind: str):
     loads_tables({"chain": {"cell": [new_cells()[kind]]}})

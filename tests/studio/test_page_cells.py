@@ -169,7 +169,7 @@ def test_a_point_of_a_curve_is_dragged_added_and_removed(page: Page):
     expect(output(page, "sequence")).to_have_attribute("data-value", re.compile("^000>"))
     settled(page)
     more(page, "cell 3")
-    point = page.get_by_role("button", name="point 2 of cell 3")
+    point = page.get_by_role("button", name="point 2 of cell 3", exact=True)
     dot = point.locator(".dot")
     dot.scroll_into_view_if_needed()
     # Not under the bar with the stroke.
@@ -196,7 +196,7 @@ def test_a_point_of_a_curve_is_dragged_added_and_removed(page: Page):
     point.focus()
     page.get_by_role("button", name="Add a point to cell 3").click()
     settled(page)
-    expect(page.get_by_role("button", name="point 5 of cell 3")).to_be_visible()
+    expect(page.get_by_role("button", name="point 5 of cell 3", exact=True)).to_be_visible()
     page.get_by_role("button", name="Remove point 3 of cell 3").click()
     settled(page)
     same(page, design)
@@ -229,3 +229,29 @@ def test_the_drawing_zooms_by_keys_and_buttons(page: Page):
     drawing.focus()
     page.keyboard.press("0")
     assert block.bounding_box() == before
+
+
+def test_two_fingers_zoom_the_drawing(page: Page):
+    block = page.locator(".drawing .block.fixed")
+    svg = page.locator(".drawing svg").bounding_box()
+    before = block.bounding_box()
+    assert svg is not None
+    assert before is not None
+    x, y = svg["x"] + svg["width"] - 60, svg["y"] + 40
+    touch = page.context.new_cdp_session(page)
+    for kind, apart in (("touchStart", 20), ("touchMove", 30), ("touchMove", 40)):
+        points = [{"x": x, "y": y, "id": 0}, {"x": x, "y": y + apart, "id": 1}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    after = block.bounding_box()
+    assert after is not None
+    assert after["height"] == pytest.approx(before["height"] * 2, rel=0.05)
+
+
+def test_a_lock_stays_while_bands_come(page: Page):
+    page.get_by_role("button", name="Lock q of outer").click()
+    more(page, "outer")
+    page.get_by_role("button", name="Add a band to outer").click()
+    settled(page)
+    expect(handle(page, "q of band 1", "outer")).to_have_attribute("aria-disabled", "true")
+    expect(handle(page, "q of band 2", "outer")).to_have_attribute("aria-disabled", "false")

@@ -69,6 +69,22 @@ def known_keys(
     return own, [list(_of_cell(cell, ("cell", i), shared, band)) for i, cell in enumerate(cells)]
 
 
+def columns_of(cell: Any) -> tuple[str, str, str] | None:
+    """Where the points of an element's curve stand: its form, the keys of travel and of force.
+
+    Args:
+        cell: its table, as files hold it; None comes back where it is not given by points.
+    """
+    table = _table(cell)
+    form = next((one for one in ("table", "points", "curve") if one in table), None)
+    held = _table(table.get(form)) if form else {}
+    for x, y in COLUMNS.values():
+        xs, ys = held.get(x), held.get(y)
+        if form and isinstance(xs, list) and isinstance(ys, list) and len(xs) == len(ys):
+            return form, x, y
+    return None
+
+
 def new_cells() -> dict[str, dict[str, Any]]:
     """A table for every kind of cell that can be added to a chain, by what it is."""
     found: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}

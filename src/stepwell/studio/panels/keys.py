@@ -6,21 +6,24 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from stepwell.files.known import known_keys, new_cells
+from stepwell.files.known import columns_of, known_keys, new_cells
 from stepwell.studio.wire import Ask, Design, View
 
 
 def answer(design: Design, ask: Ask) -> View:
-    """The keys of the shown chain, those of every cell, and the cells that can be added.
+    """The keys of the shown chain and of every cell, where points stand, and what can be added.
 
     It is asked of designs that are refused too, so that what was typed can be typed otherwise.
     """
     ask.close()
-    chain, cells = known_keys(*_tables(design))
+    tables = _tables(design)
+    chain, cells = known_keys(*tables)
+    listed = tables[0].get("cell") if cells else []
     return View(
         {
             "chain": [asdict(one) for one in chain],
             "cells": [[asdict(one) for one in cell] for cell in cells],
+            "columns": [columns_of(cell) for cell in listed or ()],
             "new": new_cells(),
         }
     )
