@@ -9,7 +9,7 @@ import pytest
 import stepwell as sw
 from stepwell.elements import LIBRARY
 from stepwell.files import DesignError, loads_tables, preset_text, presets, tables_in
-from stepwell.files.known import known_keys, new_cells
+from stepwell.files.tables import known_keys, new_cells
 from stepwell.mechanism import Element
 from stepwell.studio.answering import answered
 from stepwell.studio.wire import Message
@@ -37,7 +37,7 @@ def with_value(table: Any, path: list[Any], value: Any) -> Any:
 @pytest.mark.parametrize("name", [name for name in presets() if not name.startswith("robot-")])
 def test_a_key_at_its_default_says_what_leaving_it_out_says(name: str):
     design = tables(name)
-    header, _ = ask("keys", design)
+    header, _ = ask("cells", design)
     every = header["chain"] + [key for cell in header["cells"] for key in cell]
     chain = design["chain"]
     for key in every:
@@ -52,7 +52,7 @@ def test_a_key_at_its_default_says_what_leaving_it_out_says(name: str):
 
 def test_a_number_past_the_bounds_that_are_told_is_refused():
     design = tables("paper-forward")
-    header, _ = ask("keys", design)
+    header, _ = ask("cells", design)
     bounded = [key for key in header["chain"] + header["cells"][1] if key["bounds"]]
     assert len(bounded) > 10
     for key in bounded:
@@ -78,21 +78,21 @@ def test_a_refused_design_keeps_its_keys():
     design = tables("paper-forward")
     design["chain"]["cell"][0]["lever_mm"] = -3
     design["chain"]["cell"][1] = "nonsense"
-    header, _ = ask("keys", design)
-    assert header["ok"]
+    header, blocks = ask("cells", design)
+    assert (header["units"], blocks) == (None, {})
     assert [len(cell) > 5 for cell in header["cells"]] == [True, True]
 
 
 @pytest.mark.parametrize("design", [None, {}, {"chain": 3}, {"leg": [1]}, {"leg": 2}])
 def test_keys_of_nothing_are_no_failure(design: Any):
-    assert ask("keys", design)[0]["cells"] == []
+    assert ask("cells", design)[0]["cells"] == []
 
 
 def test_only_a_curve_by_points_has_columns():
-    assert ask("keys", tables("trilinear"))[0]["columns"] == [None] * 3
+    assert ask("cells", tables("trilinear"))[0]["columns"] == [None] * 3
     points = {"angle_deg": [0, 1, 2], "torque_mNm": [0, 1, 2]}
     design = {"chain": {"cell": [{"table": points}, {"points": {"travel_mm": [0]}}, 3]}}
-    assert ask("keys", design)[0]["columns"] == [["table", "angle_deg", "torque_mNm"], None, None]
+    assert ask("cells", design)[0]["columns"] == [["table", "angle_deg", "torque_mNm"], None, None]
 
 
 @pytest.mark.parametrize("kind", new_cells())
@@ -107,7 +107,7 @@ def test_every_element_of_the_library_can_be_added():
 @pytest.mark.parametrize("name", ["von-mises-truss", "balloon", "trilinear", "paper-forward"])
 def test_the_curves_of_elements_are_the_engines(name: str):
     chain = sw.preset(name)
-    header, blocks = ask("curves", tables(name))
+    header, blocks = ask("cells", tables(name))
     of_travel, of_force = (1e6, 1e-3) if name == "balloon" else (1e3, 1.0)
     assert header["units"]["travel"] == ("mL" if name == "balloon" else "mm")
     elements = [i for i, cell in enumerate(chain.cells) if isinstance(cell, Element)]

@@ -255,3 +255,24 @@ def test_a_lock_stays_while_bands_come(page: Page):
     settled(page)
     expect(handle(page, "q of band 1", "outer")).to_have_attribute("aria-disabled", "true")
     expect(handle(page, "q of band 2", "outer")).to_have_attribute("aria-disabled", "false")
+
+
+def test_the_rows_of_a_load_are_edited(page: Page, tmp_path: Path):
+    design = tables("paper-forward")
+    text = files.preset_text("paper-forward") + "load_mm_N = [[0, 0.02], [20, 0.05]]\n"
+    path = tmp_path / "loaded.toml"
+    path.write_text(text)
+    page.get_by_label("Open a design file").set_input_files(path)
+    settled(page)
+    more(page, "outer")
+    expect(spin(page, "load of outer, row 2, in N")).to_have_value("0.05")
+    typed(page, "load of outer, row 2, in N", 0.09)
+    design["chain"]["cell"][1]["load_mm_N"] = [[0, 0.02], [20, 0.09]]
+    same(page, design)
+    page.get_by_role("button", name="Add a row to load of outer").click()
+    settled(page)
+    expect(spin(page, "load of outer, row 3, in mm")).to_have_value("40")
+    page.get_by_role("button", name="Leave out load of outer in mm").click()
+    settled(page)
+    same(page, tables("paper-forward"))
+    expect(spin(page, "load of outer in N")).to_have_value("0")

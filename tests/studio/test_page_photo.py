@@ -1,5 +1,6 @@
 """A photo to trace lies under the mechanism, in millimetres, and never leaves the page."""
 
+import re
 import struct
 import zlib
 from pathlib import Path
@@ -36,7 +37,7 @@ def value(page: Page, name: str) -> float:
 @pytest.fixture
 def traced(page: Page, tmp_path: Path) -> Page:
     choose(page, png(tmp_path / "leg.png", 600, 400))
-    expect(page.locator("image")).to_have_attribute("href", __import__("re").compile("^blob:"))
+    expect(page.locator("image")).to_have_attribute("href", re.compile("^blob:"))
     return page
 
 

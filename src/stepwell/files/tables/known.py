@@ -10,11 +10,15 @@ from typing import Any, get_args
 
 from stepwell.base import Measure
 from stepwell.elements import LIBRARY
-from stepwell.files.schema import chain as schema, field_of, unit_of, written
-from stepwell.files.schema.checks import Keys, Within
-from stepwell.files.schema.elements import COLUMNS, ElementKeys, key_in
-from stepwell.files.schema.keys import UNITS
-from stepwell.files.schema.library import LibraryKeys
+from stepwell.files.schema import (
+    UNITS,
+    Within,
+    chain as schema,
+    elements,
+    field_of,
+    unit_of,
+    written,
+)
 from stepwell.files.tables.cells import merged
 from stepwell.mechanism import Band, Cell, Element
 
@@ -78,7 +82,7 @@ def columns_of(cell: Any) -> tuple[str, str, str] | None:
     table = _table(cell)
     form = next((one for one in ("table", "points", "curve") if one in table), None)
     held = _table(table.get(form)) if form else {}
-    for x, y in COLUMNS.values():
+    for x, y in elements.COLUMNS.values():
         xs, ys = held.get(x), held.get(y)
         if form and isinstance(xs, list) and isinstance(ys, list) and len(xs) == len(ys):
             return form, x, y
@@ -88,10 +92,10 @@ def columns_of(cell: Any) -> tuple[str, str, str] | None:
 def new_cells() -> dict[str, dict[str, Any]]:
     """A table for every kind of cell that can be added to a chain, by what it is."""
     found: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
-    for form in LibraryKeys.model_fields:
+    for form in elements.LibraryKeys.model_fields:
         found[form.replace("_", " ")] = {form: {}}
     # A force that rises, falls and rises again, in round numbers of each unit.
-    for measure, (x, y) in COLUMNS.items():
+    for measure, (x, y) in elements.COLUMNS.items():
         points = {x: [0, 4, 12, 16], y: [0, 1, -1, 0.5]}
         found[f"curve of {measure.travel} and {measure.force}"] = {"points": points}
     return found
@@ -100,7 +104,8 @@ def new_cells() -> dict[str, dict[str, Any]]:
 def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[KnownKey]:
     form = _form(cell)
     if form is None:
-        numbers = {**shared, **_defaults(Cell, ("friction_N", "mobility")), "name": ""}
+        numbers = {**shared, **_defaults(Cell, ("friction_N", "mobility")), **_rows_in(cell)}
+        numbers["name"] = ""
         if "load_mm_N" not in cell:
             numbers["load_N"] = 0
         bands = cell.get("bands")
@@ -116,26 +121,27 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
         return
     measure = _measure([cell])
     stops: Any = False
-    if form in LibraryKeys.model_fields:
+    if form in elements.LibraryKeys.model_fields:
         arguments, stops = LIBRARY[form.replace("_", "-")].defaults, _usual(form).stops
-        (table,) = get_args(LibraryKeys.model_fields[form].annotation)[:1]
+        (table,) = get_args(elements.LibraryKeys.model_fields[form].annotation)[:1]
         numbers = {key: _told(key, arguments[field_of(key)]) for key in table.model_fields}
         yield from _keys((*path, form), table, numbers)
-    friction = key_in("friction", measure.force_unit)
+    friction = elements.key_in("friction", measure.force_unit)
     numbers = _defaults(Element, ("force_scale", "travel_scale", "mobility"))
     numbers |= {"name": "", "stops": _told("stops", stops), friction: 0}
     if form == "table":
-        numbers[key_in("noise", measure.force_unit)] = None
-    yield from _keys(path, ElementKeys, numbers)
+        numbers[elements.key_in("noise", measure.force_unit)] = None
+    yield from _keys(path, elements.ElementKeys, numbers)
 
 
-def _keys(path: Path, table: type[Keys], defaults: Table) -> Iterator[KnownKey]:
+def _keys(path: Path, table: type[schema.Keys], defaults: Table) -> Iterator[KnownKey]:
     """The keys of a table of which a default is known."""
     for key, field in table.model_fields.items():
         if key not in defaults:
             continue
-        pair = key.endswith("_mm_N")
-        end = "_mm_N" if pair else next((end for end in UNITS if key.endswith(end)), "")
+        pair = key.endswith("_mm_N") or key in _ROWS
+        ends = ("_mm_N", *UNITS)
+        end = next((end for end in ends if key.endswith(end)), "")
         yield KnownKey(
             (*path, key),
             key.removesuffix(end).replace("_", " "),
@@ -166,15 +172,20 @@ def _band_keys(path: Path, shared: Table, own: Table) -> Iterator[KnownKey]:
     if law & {"table_mm_N", "table_csv"}:
         hidden.add("stiffness_N_per_m")
     defaults = {key: shared.get(key, value) for key, value in _band().items()}
-    yield from _keys(
-        path, schema.BandKeys, {k: value for k, value in defaults.items() if k not in hidden}
-    )
+    defaults = {key: value for key, value in defaults.items() if key not in hidden}
+    yield from _keys(path, schema.BandKeys, defaults | _rows_in(own))
+
+
+def _rows_in(table: Table) -> dict[str, Any]:
+    """Lists of rows are there or not; nothing stands for them where they are not."""
+    return {key: None for key in _ROWS if key in table}
 
 
 def _band_over(shared: Table, table: Table) -> dict[str, Any]:
     return merged({**shared}, {**_table(table.get("band"))}, "", [])
 
 
+_ROWS = ("table_mm_N", "shape_mm", "load_mm_N")
 _CUBIC = ("quadratic_per_mm", "cubic_per_mm2")
 
 
@@ -208,9 +219,9 @@ def _measure(cells: Sequence[Table]) -> Measure:
     """What travel and force of the first cell are that says so."""
     for cell in cells:
         form = _form(cell)
-        if form is None or form in LibraryKeys.model_fields:
+        if form is None or form in elements.LibraryKeys.model_fields:
             return Measure.TRAVEL if form is None else _usual(form).measure
-        for measure, columns in COLUMNS.items():
+        for measure, columns in elements.COLUMNS.items():
             if any(key in _table(cell[form]) for key in columns):
                 return measure
     return Measure.TRAVEL
