@@ -84,8 +84,10 @@ def test_a_refused_design_keeps_its_keys():
 
 
 @pytest.mark.parametrize("design", [None, {}, {"chain": 3}, {"leg": [1]}, {"leg": 2}])
-def test_keys_of_nothing_are_no_failure(design: Any):
-    assert ask("cells", design)[0]["cells"] == []
+def test_what_has_no_cells_is_refused_in_words(design: Any):
+    header, _ = ask("cells", design)
+    assert not header["ok"]
+    assert "failed on this" not in header["problems"][0]["text"]
 
 
 def test_only_a_curve_by_points_has_columns():

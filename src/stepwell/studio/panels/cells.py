@@ -26,16 +26,18 @@ def answer(design: Design, ask: Ask) -> View:
     ask.close()
     tables = _tables(design)
     chain, cells = known_keys(*tables)
-    listed = tables[0].get("cell") if cells else []
     header = {
         "chain": [asdict(one) for one in chain],
         "cells": [[asdict(one) for one in cell] for cell in cells],
-        "columns": [columns_of(cell) for cell in listed or ()],
+        "columns": [columns_of(cell) for cell in tables[0]["cell"]] if cells else [],
         "new": new_cells(),
     }
     try:
         made = design.chain
     except StepwellError:
+        # Where there are no cells, there is nothing to be typed either.
+        if not cells:
+            raise
         return View({**header, "units": None})
     return View({**header, "units": units_of(made)}, _curves(made))
 
