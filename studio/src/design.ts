@@ -48,14 +48,45 @@ export const chainKey = (design: Design | null, leg: number): string =>
 export const cellsOf = (design: Design | null, leg: number): CellTable[] =>
   design?.leg?.[leg]?.chain?.cell ?? design?.chain?.cell ?? [];
 
-/** The same design with other cells. */
-export function withCells(design: Design, leg: number, cell: CellTable[]): Design {
-  if (!design.leg?.[leg]?.chain?.cell) return { ...design, chain: { ...design.chain, cell } };
-  const legs = design.leg.map((one, k) =>
-    k === leg ? { ...one, chain: { ...one.chain, cell } } : one,
-  );
+/** The table that holds the cells. */
+export const chainOf = (design: Design | null, leg: number): ChainTable =>
+  (design?.leg?.[leg]?.chain?.cell ? design.leg[leg].chain : design?.chain) ?? {};
+
+/** The same design with another table there. */
+export function withChain(design: Design, leg: number, chain: ChainTable): Design {
+  if (!design.leg?.[leg]?.chain?.cell) return { ...design, chain };
+  const legs = design.leg.map((one, k) => (k === leg ? { ...one, chain } : one));
   return { ...design, leg: legs };
 }
+
+/** The same design with other cells. */
+export const withCells = (design: Design, leg: number, cell: CellTable[]): Design =>
+  withChain(design, leg, { ...chainOf(design, leg), cell });
+
+/** Keys, and places in lists, from a table on. */
+export type Path = (string | number)[];
+
+/** What a table holds there; undefined where it is left out. */
+export const valueAt = (table: unknown, path: Path): unknown =>
+  path.reduce((at, step) => (at as Record<string | number, unknown> | undefined)?.[step], table);
+
+/** The same table with a value there, or without the key, and without tables that leaves empty. */
+export function withValue<T>(table: T, path: Path, value: unknown): T {
+  const [step, ...rest] = path;
+  if (Array.isArray(table)) {
+    return table.map((one, k) => (k === step ? withValue(one, rest, value) : one)) as T;
+  }
+  const all: Record<string, unknown> = { ...(table as object) };
+  const inner = rest.length ? withValue(all[step] ?? {}, rest, value) : value;
+  const empty = value === undefined && rest.length === 1 && step === "band";
+  if (inner === undefined || (empty && !Object.keys(inner as object).length)) delete all[step];
+  else all[step] = inner;
+  return all as T;
+}
+
+/** The name of a key as messages spell it. */
+export const spelled = (path: Path): string =>
+  path.map((step) => (typeof step === "number" ? `[${step}]` : `.${step}`)).join("");
 
 export const nameOf = (cell: CellTable | undefined, i: number): string =>
   typeof cell?.name === "string" && cell.name ? cell.name : `cell ${i + 1}`;
@@ -89,6 +120,10 @@ export function labelOf(cells: CellTable[], { cell, band, anchor }: Place): stri
     : `${anchor} of ${name}`;
 }
 
+/** What tells an anchor from all others, though cells are reordered and bands are added. */
+export const lockOf = (chain: string, cells: CellTable[], { cell, band, anchor }: Place): string =>
+  `${chain} ${nameOf(cells[cell], cell)} ${band} ${anchor}`;
+
 /** The key of an anchor as messages name it. */
 export function keyOf(chain: string, cells: CellTable[], { cell, band, anchor }: Place): string {
   const own = Array.isArray(cells[cell]?.bands) ? `.bands[${band}]` : "";
@@ -108,15 +143,37 @@ export function withAnchor(cells: CellTable[], place: Place, point: Point): Cell
   return withCell(cells, place.cell, { ...cell, bands });
 }
 
-/** One more cell at the outer end, like the one before it but for its place. */
-export function withCellAdded(cells: CellTable[]): CellTable[] {
-  const model = cells.at(-1) ?? { p_mm: [-10, 0], q_mm: [10, 0] };
+/** The same cells with one more band on one of them, beside its last. */
+export function withBandAdded(cells: CellTable[], i: number): CellTable[] {
+  const { p_mm, q_mm, ...rest } = cells[i];
+  const bands = bandsOf(cells[i]).map((band) => (band === cells[i] ? { p_mm, q_mm } : band));
+  const [like] = bands.slice(-1);
+  // Beside the one it is like, so that both can be seen.
+  const q: Point = like.q_mm ? [like.q_mm[0], round(like.q_mm[1] + 2.5)] : [10, 0];
+  return withCell(cells, i, { ...rest, bands: [...bands, { ...like, q_mm: q }] });
+}
+
+/** The same cells without a band of one of them; of two, the other has the cell to itself. */
+export function withoutBand(cells: CellTable[], i: number, band: number): CellTable[] {
+  const { bands = [], ...rest } = cells[i];
+  const left = bands.filter((_, k) => k !== band);
+  if (left.length > 1) return withCell(cells, i, { ...rest, bands: left });
+  const { p_mm, q_mm, ...own } = left[0];
+  const both = { ...(rest.band as object | undefined), ...own };
+  const cell: CellTable = { ...rest, p_mm, q_mm };
+  if (Object.keys(both).length) cell.band = both;
+  return withCell(cells, i, cell);
+}
+
+/** One more cell at the outer end: of a kind, or like the one before it but for its place. */
+export function withCellAdded(cells: CellTable[], kind?: CellTable): CellTable[] {
+  const model = kind ?? cells.at(-1) ?? { p_mm: [-10, 0], q_mm: [10, 0] };
   const names = new Set(cells.map(nameOf));
   let number = cells.length + 1;
   while (names.has(`cell ${number}`)) number += 1;
   const added: CellTable = { ...model, name: `cell ${number}` };
   // Two equal cells tie, and then friction decides.
-  if (model.q_mm) added.q_mm = [round(model.q_mm[0] + 2.5), model.q_mm[1]];
+  if (model.q_mm && !kind) added.q_mm = [round(model.q_mm[0] + 2.5), model.q_mm[1]];
   return [...cells, added];
 }
 

@@ -75,7 +75,7 @@ export const width = (view: View): number =>
   Math.max(0, ...view.cells.map((cell: { lever_mm: number | null }) => cell.lever_mm ?? 0)) || 15;
 
 // Chains without levers have no size of their own: their longest travel is drawn as 20 mm.
-const scale = (view: View): number =>
+export const scale = (view: View): number =>
   view.cells.some((cell: { kind: string }) => cell.kind === "lever")
     ? 1
     : 20 / Math.max(...view.cells.map((cell: { full_travel_mm: number }) => cell.full_travel_mm));

@@ -8,6 +8,8 @@ export interface Line {
   /** +1 loading, -1 unloading, which is drawn thinner. */
   direction?: ArrayLike<number>;
   colour: string;
+  /** Of what is only looked at beside the rest: faint and dashed. */
+  ghost?: boolean;
 }
 
 /** A point to be marked: full where a snap begins, hollow where it lands, or the cursor. */
@@ -118,9 +120,11 @@ export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): 
   pen.lineJoin = "round";
   // All of unloading lies under all of loading, so that no thin line cuts a thick one.
   for (const way of [-1, 1]) {
-    for (const { x, y, segment, direction, colour } of plot.lines) {
+    for (const { x, y, segment, direction, colour, ghost } of plot.lines) {
       pen.strokeStyle = colour;
       pen.lineWidth = way < 0 ? 1.3 : 2.4;
+      pen.globalAlpha = ghost ? 0.45 : 1;
+      pen.setLineDash(ghost ? [5, 4] : []);
       pen.beginPath();
       for (let k = 0; k < x.length; k += 1) {
         if ((direction?.[k] ?? 1) !== way) continue;
@@ -134,6 +138,8 @@ export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): 
       pen.stroke();
     }
   }
+  pen.globalAlpha = 1;
+  pen.setLineDash([]);
   for (const { x, y, colour, kind } of plot.dots) {
     pen.beginPath();
     pen.arc(across(x), up(y), kind === "cursor" ? 5.5 : 3.2, 0, 2 * Math.PI);

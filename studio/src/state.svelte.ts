@@ -2,14 +2,17 @@
 
 import {
   type CellTable,
+  type ChainTable,
   type Design,
   cellsOf,
   chainKey,
+  chainOf,
   designIn,
   fromHash,
   isRobot,
   toHash,
   withCells,
+  withChain,
 } from "./design";
 import { type Problem, type View, Wire } from "./wire";
 
@@ -34,6 +37,8 @@ export interface Pinned {
   design: Design;
   leg: number;
   view: View;
+  /** Its margins, where they were known. */
+  limits: View | null;
 }
 
 /** The shared state of all panels. */
@@ -43,6 +48,8 @@ class Studio {
   leg = $state(0);
   robot = $derived(isRobot(this.design));
   cells = $derived(cellsOf(this.design, this.leg));
+  /** The table that holds the cells. */
+  chain = $derived(chainOf(this.design, this.leg));
   /** The key of the shown chain as messages name it. */
   chainKey = $derived(chainKey(this.design, this.leg));
   /** The last good answer of each type. */
@@ -167,6 +174,11 @@ class Studio {
     this.edit(withCells(this.design!, this.leg, cells));
   }
 
+  /** One edit of the table that holds the cells. */
+  editChain(chain: ChainTable): void {
+    this.edit(withChain(this.design!, this.leg, chain));
+  }
+
   /** The shown chain while it is dragged. */
   showCells(cells: CellTable[]): void {
     this.show(withCells(this.design!, this.leg, cells));
@@ -253,8 +265,9 @@ class Studio {
 
   /** Puts the present design beside what comes after it. */
   pin(): void {
+    const { design, leg, limits } = this;
     const view = this.views.evaluate;
-    if (this.design && view) this.pinned = { design: this.design, leg: this.leg, view };
+    if (design && view) this.pinned = { design, leg, view, limits };
   }
 
   /** The present design and the one beside it change places. */
@@ -353,8 +366,8 @@ class Studio {
 /** What a refusal says, in one line. */
 export const refusal = (view: View): string => view.problems?.map((one) => one.text).join(" ") ?? "";
 
-// The cursor stays at its stroke of the actuator and on its way, loading or unloading.
-function carried(before: View | undefined, now: View, at: number): number {
+/** The sample of another view at the same stroke of the actuator and on the same way. */
+export function carried(before: View | undefined, now: View, at: number): number {
   const drive = now.blocks.drive;
   if (!before) return Math.min(at, drive.length - 1);
   const k = Math.floor(at);

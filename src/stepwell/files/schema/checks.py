@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from decimal import Decimal
 from inspect import isclass
 from typing import Annotated, Any, NoReturn, get_args
@@ -49,10 +50,24 @@ def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decim
     return decimal
 
 
+@dataclass(frozen=True, slots=True)
+class Within:
+    """A check of one number, whose bounds can be told."""
+
+    least: Decimal
+    most: Decimal
+    allowed: str
+
+    def __call__(self, value: Any) -> Decimal:
+        """The number as a decimal; refused where it is none between the bounds."""
+        return decimal_of(value, self.least, self.most, self.allowed)
+
+
 def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
     """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
-    allowed = allowed or f"from {least} to {most}"
-    return PlainValidator(lambda value: decimal_of(value, Decimal(least), Decimal(most), allowed))
+    return PlainValidator(
+        Within(Decimal(least), Decimal(most), allowed or f"from {least} to {most}")
+    )
 
 
 def above_zero(least: str, most: str) -> PlainValidator:

@@ -1,0 +1,237 @@
+"""Every number that a chain's tables may hold: its unit, its bounds, what it is where left out."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any, get_args
+
+from stepwell.base import Measure
+from stepwell.elements import LIBRARY
+from stepwell.files.schema import (
+    UNITS,
+    Within,
+    chain as schema,
+    elements,
+    field_of,
+    unit_of,
+    written,
+)
+from stepwell.files.tables.cells import merged
+from stepwell.mechanism import Band, Cell, Element
+
+Table = Mapping[str, Any]
+Path = tuple[str | int, ...]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class KnownKey:
+    """A key that a table may hold.
+
+    Attributes:
+        path: keys, and places in lists, from the chain's table on.
+        label: the key in words.
+        units: of each of its numbers; "" where one has none.
+        default: what it is where it is left out, as a file has it; None for nothing.
+        bounds: the least and the most that it may be; None where it is not just a number.
+    """
+
+    path: Path
+    label: str
+    units: tuple[str, ...]
+    default: Any
+    bounds: tuple[float, float] | None
+
+
+def known_keys(
+    chain: Table, common: Table | None = None
+) -> tuple[list[KnownKey], list[list[KnownKey]]]:
+    """The keys of a chain, and those of each of its cells, whether they stand there or not.
+
+    Nothing is checked: what is wrong with a table hides no key of it.
+
+    Args:
+        chain: its table, as files hold it.
+        common: of a robot, the table that the chains of all legs share; None for a chain.
+    """
+    found = chain.get("cell")
+    tables: Sequence[Any] = found if isinstance(found, list) else []
+    cells = [_table(one) for one in tables]
+    shared = _defaults(Cell, ("lever_mm", "limit_deg", "unusual")) | _numbers_of(_table(common))
+    band = _band_over(_band(), _table(common))
+    own: list[KnownKey] = []
+    if any(_form(cell) is None for cell in cells):
+        own += _keys((), schema.SharedKeys, shared)
+        own += _band_keys(("band",), band, _table(chain.get("band")))
+    # Robots have one actuator for all legs, in a table of its own.
+    if common is None:
+        own += _keys((), schema.ChainKeys, {schema.ACTUATORS[_measure(cells)]: "rigid"})
+    shared |= _numbers_of(chain)
+    band = _band_over(band, chain)
+    return own, [list(_of_cell(cell, ("cell", i), shared, band)) for i, cell in enumerate(cells)]
+
+
+def columns_of(cell: Any) -> tuple[str, str, str] | None:
+    """Where the points of an element's curve stand: its form, the keys of travel and of force.
+
+    Args:
+        cell: its table, as files hold it; None comes back where it is not given by points.
+    """
+    table = _table(cell)
+    form = next((one for one in ("table", "points", "curve") if one in table), None)
+    held = _table(table.get(form)) if form else {}
+    for x, y in elements.COLUMNS.values():
+        xs, ys = held.get(x), held.get(y)
+        if form and isinstance(xs, list) and isinstance(ys, list) and len(xs) == len(ys):
+            return form, x, y
+    return None
+
+
+def new_cells() -> dict[str, dict[str, Any]]:
+    """A table for every kind of cell that can be added to a chain, by what it is."""
+    found: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
+    for form in elements.LibraryKeys.model_fields:
+        found[form.replace("_", " ")] = {form: {}}
+    # A force that rises, falls and rises again, in round numbers of each unit.
+    for measure, (x, y) in elements.COLUMNS.items():
+        points = {x: [0, 4, 12, 16], y: [0, 1, -1, 0.5]}
+        found[f"curve of {measure.travel} and {measure.force}"] = {"points": points}
+    return found
+
+
+def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[KnownKey]:
+    form = _form(cell)
+    if form is None:
+        numbers = {**shared, **_defaults(Cell, ("friction_N", "mobility")), **_rows_in(cell)}
+        numbers["name"] = ""
+        if "load_mm_N" not in cell:
+            numbers["load_N"] = 0
+        bands = cell.get("bands")
+        own = _table(cell.get("band"))
+        if isinstance(bands, list):
+            band = _band_over(band, cell)
+            placed: Sequence[Any] = bands
+            for k, one in enumerate(placed):
+                yield from _band_keys((*path, "bands", k), band, _table(one))
+        else:
+            yield from _band_keys((*path, "band"), band, own)
+        yield from _keys(path, schema.LeverKeys, numbers)
+        return
+    measure = _measure([cell])
+    stops: Any = False
+    if form in elements.LibraryKeys.model_fields:
+        arguments, stops = LIBRARY[form.replace("_", "-")].defaults, _usual(form).stops
+        (table,) = get_args(elements.LibraryKeys.model_fields[form].annotation)[:1]
+        numbers = {key: _told(key, arguments[field_of(key)]) for key in table.model_fields}
+        yield from _keys((*path, form), table, numbers)
+    friction = elements.key_in("friction", measure.force_unit)
+    numbers = _defaults(Element, ("force_scale", "travel_scale", "mobility"))
+    numbers |= {"name": "", "stops": _told("stops", stops), friction: 0}
+    if form == "table":
+        numbers[elements.key_in("noise", measure.force_unit)] = None
+    yield from _keys(path, elements.ElementKeys, numbers)
+
+
+def _keys(path: Path, table: type[schema.Keys], defaults: Table) -> Iterator[KnownKey]:
+    """The keys of a table of which a default is known."""
+    for key, field in table.model_fields.items():
+        if key not in defaults:
+            continue
+        pair = key.endswith("_mm_N") or key in _ROWS
+        ends = ("_mm_N", *UNITS)
+        end = next((end for end in ends if key.endswith(end)), "")
+        yield KnownKey(
+            (*path, key),
+            key.removesuffix(end).replace("_", " "),
+            tuple(unit_of(key, column) for column in range(1 + pair)),
+            defaults[key],
+            next((_bounds(one) for one in _parts(field.annotation)), None),
+        )
+
+
+def _parts(annotation: Any) -> Iterator[Within]:
+    for one in get_args(annotation):
+        check = getattr(one, "func", None)
+        if isinstance(check, Within):
+            yield check
+        yield from _parts(one)
+
+
+def _bounds(check: Within) -> tuple[float, float]:
+    return float(check.least), float(check.most)
+
+
+def _band_keys(path: Path, shared: Table, own: Table) -> Iterator[KnownKey]:
+    """The keys of a band, but for those that its law leaves no room for."""
+    law = merged({**shared}, {**own}, "", []).keys()
+    hidden: set[str] = set()
+    if law & {"table_mm_N", "table_csv", "shape_mm"}:
+        hidden = {"two_sided", *_CUBIC}
+    if law & {"table_mm_N", "table_csv"}:
+        hidden.add("stiffness_N_per_m")
+    defaults = {key: shared.get(key, value) for key, value in _band().items()}
+    defaults = {key: value for key, value in defaults.items() if key not in hidden}
+    yield from _keys(path, schema.BandKeys, defaults | _rows_in(own))
+
+
+def _rows_in(table: Table) -> dict[str, Any]:
+    """Lists of rows are there or not; nothing stands for them where they are not."""
+    return {key: None for key in _ROWS if key in table}
+
+
+def _band_over(shared: Table, table: Table) -> dict[str, Any]:
+    return merged({**shared}, {**_table(table.get("band"))}, "", [])
+
+
+_ROWS = ("table_mm_N", "shape_mm", "load_mm_N")
+_CUBIC = ("quadratic_per_mm", "cubic_per_mm2")
+
+
+@cache
+def _band() -> Table:
+    usual = _defaults(Band, ("stiffness_N_per_m", "rest_length_mm", "two_sided"))
+    return usual | dict.fromkeys(_CUBIC, 0)
+
+
+def _defaults(value: type, keys: Sequence[str]) -> dict[str, Any]:
+    """What a value has under these keys where it is told nothing."""
+    by_name = {field.name: field.default for field in dataclasses.fields(value)}
+    return {key: _told(key, by_name[field_of(key)]) for key in keys}
+
+
+def _told(key: str, value: Any) -> Any:
+    """A value in SI as a file has it, read."""
+    return tomllib.loads(f"x = {written(key, value)}")["x"]
+
+
+def _numbers_of(table: Table) -> dict[str, Any]:
+    return {key: table[key] for key in ("lever_mm", "limit_deg", "unusual") if key in table}
+
+
+def _form(cell: Table) -> str | None:
+    """The key that gives an element's curve; None for a cell of levers."""
+    return next((form for form in schema.FORMS if form in cell), None)
+
+
+def _measure(cells: Sequence[Table]) -> Measure:
+    """What travel and force of the first cell are that says so."""
+    for cell in cells:
+        form = _form(cell)
+        if form is None or form in elements.LibraryKeys.model_fields:
+            return Measure.TRAVEL if form is None else _usual(form).measure
+        for measure, columns in elements.COLUMNS.items():
+            if any(key in _table(cell[form]) for key in columns):
+                return measure
+    return Measure.TRAVEL
+
+
+@cache
+def _usual(form: str) -> Element:
+    """The element of the library that is told nothing."""
+    return LIBRARY[form.replace("_", "-")].make()
+
+
+def _table(found: Any) -> Table:
+    return found if isinstance(found, Mapping) else {}
