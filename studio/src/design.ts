@@ -57,6 +57,12 @@ export function withCells(design: Design, leg: number, cell: CellTable[]): Desig
   return { ...design, leg: legs };
 }
 
+/** The same design with another chain, or of a robot with another chain of that leg. */
+export function withChain(design: Design, leg: number, chain: ChainTable): Design {
+  if (!design.leg?.[leg]?.chain?.cell) return { ...design, chain };
+  return { ...design, leg: design.leg.map((one, k) => (k === leg ? { ...one, chain } : one)) };
+}
+
 export const nameOf = (cell: CellTable | undefined, i: number): string =>
   typeof cell?.name === "string" && cell.name ? cell.name : `cell ${i + 1}`;
 
