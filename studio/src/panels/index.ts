@@ -6,6 +6,7 @@ import map from "./map";
 import mechanism from "./mechanism";
 import motion from "./motion";
 import summary from "./summary";
+import wish from "./wish";
 import yieldPanel from "./yield";
 
 /** A panel: what of the server it follows, where it is, and how it looks. */
@@ -19,4 +20,4 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [summary, yieldPanel, mechanism, motion, graph, map];
+export const panels: Panel[] = [summary, yieldPanel, mechanism, motion, graph, map, wish];
