@@ -223,8 +223,9 @@ class Studio {
           this.views = { ...this.views, [type]: view };
         },
         (view) => {
-          if (!view.progress || this.design !== design) return;
-          this.progress = { ...this.progress, [type]: view.progress[0] / view.progress[1] };
+          if (this.design !== design || this.leg !== leg) return;
+          if (view.part) this.views = { ...this.views, [type]: view };
+          else this.progress = { ...this.progress, [type]: view.progress[0] / view.progress[1] };
         },
       );
     }

@@ -317,46 +317,6 @@ def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
     assert ask("yield", FORWARD, **keys).header["problems"][0]["at"] == at
 
 
-MAP: dict[str, Any] = {"cell": 1, "x_mm": [0, 30], "y_mm": [-15, 15], "pixels": [60, 40]}
-
-
-@pytest.mark.parametrize("anchor", ["p", "q"])
-def test_every_pixel_of_a_map_is_what_python_says(anchor: str):
-    x = [0, 30] if anchor == "q" else [-30, 0]
-    header, blocks = ask("map", FORWARD, **(MAP | {"x_mm": x}), anchor=anchor)
-    assert blocks["image"].shape == (40, 60)
-    chain = sw.preset("paper-forward")
-    for row, column in ((0, 0), (20, 30), (39, 59), (5, 50), (33, 12)):
-        place = blocks["x"][column] / 1e3, blocks["y"][row] / 1e3
-        cells = chain.levers[0], chain.levers[1].with_anchors(**{anchor: place})
-        said = header["sequences"][blocks["image"][row, column]]
-        assert said == str(sw.Chain(cells).cycle().sequence)
-    assert header["boundaries"] and blocks[header["boundaries"][0]["block"]].shape[1] == 2
-
-
-def test_a_coarse_map_is_smaller_and_one_that_must_be_followed_coarser_still():
-    assert ask("map", FORWARD, **MAP, coarse=4).blocks["image"].shape == (10, 15)
-    header = ask("map", tables("slack"), **MAP).header
-    assert header["coarse"] > 1 and header["boundaries"] == []
-
-
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"cell": 2},
-        {"anchor": "r"},
-        {"x_mm": [3, 3]},
-        {"y_mm": [5, None]},
-        {"pixels": [0, 10]},
-        {"pixels": [10**6, 10]},
-        {"coarse": 0},
-    ],
-)
-def test_a_map_is_asked_within_bounds(keys: Any):
-    problem = ask("map", FORWARD, **(MAP | keys)).header["problems"][0]
-    assert problem["at"] == f"ask.{next(iter(keys))}"
-
-
 def test_a_wish_is_granted_as_by_python():
     header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
     found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))

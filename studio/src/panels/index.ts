@@ -2,9 +2,12 @@
 import type { Component } from "svelte";
 import type { Follower } from "../state.svelte";
 import graph from "./graph";
+import map from "./map";
 import mechanism from "./mechanism";
 import motion from "./motion";
 import summary from "./summary";
+import wish from "./wish";
+import yieldPanel from "./yield";
 
 /** A panel: what of the server it follows, where it is, and how it looks. */
 export interface Panel {
@@ -17,4 +20,4 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [summary, mechanism, motion, graph];
+export const panels: Panel[] = [summary, yieldPanel, mechanism, motion, graph, map, wish];

@@ -1,32 +1,66 @@
-"""A design for a wanted cycle, with its yield."""
+"""A design for a wanted cycle or a wanted set of states, with its yield."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from typing import Any
 
 from stepwell import files
 from stepwell.base import InputError
-from stepwell.design import USUAL, design as designed
+from stepwell.design import USUAL, Tolerances, design as designed
 from stepwell.results import design_record
+from stepwell.studio.panels import evaluate
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
 _LONGEST = 600
 _MOST_CELLS = 8
+_OBJECTIVES = ("yield", "worst")
 
 
 def answer(_design: Design, ask: Ask) -> View:
-    """The record that `stepwell design --json` prints, and the design to be shown."""
-    sequence = ask.text("sequence", _LONGEST)
-    anchor = ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3
+    """The record of `stepwell design --json`, the design, and in `shown` its cycle.
+
+    Asked for is a `sequence`, or `states` as text between blanks, or "all" of so many `cells`.
+    """
+    wanted = _wanted(ask)
+    tolerances = Tolerances(
+        anchor=ask.number("anchor_mm", 0.0, 1e3, USUAL.anchor * 1e3) / 1e3,
+        stiffness=ask.number("stiffness_percent", 0.0, 24.9, USUAL.stiffness * 100) / 100,
+    )
     holes = ask.number("holes_mm", 0.1, 1e3) / 1e3 if ask.has("holes_mm") else None
+    force = ask.number("most_force_N", 1e-6, 1e6) if ask.has("most_force_N") else math.inf
+    objective = ask.text("objective", 20, "yield")
+    seed = ask.whole("seed", 0, 2**32 - 1, 0)
     ask.close()
-    if len(sequence.partition(">")[0].strip()) > _MOST_CELLS:
+    if objective not in _OBJECTIVES:
+        raise InputError(f"ask.objective = {objective!r}: must be 'yield' or 'worst'.")
+    found = designed(
+        **wanted,
+        holes=holes,
+        tolerances=tolerances,
+        objective=objective,
+        most_force=force,
+        seed=seed,
+        progress=ask.tell,
+    )
+    tables = files.tables_in(files.dumps(found.chain))
+    shown = evaluate.answer(Design(tables), Ask())
+    return View({**design_record(found), "design": tables, "shown": shown.header}, shown.blocks)
+
+
+def _wanted(ask: Ask) -> dict[str, Any]:
+    """What `design` is to be asked for."""
+    if ask.has("sequence") == ask.has("states"):
+        raise InputError("ask: must have sequence, such as '00>10>11>01>00', or states.")
+    key = "sequence" if ask.has("sequence") else "states"
+    text = ask.text(key, _LONGEST)
+    states = text.split()
+    if key == "states" and text == "all":
+        return {"states": text, "cells": ask.whole("cells", 1, _MOST_CELLS)}
+    if max(map(len, text.replace(">", " ").split()), default=0) > _MOST_CELLS:
         raise InputError(
-            f"ask.sequence = {sequence[:60]!r}: has too many cells: at most {_MOST_CELLS} are "
+            f"ask.{key} = {text[:60]!r}: has too many cells: at most {_MOST_CELLS} are "
             f"placed here; `stepwell design` takes more."
         )
-    tolerances = replace(USUAL, anchor=anchor)
-    found = designed(sequence, holes=holes, tolerances=tolerances, progress=ask.tell)
-    tables = files.tables_in(files.dumps(found.chain))
-    return View({**design_record(found), "design": tables})
+    return {"sequence": text} if key == "sequence" else {"states": states}

@@ -1,0 +1,262 @@
+"""Map, wish and yield in a browser: what is pointed at, wished and counted is Python's."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from stepwell import files
+from stepwell.design import parameter, parameter_map
+from studio.browser import (
+    anchors,
+    chain_shown,
+    compare,
+    drag,
+    field,
+    handle,
+    number,
+    output,
+    settled,
+    shown_as,
+)
+
+from playwright.sync_api import Locator, Page, expect  # isort: skip
+
+WHOLE = "00>01>11>10>00"
+
+
+def opened_tab(page: Page, name: str) -> None:
+    page.get_by_role("tab", name=name).click()
+
+
+def the_map(page: Page) -> Locator:
+    found = page.get_by_role("application", name=re.compile("^Map over"))
+    expect(
+        page.get_by_role("list", name="Sequences on the map").locator("li").first
+    ).to_be_visible()
+    expect(found).not_to_have_class(re.compile("stale"))
+    return found
+
+
+def point(page: Page, across: float, up: float) -> tuple[float, float, str]:
+    """Point at a part of the map: the values there, and the sequence that is told."""
+    canvas = the_map(page).locator("canvas")
+    # A field that was filled may have scrolled it under the bar below.
+    canvas.evaluate("one => one.scrollIntoView({ block: 'center' })")
+    box = canvas.bounding_box()
+    assert box is not None
+    # The room of the axes is the page's own.
+    wide, tall = box["width"] - 56, box["height"] - 32
+    page.mouse.move(box["x"] + 46 + across * wide, box["y"] + 8 + (1 - up) * tall)
+    place = output(page, "place").inner_text().replace("−", "-")
+    x, y = (float(one) for one in re.findall(r"-?[\d.]+", re.sub(r"N/m|mm|%", "", place)))
+    return x, y, output(page, "sequence there").inner_text()
+
+
+@pytest.fixture
+def mapped(page: Page) -> Page:
+    opened_tab(page, "Map")
+    the_map(page).scroll_into_view_if_needed()
+    return page
+
+
+PLACES = ((0.1, 0.5), (0.3, 0.9), (0.3, 0.1), (0.8, 0.4))
+
+
+def test_the_map_is_pythons(mapped: Page):
+    chain = sw.preset("paper-forward")
+    found = set()
+    for place in PLACES:
+        x, y, sequence = point(mapped, *place)
+        there = parameter(chain, "outer.q").changed(chain, (x / 1e3, y / 1e3))
+        assert sequence == str(there.cycle().sequence)
+        found.add(sequence)
+    assert len(found) > 2
+    expect(output(mapped, "distance")).to_have_text(f"{chain.margin().anchors[1] * 1e3:.4g}")
+
+
+def test_a_map_of_unlike_parameters_is_pythons(mapped: Page):
+    chain = sw.preset("paper-forward")
+    mapped.get_by_role("combobox", name="Map over").select_option("any two parameters")
+    mapped.get_by_role("combobox", name="Parameter to the right").select_option(
+        "stiffness of inner"
+    )
+    expect(
+        mapped.get_by_role("application", name="Map over stiffness of inner and y of q of outer")
+    ).to_be_visible()
+    first = mapped.get_by_role("spinbutton", name="stiffness of inner, from, in N/m")
+    first.fill("20")
+    first.press("Enter")
+    for place in PLACES:
+        x, y, sequence = point(mapped, *place)
+        ys = np.array([y, y + 1e-6]) / 1e3
+        there = parameter_map(chain, ("inner.stiffness", [x]), ("outer.q.y", ys)).sequence
+        words = there.attrs["flag_meanings"].split(" ")
+        assert sequence == words[int(there.values[0, 0])]
+    assert output(mapped, "distance along y").is_visible()
+
+
+def test_the_dot_moves_with_the_anchor_and_the_map_stays(mapped: Page):
+    dot = the_map(mapped).locator("circle")
+    expect(dot).to_have_attribute("data-x", "20")
+    drag(mapped, "q", "outer", -40, 20)
+    x, y = anchors(mapped, "outer")[1]
+    expect(dot).to_have_attribute("data-x", f"{x:g}")
+    expect(dot).to_have_attribute("data-y", f"{y:g}")
+    expect(output(mapped, "distance")).to_have_text(
+        f"{chain_shown(mapped).margin().anchors[1] * 1e3:.4g}"
+    )
+
+
+def test_the_map_follows_what_is_not_on_it(mapped: Page):
+    drag(mapped, "q", "inner", 30, 10)
+    chain = chain_shown(mapped)
+    assert chain != sw.preset("paper-forward")
+    the_map(mapped).scroll_into_view_if_needed()
+    for place in PLACES:
+        x, y, sequence = point(mapped, *place)
+        there = parameter(chain, "outer.q").changed(chain, (x / 1e3, y / 1e3))
+        assert sequence == str(there.cycle().sequence)
+
+
+def test_a_click_takes_the_design_there_in_one_step(mapped: Page):
+    x, y, sequence = point(mapped, 0.3, 0.9)
+    mapped.mouse.down()
+    mapped.mouse.up()
+    settled(mapped)
+    assert anchors(mapped, "outer")[1] == [x, y]
+    expect(output(mapped, "sequence")).to_have_attribute("data-value", sequence)
+    compare(mapped)
+    mapped.get_by_role("button", name="Undo").click()
+    settled(mapped)
+    assert anchors(mapped, "outer")[1] == [20, 0]
+    expect(mapped.get_by_role("button", name="Undo")).to_be_disabled()
+
+
+def test_the_keyboard_takes_the_design_there(mapped: Page):
+    the_map(mapped).focus()
+    for _ in range(4):
+        mapped.keyboard.press("Shift+ArrowLeft")
+    mapped.keyboard.press("ArrowUp")
+    expect(output(mapped, "place")).to_have_text("8 mm, 0.3 mm")
+    sequence = output(mapped, "sequence there").inner_text()
+    mapped.keyboard.press("Enter")
+    settled(mapped)
+    assert anchors(mapped, "outer")[1] == [8, 0.3]
+    expect(output(mapped, "sequence")).to_have_attribute("data-value", sequence)
+
+
+def test_a_jump_of_a_number_is_one_step(mapped: Page):
+    mapped.get_by_role("combobox", name="Map over").select_option("any two parameters")
+    mapped.get_by_role("combobox", name="Parameter to the right").select_option(
+        "stiffness of outer"
+    )
+    named = "Map over stiffness of outer and y of q of outer"
+    expect(mapped.get_by_role("application", name=named)).to_be_visible()
+    x, y, sequence = point(mapped, 0.9, 0.9)
+    mapped.mouse.down()
+    mapped.mouse.up()
+    expect(field(mapped, "q", "outer", "y")).to_have_value(f"{y:g}")
+    settled(mapped)
+    expect(output(mapped, "sequence")).to_have_attribute("data-value", sequence)
+    mapped.get_by_role("button", name="Show me the Python").click()
+    expect(mapped.get_by_label("Python", exact=True).last).to_contain_text(f"{x:g}")
+
+
+def test_a_locked_anchor_is_not_taken_anywhere(mapped: Page):
+    mapped.get_by_role("button", name="Lock q of outer").click()
+    point(mapped, 0.3, 0.9)
+    mapped.mouse.down()
+    mapped.mouse.up()
+    expect(mapped.get_by_role("alert")).to_contain_text("q of outer is locked")
+    assert anchors(mapped, "outer")[1] == [20, 0]
+
+
+def wish(page: Page, *states: str) -> None:
+    for state in states:
+        page.get_by_role("button", name=f"State {state}", exact=True).click()
+    page.get_by_role("button", name="Find a design").click()
+
+
+def test_a_cycle_is_wished_by_clicks_and_taken(page: Page):
+    opened_tab(page, "Wish")
+    wish(page, "00", "01", "11", "10", "00")
+    expect(output(page, "sequence found")).to_have_text(WHOLE)
+    found = sw.design(WHOLE)
+    assert number(page, "yield found") == float(f"{found.yield_.share * 100:.6g}")
+    expect(page.get_by_role("group", name="The design found, all cells at 0")).to_be_visible()
+    page.get_by_role("button", name="Take it").click()
+    expect(output(page, "sequence")).to_have_attribute("data-value", WHOLE)
+    settled(page)
+    assert chain_shown(page).cycle().peak_force == pytest.approx(found.chain.cycle().peak_force)
+    page.get_by_role("button", name="Undo").click()
+    expect(output(page, "sequence")).to_have_attribute("data-value", "00>10>11>01>00")
+    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
+
+
+def test_a_set_of_states_is_wished_and_reached(page: Page):
+    opened_tab(page, "Wish")
+    page.get_by_role("button", name="A set of states").click()
+    page.get_by_role("button", name="2 cells").click()
+    wish(page, "10", "11")
+    found = sw.design(states=["00", "10", "11"])
+    expect(output(page, "states found")).to_have_text(" ".join(found.states))
+    expect(output(page, "sequence found")).to_have_text(found.sequence)
+    page.get_by_role("button", name="Take it").click()
+    expect(output(page, "sequence")).to_have_attribute("data-value", found.sequence)
+
+
+def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
+    opened_tab(page, "Wish")
+    page.get_by_role("spinbutton", name="Largest force in N").fill("0.01")
+    page.get_by_role("spinbutton", name="Largest force in N").press("Enter")
+    wish(page)
+    with pytest.raises(ValueError, match=re.escape("00>10")) as error:
+        sw.design("00>10>11>01>00", most_force=0.01)
+    expect(page.get_by_role("alert")).to_have_text(str(error.value))
+    expect(page.get_by_role("button", name="Take it")).to_have_count(0)
+
+
+def test_a_wish_of_five_cells_is_typed(page: Page):
+    opened_tab(page, "Wish")
+    text = page.get_by_role("textbox", name="Cycle")
+    text.fill("00000>10000>11000")
+    text.press("Enter")
+    expect(page.get_by_role("button", name="State 00", exact=True)).to_have_count(0)
+    page.get_by_role("button", name="Find a design").click()
+    expect(page.get_by_role("alert")).to_contain_text("00000>10000>11000")
+
+
+def test_the_yield_is_pythons(page: Page):
+    tolerance = page.get_by_role("spinbutton", name="Tolerance of the anchors in mm", exact=True)
+    expect(output(page, "yield")).to_have_text("100")
+    expect(tolerance).to_have_value("0.3")
+    tolerance.fill("4")
+    tolerance.press("Enter")
+    chain = files.preset("paper-forward")
+    assert isinstance(chain, sw.Chain)
+    found = chain.yields(sw.Tolerances(anchor=4e-3, stiffness=0.05), seed=0)
+    low, high = found.interval
+    expect(output(page, "yield")).to_have_text(f"{found.share * 100:.6g}")
+    expect(output(page, "interval")).to_have_text(f"{low * 100:.6g} to {high * 100:.6g}")
+    expect(output(page, "most failures")).to_have_text(next(iter(found.outcomes)))
+    assert found.critical is not None
+    first, second = found.critical.names
+    expect(output(page, "goes wrong first")).to_have_text(
+        f"{first} before {second} while {found.critical.way}"
+    )
+
+
+def test_the_yield_follows_the_design(page: Page):
+    expect(output(page, "yield")).to_have_text("100")
+    handle(page, "q", "outer").focus()
+    field(page, "q", "outer", "x").fill("10.4")
+    field(page, "q", "outer", "x").press("Enter")
+    settled(page)
+    share = chain_shown(page).yields().share
+    assert share < 1
+    expect(output(page, "yield")).to_have_text(f"{share * 100:.6g}")
+    assert number(page, "margin") == shown_as(chain_shown(page).margin().anchors.min() * 1e3)
