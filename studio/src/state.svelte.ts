@@ -371,7 +371,7 @@ function carried(before: View | undefined, now: View, at: number): number {
 }
 
 // A browser may refuse to keep anything; the page works all the same.
-function stored(name: string): string | null {
+export function stored(name: string): string | null {
   try {
     return localStorage.getItem(name);
   } catch {
@@ -379,7 +379,7 @@ function stored(name: string): string | null {
   }
 }
 
-function store(name: string, text: string): void {
+export function store(name: string, text: string): void {
   try {
     localStorage.setItem(name, text);
   } catch {

@@ -48,6 +48,7 @@ class Live:
         header = {"first": self._sent, **told}
         self._sent = len(walk.time)
         shares = [_shares(walk, k)[new] for k in range(len(walk.robot.legs))]
+        gears = [one.gear if one.connected else 0.0 for one in walk.robot.antennas]
         codes = [[-1 if one is None else int(one, 2) for one in states(share)] for share in shares]
         return View(
             header,
@@ -58,6 +59,7 @@ class Live:
                 "yaw": np.degrees(walk.yaw[new]),
                 "stroke": walk.stroke[new] * _MM,
                 "antenna": np.degrees(walk.antenna[new]),
+                "moved": walk.antenna[new] * np.array(gears) * _MM,
                 "foot_force": walk.foot_force[new],
                 # A leg's state as a binary number; -1 in transit.
                 "state": np.array(codes, np.int32).reshape(len(shares), -1).T,

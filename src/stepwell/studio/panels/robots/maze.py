@@ -24,4 +24,4 @@ def answer(design: Design, ask: Ask) -> View:
 
     live = Live(robot, arena, ask)
     found = maze(robot, arena, limit=limit, progress=ask.tell, look=live.look)
-    return live.view(found.walk, record=maze_record(found), walks_on=found.walks_on)
+    return live.view(found.walk, record=maze_record(found), outcome=str(found.outcome))
