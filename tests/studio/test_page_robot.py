@@ -175,12 +175,12 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
 
 
 def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
-    page = robot_page
-    typed(page, "angle of antenna left in degrees", "0")
-    field = page.get_by_role("spinbutton", name="angle of antenna left in degrees")
+    page, name = robot_page, "length of antenna left in mm"
+    typed(page, name, "-1")
+    field = page.get_by_role("spinbutton", name=name)
     expect(field).to_have_attribute("aria-invalid", "true")
-    expect(page.get_by_role("alert").first).to_contain_text("antenna[0].angle_deg")
-    typed(page, "angle of antenna left in degrees", "63")
+    expect(page.get_by_role("alert").first).to_contain_text("antenna[0].length_mm")
+    typed(page, name, "130")
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
