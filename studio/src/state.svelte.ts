@@ -385,7 +385,7 @@ export function carried(before: View | undefined, now: View, at: number): number
 }
 
 // A browser may refuse to keep anything; the page works all the same.
-function stored(name: string): string | null {
+export function stored(name: string): string | null {
   try {
     return localStorage.getItem(name);
   } catch {
@@ -393,7 +393,7 @@ function stored(name: string): string | null {
   }
 }
 
-function store(name: string, text: string): void {
+export function store(name: string, text: string): void {
   try {
     localStorage.setItem(name, text);
   } catch {

@@ -1,7 +1,14 @@
 """Design files in and out, and results as files: read, check, write."""
 
 from stepwell.base import write_atomic
-from stepwell.files.arena import arena_text, arenas, load_arena, loads_arena
+from stepwell.files.arena import (
+    arena_tables,
+    arena_text,
+    arenas,
+    load_arena,
+    loads_arena,
+    loads_arena_tables,
+)
 from stepwell.files.curves import load_element
 from stepwell.files.design import (
     load,
@@ -41,6 +48,7 @@ __all__ = [
     "IncompleteError",
     "OverwriteError",
     "WrittenProgram",
+    "arena_tables",
     "arena_text",
     "arenas",
     "check_folder",
@@ -54,6 +62,7 @@ __all__ = [
     "load_robot",
     "loads",
     "loads_arena",
+    "loads_arena_tables",
     "loads_chain",
     "loads_program",
     "loads_robot",

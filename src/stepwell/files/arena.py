@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from stepwell.files.design import text_of
 from stepwell.files.schema import arena as schema, fields, slip_lines, table_lines, worded
 from stepwell.files.tables import drawn, part_of
-from stepwell.files.text import DesignError, did_you_mean, parsed
+from stepwell.files.text import DesignError, did_you_mean, in_decimals, in_floats, parsed
 from stepwell.mechanism import SlipError
 from stepwell.robot import Arena, Cylinder, Goal, Wall
 from stepwell.robot.parts import of_arena
@@ -75,14 +75,37 @@ def loads_arena(text: str, name: str = "arena") -> Arena:
     """
     if name.endswith(".txt") or re.match(r"\s*cell\b(?!\s*=)", text):
         return drawn(text, name)
+    return _arena(parsed(text, name, _EMPTY), name)
+
+
+def loads_arena_tables(tables: Any, name: str = "arena") -> Arena:
+    """The arena that a file describes whose tables are Python values, as out of JSON.
+
+    Args:
+        tables: of strings, numbers, booleans, lists and dictionaries, with the keys of the file;
+            none at all are a bare floor.
+        name: what messages call it.
+
+    Raises:
+        DesignError: as `loads_arena`, with the same words; or a value that no file can hold.
+    """
+    problems: list[str] = []
+    as_read = in_decimals(tables, problems)
+    if problems:
+        raise DesignError(name, problems)
+    return _arena(as_read, name)
+
+
+def arena_tables(arena: Arena) -> dict[str, Any]:
+    """The tables of an arena's file as Python values; `loads_arena_tables` takes them."""
+    return in_floats(parsed(arena_toml(arena), "arena", _EMPTY))
+
+
+def _arena(tables: dict[str, Any], name: str) -> Arena:
     try:
-        keys = schema.ArenaKeys.model_validate(parsed(text, name, _EMPTY))
+        keys = schema.ArenaKeys.model_validate(tables)
     except ValidationError as error:
         raise DesignError(name, worded(error, schema.TABLES)) from None
-    return _arena(keys, name)
-
-
-def _arena(keys: schema.ArenaKeys, name: str) -> Arena:
     problems: list[str] = []
     walls: list[Any] = [
         part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)

@@ -5,6 +5,8 @@ import graph from "./graph";
 import map from "./map";
 import mechanism from "./mechanism";
 import motion from "./motion";
+import prediction from "./prediction";
+import robot from "./robot";
 import summary from "./summary";
 import wish from "./wish";
 import yieldPanel from "./yield";
@@ -20,4 +22,14 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [summary, yieldPanel, mechanism, motion, graph, map, wish];
+export const panels: Panel[] = [
+  summary,
+  yieldPanel,
+  prediction,
+  robot,
+  mechanism,
+  motion,
+  graph,
+  map,
+  wish,
+];

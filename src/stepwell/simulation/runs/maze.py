@@ -155,10 +155,11 @@ def maze(
     limit: float = 600.0,
     settings: Settings | None = None,
     progress: Callable[[float, float], None] | None = None,
+    look: Callable[[Callable[[], Walk]], None] | None = None,
 ) -> Maze:
     """Let a robot walk in an arena until it reaches the goal, is trapped or runs out of time.
 
-    All else as for `Robot.maze`.
+    `look` is as for `walk`. All else as for `Robot.maze`.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
@@ -169,6 +170,8 @@ def maze(
     for now in run.chunks(limit):
         if progress is not None:
             progress(max(now, 0.0), limit)
+        if look is not None:
+            look(lambda: recorded(robot, arena, settings, run.samples()))
         if run.stopped:
             outcome = Outcome.STOPPED
             break

@@ -114,7 +114,7 @@ def _drawn(
         np.savez(
             run,
             view=json.dumps(_view(walk, isinstance(result, Maze), width, height)),
-            positions=walk._samples.positions[chosen],
+            positions=walk.positions[chosen],
             trail=trail if isinstance(result, Maze) else trail[:0],
         )
         tried: list[str] = []

@@ -104,6 +104,11 @@ class Walk(ByValue):
     _samples: RunSamples = field(repr=False)
 
     @property
+    def positions(self) -> Floats:
+        """(n, nq) of the joints of its model, in MuJoCo's order and units."""
+        return self._samples.positions
+
+    @property
     def cycles(self) -> int:
         """How many whole cycles it lasted."""
         if len(self.time) == 0:
@@ -283,10 +288,12 @@ def walk(
     settings: Settings | None = None,
     start: Walk | None = None,
     progress: Callable[[float, float], None] | None = None,
+    look: Callable[[Callable[[], Walk]], None] | None = None,
 ) -> Walk:
     """Drive a robot's actuator out and back and let physics do the rest.
 
-    All else as for `Robot.walk`.
+    `look` is called after every half second of the run with a function that gives the walk so
+    far. All else as for `Robot.walk`.
     """
     if not cycles > 0:
         raise InputError(f"cycles = {cycles}: must be > 0.")
@@ -298,6 +305,8 @@ def walk(
     for now in run.chunks(end):
         if progress is not None:
             progress(now - begin, end - begin)
+        if look is not None:
+            look(lambda: recorded(robot, arena, settings, run.samples()))
     return recorded(robot, arena, settings, run.samples())
 
 

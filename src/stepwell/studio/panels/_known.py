@@ -14,9 +14,7 @@ from stepwell.studio.wire import Ask, Design, View
 @cache
 def types() -> tuple[str, ...]:
     """The type of every panel."""
-    here = str(Path(__file__).parent)
-    names = (module.name for module in pkgutil.iter_modules([here]))
-    return tuple(sorted(name for name in names if not name.startswith("_")))
+    return tuple(sorted(_found()))
 
 
 def is_long(kind: str) -> bool:
@@ -34,5 +32,16 @@ def answer(kind: str, design: Design, ask: Ask) -> View:
 
 
 @cache
+def _found() -> dict[str, str]:
+    """The module of every type; a folder here holds panels that share something."""
+    here, found = Path(__file__).parent, dict[str, str]()
+    for module in pkgutil.walk_packages([str(here)], f"{__package__}."):
+        name = module.name.rpartition(".")[2]
+        if not module.ispkg and not name.startswith("_"):
+            found[name] = module.name
+    return found
+
+
+@cache
 def _panel(kind: str) -> ModuleType:
-    return import_module(f"{__package__}.{kind}")
+    return import_module(_found()[kind])

@@ -107,6 +107,17 @@ class Ask:
             raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
         return [Ask({key: one}).number(key, least, most) for one in value]
 
+    def table(self, key: str) -> dict[str, Any]:
+        """An object with keys of its own, which who takes it checks.
+
+        Raises:
+            ValueError: another value, or none.
+        """
+        value = self._take(key, None)
+        if not isinstance(value, dict):
+            raise InputError(f"ask.{key} = {_shown(value)}: must be an object.")
+        return value
+
     def close(self) -> None:
         """Refuse keys that nobody has taken.
 

@@ -1,0 +1,1 @@
+"""What the page asks of robots: where they stand, what they will do, and what they did."""

@@ -1,0 +1,17 @@
+"""What statics says of a robot: gait, advance and the legs' margins."""
+
+from __future__ import annotations
+
+from stepwell.results import robot_record
+from stepwell.studio.wire import Ask, Design, View
+
+LONG = True
+
+
+def answer(design: Design, ask: Ask) -> View:
+    """The record that `stepwell robot show --json` prints, and the prediction in words."""
+    ask.close()
+    prediction = design.robot.predict()
+    return View(
+        {"motion": prediction.motion.value, "record": robot_record(design.robot, prediction)}
+    )

@@ -1,0 +1,24 @@
+"""A robot that walks, on a bare floor or in an arena, seen while it does."""
+
+from __future__ import annotations
+
+from stepwell.results import walk_record
+from stepwell.studio.panels.robots._arena import arena_of
+from stepwell.studio.wire import Ask, Design, View
+
+LONG = True
+_MOST_CYCLES = 1000
+
+
+def answer(design: Design, ask: Ask) -> View:
+    """The record that `stepwell walk --json` prints, and every sample."""
+    arena = arena_of(ask)
+    cycles = ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)
+    ask.close()
+    robot = design.robot
+    from stepwell.simulation import walk
+    from stepwell.studio.panels.robots._live import Live
+
+    live = Live(robot, arena, ask)
+    found = walk(robot, cycles, arena=arena, progress=ask.tell, look=live.look)
+    return live.view(found, record=walk_record(found))

@@ -1,0 +1,207 @@
+"""A robot's page in a browser: walked, sent through an arena, edited by hand."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+pytest.importorskip("mujoco")
+
+import stepwell as sw
+from stepwell import files
+from stepwell.robot import Robot
+from stepwell.simulation import Maze
+from studio.browser import Opened, number, output, served, settled, shown_as
+
+from playwright.sync_api import Page, expect  # isort: skip
+
+# A process of its own has to start first, and compile.
+PATIENT = 120_000
+
+
+@pytest.fixture(scope="module")
+def robot_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with served(tmp_path_factory.mktemp("robot"), "robot-explorer") as found:
+        yield found
+
+
+@pytest.fixture
+def robot_page(opened: Opened, robot_address: str) -> Page:
+    opened.page.goto(robot_address)
+    expect(button(opened.page, "Walk")).to_be_enabled()
+    return opened.page
+
+
+def button(page: Page, name: str) -> Any:
+    return page.get_by_role("button", name=name, exact=True)
+
+
+def plan(page: Page) -> Any:
+    return page.get_by_role("group", name="The robot on its floor, from above")
+
+
+def middle_of(found: Any) -> tuple[float, float]:
+    box = found.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page: Page, begin: tuple[float, float], end: tuple[float, float]) -> None:
+    page.mouse.move(*begin)
+    page.mouse.down()
+    for k in range(1, 9):
+        page.mouse.move(*(a + (b - a) * k / 8 for a, b in zip(begin, end, strict=True)))
+    page.mouse.up()
+    page.wait_for_timeout(100)
+
+
+def typed(page: Page, name: str, value: str) -> None:
+    field = page.get_by_role("spinbutton", name=name, exact=True)
+    field.fill(value)
+    field.press("Enter")
+
+
+def arena_kept(page: Page) -> dict[str, Any]:
+    return page.evaluate("JSON.parse(localStorage.getItem('stepwell.arena'))")
+
+
+def design_kept(page: Page) -> Robot:
+    settled(page)
+    kept = page.evaluate("JSON.parse(localStorage.getItem('stepwell.design'))")
+    return files.loads_tables(kept)[0]
+
+
+def compare(page: Page, walk: Any) -> None:
+    """Time, states and antennas at the cursor with those of Python."""
+    slider = page.get_by_role("slider", name="Time in the run")
+    expect(slider).to_be_enabled()
+    for sample in (0, len(walk.time) // 2, len(walk.time) - 1):
+        slider.fill(str(sample))
+        assert number(page, "time") == shown_as(walk.time[sample])
+        assert number(page, "stroke of the robot") == float(f"{walk.stroke[sample] * 1e3:.3g}")
+        for k, leg in enumerate(walk.robot.legs):
+            state = walk.state(leg.name, walk.time[sample]) or "in transit"
+            expect(output(page, f"state of leg {leg.name}")).to_have_text(state)
+            told = number(page, f"force under foot {leg.name}")
+            assert told == float(f"{walk.foot_force[sample, k]:.3g}")
+
+
+def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
+    opened: Opened, empty_address: str
+):
+    page = opened.page
+    page.goto(empty_address)
+    page.get_by_role("button", name=re.compile("walks forward: q")).first.click()
+    legs = page.get_by_role("group", name="Leg whose chain is shown below")
+    expect(legs.get_by_role("button")).to_have_text(["leg left", "leg right"])
+    typed(page, "Cycles to walk", "2")
+    button(page, "Walk").click()
+    expect(output(page, "advance")).to_be_visible(timeout=PATIENT)
+    robot = sw.preset("robot-forward")
+    walk = robot.walk(2)
+    from stepwell.results import walk_record
+
+    record = walk_record(walk)
+    assert number(page, "cycles") == 2
+    assert number(page, "advance") == shown_as(record["mean_advance_over_u_max"])
+    assert number(page, "turn") == shown_as(record["mean_turn_deg"])
+    assert number(page, "distance") == shown_as(record["distance_mm"])
+    compare(page, walk)
+    prediction = robot.predict()
+    expect(output(page, "prediction")).to_have_text(
+        f"{prediction.motion.value}, d/u_max {prediction.advance:.3g}", timeout=PATIENT
+    )
+
+
+def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
+    page = robot_page
+    page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
+    expect(button(page, "Through the arena")).to_be_enabled()
+    x, y = middle_of(page.get_by_role("button", name="start", exact=True).locator(".dot"))
+    button(page, "Draw walls").click()
+    box = plan(page).bounding_box()
+    assert box is not None
+    wide = box["width"] * 0.06
+    drag(page, (x + 3.4 * wide, y + wide), (x + 4.4 * wide, y - 1.5 * wide))
+    arena = arena_kept(page)
+    assert len(arena["wall"]) == 1
+    typed(page, "Time limit in s", "15")
+    button(page, "Through the arena").click()
+    expect(output(page, "outcome")).to_be_visible(timeout=PATIENT)
+    maze: Maze = sw.preset("robot-explorer").maze(files.loads_arena_tables(arena), limit=15)
+    expect(output(page, "outcome")).to_have_text(str(maze.outcome))
+    assert number(page, "contacts") == len(maze.contacts)
+    assert number(page, "gait changes") == len(maze.changes)
+    assert number(page, "distance") == shown_as(maze.walk.distance * 1e3)
+    compare(page, maze.walk)
+    button(page, "Back to the start").click()
+    page.get_by_role("button", name="second end of wall 1").press("Shift+ArrowLeft")
+    assert arena_kept(page)["wall"][0]["to_mm"][0] == arena["wall"][0]["to_mm"][0] - 10
+    page.get_by_role("button", name="wall 1", exact=True).press("Delete")
+    assert arena_kept(page)["wall"] == []
+
+
+def test_a_run_can_be_ended_and_what_is_known_of_it_stays(robot_page: Page):
+    page = robot_page
+    typed(page, "Cycles to walk", "1000")
+    button(page, "Walk").click()
+    slider = page.get_by_role("slider", name="Time in the run")
+    expect(slider).to_be_visible(timeout=PATIENT)
+    button(page, "Cancel").click()
+    expect(page.get_by_text("Ended before it was done.")).to_be_visible()
+    expect(slider).to_be_enabled()
+    expect(button(page, "Walk")).to_be_enabled()
+
+
+def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
+    page = robot_page
+    tip = page.get_by_role("button", name="tip of antenna left")
+    before = design_kept(page).antennas[0]
+    x, y = middle_of(tip.locator(".dot"))
+    drag(page, (x, y), (x + 20, y - 10))
+    after = design_kept(page).antennas[0]
+    assert after.length > before.length
+    assert after.pivot == before.pivot
+    told = page.get_by_role("spinbutton", name="length of antenna left in mm").input_value()
+    assert float(told) == pytest.approx(after.length * 1e3)
+    placed = middle_of(tip.locator(".dot"))
+    assert placed == pytest.approx((x + 20, y - 10), abs=3)
+    button(page, "Undo").click()
+    assert design_kept(page).antennas[0] == before
+    tip.press("ArrowUp")
+    assert design_kept(page).antennas[0] != before
+    button(page, "Undo").click()
+
+
+def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
+    page, name = robot_page, "length of antenna left in mm"
+    typed(page, name, "-1")
+    field = page.get_by_role("spinbutton", name=name)
+    expect(field).to_have_attribute("aria-invalid", "true")
+    expect(page.get_by_role("alert").first).to_contain_text("antenna[0].length_mm")
+    typed(page, name, "130")
+    expect(page.get_by_role("alert")).to_have_count(0)
+
+
+def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
+    page = robot_page
+    page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
+    page.get_by_text("Numbers of the arena").click()
+    button(page, "Add a cylinder").click()
+    typed(page, "cylinder 1, x in mm", "0")
+    expect(page.get_by_role("alert")).to_contain_text("inside an obstacle")
+    button(page, "Remove cylinder 1").click()
+    expect(page.get_by_role("alert")).to_have_count(0)
+
+
+def test_three_dimensions_are_loaded_for_robots_alone(page: Page, opened: Opened):
+    assert not [url for url in opened.asked if url.endswith("scene.js")]
+    assert page.get_by_role("region", name="Robot").count() == 0
+
+
+def test_nothing_needs_sideways_scrolling_on_a_phone(robot_page: Page):
+    robot_page.set_viewport_size({"width": 390, "height": 844})
+    robot_page.get_by_text("Numbers of the arena").click()
+    robot_page.wait_for_timeout(200)
+    assert robot_page.evaluate("document.documentElement.scrollWidth") <= 390
