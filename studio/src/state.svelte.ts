@@ -113,8 +113,7 @@ class Studio {
 
   /** Reads what was kept, connects, and asks what to begin with. */
   begin(): void {
-    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
+    this.dress();
     this.kept = designIn(stored(KEPT));
     this.wire.connect();
     const held = fromHash(location.hash);
@@ -125,6 +124,14 @@ class Studio {
         if (view.ok && view.design) this.replace(view.design);
         else this.gallery = true;
       });
+  }
+
+  /** Shows a motion that is there already, without anybody to be asked. */
+  replay(view: View): void {
+    this.dress();
+    this.views = { evaluate: view };
+    // A program ends where it leads; a cycle goes round.
+    if (view.program) this.way = view;
   }
 
   /** Asks for one thing, apart from what follows the design. */
@@ -301,6 +308,11 @@ class Studio {
   /** The first message about a key or what lies in it. */
   problemAt(place: string): string {
     return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
+  }
+
+  private dress(): void {
+    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
   }
 
   private evaluate(): void {

@@ -279,7 +279,9 @@ class _Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         text = " ".join(data.split())
-        if self.open[-1:] == ["style"]:
+        if self.open[-1:] == ["script"]:
+            text = "(a script, or what it reads)"
+        elif self.open[-1:] == ["style"]:
             text = f"({len(text)} letters, SHA-1 {hashlib.sha1(text.encode()).hexdigest()[:8]})"
         if text:
             self._add(_lasting(text), self.beside)
