@@ -36,6 +36,14 @@ export interface Pinned {
   view: View;
 }
 
+/** A stroke program: where it begins, turns and ends, in the unit of the drive. */
+export interface Plan {
+  start: string;
+  points: number[];
+  /** The state in which it is to end, where that was said. */
+  ends?: string;
+}
+
 /** The shared state of all panels. */
 class Studio {
   design = $state.raw<Design | null>(null);
@@ -53,6 +61,8 @@ class Studio {
   progress = $state.raw<Record<string, number>>({});
   /** A way by a stroke program; null while the full cycle is shown. */
   way = $state.raw<View | null>(null);
+  /** What the actuator is to do as it was drawn by hand; null where nothing was. */
+  plan = $state.raw<Plan | null>(null);
   /** What the drawing and the curves show: the way, or the full cycle. */
   shown = $derived<View | undefined>(
     this.way && this.views.evaluate
@@ -152,6 +162,7 @@ class Studio {
     this.leg = 0;
     this.at = 0;
     this.views = {};
+    this.plan = null;
     this.show(design);
   }
 
@@ -194,6 +205,7 @@ class Studio {
     this.leg = leg;
     this.at = 0;
     this.views = {};
+    this.plan = null;
     this.evaluate();
   }
 

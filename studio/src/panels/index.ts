@@ -4,6 +4,7 @@ import type { Follower } from "../state.svelte";
 import graph from "./graph";
 import mechanism from "./mechanism";
 import motion from "./motion";
+import program from "./program";
 import summary from "./summary";
 
 /** A panel: what of the server it follows, where it is, and how it looks. */
@@ -17,4 +18,4 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [summary, mechanism, motion, graph];
+export const panels: Panel[] = [summary, mechanism, motion, graph, program];
