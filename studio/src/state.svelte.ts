@@ -253,8 +253,11 @@ class Studio {
   /** Shows the way of a stroke program. */
   drive(ask: object, failed: (text: string) => void, play = true): void {
     const design = this.design;
+    // What follows the design would overtake it, for both are of one type.
+    this.underWay.add("program");
     this.once("program", ask, (view) => {
       if (this.design !== design) return;
+      this.underWay.delete("program");
       if (!view.ok) return failed(refusal(view));
       this.way = view;
       this.at = 0;
