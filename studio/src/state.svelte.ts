@@ -41,6 +41,14 @@ export interface Pinned {
   limits: View | null;
 }
 
+/** A stroke program: where it begins, turns and ends, in the unit of the drive. */
+export interface Plan {
+  start: string;
+  points: number[];
+  /** The state in which it is to end, where that was said. */
+  ends?: string;
+}
+
 /** The shared state of all panels. */
 class Studio {
   design = $state.raw<Design | null>(null);
@@ -60,6 +68,8 @@ class Studio {
   progress = $state.raw<Record<string, number>>({});
   /** A way by a stroke program; null while the full cycle is shown. */
   way = $state.raw<View | null>(null);
+  /** What the actuator is to do as it was drawn by hand; null where nothing was. */
+  plan = $state.raw<Plan | null>(null);
   /** What the drawing and the curves show: the way, or the full cycle. */
   shown = $derived<View | undefined>(
     this.way && this.views.evaluate
@@ -120,8 +130,7 @@ class Studio {
 
   /** Reads what was kept, connects, and asks what to begin with. */
   begin(): void {
-    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
+    this.dress();
     this.kept = designIn(stored(KEPT));
     this.wire.connect();
     const held = fromHash(location.hash);
@@ -132,6 +141,14 @@ class Studio {
         if (view.ok && view.design) this.replace(view.design);
         else this.gallery = true;
       });
+  }
+
+  /** Shows a motion that is there already, without anybody to be asked. */
+  replay(view: View): void {
+    this.dress();
+    this.views = { evaluate: view };
+    // A program ends where it leads; a cycle goes round.
+    if (view.program) this.way = view;
   }
 
   /** Asks for one thing, apart from what follows the design. */
@@ -152,6 +169,7 @@ class Studio {
     this.leg = 0;
     this.at = 0;
     this.views = {};
+    this.plan = null;
     this.show(design);
   }
 
@@ -199,6 +217,7 @@ class Studio {
     this.leg = leg;
     this.at = 0;
     this.views = {};
+    this.plan = null;
     this.evaluate();
   }
 
@@ -247,8 +266,11 @@ class Studio {
   /** Shows the way of a stroke program. */
   drive(ask: object, failed: (text: string) => void, play = true): void {
     const design = this.design;
+    // What follows the design would overtake it, for both are of one type.
+    this.underWay.add("program");
     this.once("program", ask, (view) => {
       if (this.design !== design) return;
+      this.underWay.delete("program");
       if (!view.ok) return failed(refusal(view));
       this.way = view;
       this.at = 0;
@@ -315,6 +337,11 @@ class Studio {
   /** The first message about a key or what lies in it. */
   problemAt(place: string): string {
     return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
+  }
+
+  private dress(): void {
+    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
   }
 
   private evaluate(): void {

@@ -270,6 +270,14 @@ FILES = [
     Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case("presets", ("presets", "presets --json")),
     Case(
+        "replay",
+        (
+            "replay preset:paper-forward",
+            "replay preset:combination-lock --out lock.html",
+            "replay preset:paper-forward",
+        ),
+    ),
+    Case(
         "animate",
         (
             "animate preset:paper-forward --seconds 0.5 --fps 4 --out cycle.gif",
@@ -451,6 +459,8 @@ WRONG = [
             "reprogram preset:paper-forward --by inner",
             "reprogram preset:paper-forward --by inner.p --along 0:0",
             "animate preset:paper-forward --to 01",
+            "replay preset:robot-left",
+            "replay preset:paper-forward --out replay.txt",
             "new mine.txt",
             "new mine.toml --preset nothing",
             "robot sweep robot-forward foot.belw_mm=0:1:2 --out out",

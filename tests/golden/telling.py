@@ -262,6 +262,8 @@ class _Page(HTMLParser):
         self.open: list[str] = []
         # Whether the next text stands on the line of its tag.
         self.beside = False
+        # Whether what follows comes from the sources of the studio's page.
+        self.built = False
 
     def handle_decl(self, decl: str) -> None:
         self.lines.append(f"<!{decl}>")
@@ -270,16 +272,19 @@ class _Page(HTMLParser):
         told = "".join(f' {name}="{_image(value)}"' for name, value in attrs)
         self._add(f"<{tag}{told}>", tag in self._BESIDE)
         self.beside = tag not in self._ALONE
+        self.built = ("class", "built") in attrs
         if self.beside:
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
         self.open.pop()
-        self.beside = False
+        self.beside = self.built = False
 
     def handle_data(self, data: str) -> None:
         text = " ".join(data.split())
-        if self.open[-1:] == ["style"]:
+        if self.built or self.open[-1:] == ["script"]:
+            text = "(built from studio/, or what that reads)"
+        elif self.open[-1:] == ["style"]:
             text = f"({len(text)} letters, SHA-1 {hashlib.sha1(text.encode()).hexdigest()[:8]})"
         if text:
             self._add(_lasting(text), self.beside)
@@ -304,6 +309,7 @@ def _html(file: Path) -> list[str]:
 def _lasting(text: str) -> str:
     """A line without what changes by itself."""
     text = _HASH.sub("<sha256>", text)
+    text = re.sub(r"sha256-[A-Za-z0-9+/]{43}=", "sha256-<of what was built>", text)
     return re.sub(rf"(?i)(stepwell[ /]){re.escape(__version__)}", r"\1<version>", text)
 
 

@@ -34,6 +34,7 @@ for command in (
     presets.new,
     presets.presets,
     motion.animate,
+    motion.replay,
     paper.paper,
     paper.validate,
 ):

@@ -79,7 +79,7 @@ def report(
         cells=_cells(chain, record["cells"]),
         events=_events(chain, record["events"]) + _landings(chain, record),
         margin=_margin(chain, margin, record["margin"]),
-        assumptions="\n".join(f"<li>{escape(line)}</li>" for line in _assumptions(chain)),
+        assumptions="\n".join(f"<li>{escape(line)}</li>" for line in assumptions(chain)),
     )
 
 
@@ -232,7 +232,8 @@ def _margin(chain: Chain, margin: Margin | None, record: dict[str, Any] | None) 
     return _table(change_columns(chain, changes), changes, about)
 
 
-def _assumptions(chain: Chain) -> list[str]:
+def assumptions(chain: Chain) -> list[str]:
+    """What the results of a chain rest on, a sentence each."""
     words = chain.measure
     named = list(zip(chain.names, chain.cells, strict=True))
     levers = [(name, cell) for name, cell in named if isinstance(cell, Cell)]

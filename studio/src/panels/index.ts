@@ -6,6 +6,7 @@ import map from "./map";
 import mechanism from "./mechanism";
 import motion from "./motion";
 import prediction from "./prediction";
+import program from "./program";
 import robot from "./robot";
 import summary from "./summary";
 import wish from "./wish";
@@ -30,6 +31,7 @@ export const panels: Panel[] = [
   mechanism,
   motion,
   graph,
+  program,
   map,
   wish,
 ];

@@ -5,3 +5,4 @@ a process of its own, from which `ask.tell` says how far it is and which can be 
 """
 
 from stepwell.studio.panels._known import answer, is_long, types
+from stepwell.studio.panels._motion import motion_of

@@ -1,0 +1,63 @@
+"""A motion with all that is to be seen of it, as one view."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from stepwell.base import __version__, told_in
+from stepwell.design import margin
+from stepwell.mechanism import Chain
+from stepwell.reports import assumptions
+from stepwell.sequences import Program
+from stepwell.statics import Path
+from stepwell.studio.panels.evaluate import (
+    MJ,
+    arrays_of,
+    cells_of,
+    drawn,
+    events_of,
+    landscape,
+    margins_of,
+    units_of,
+)
+from stepwell.studio.panels.program import told
+from stepwell.studio.wire import View
+
+
+def motion_of(
+    result: Chain | Program, progress: Callable[[float, float], None] | None = None
+) -> View:
+    """The full cycle of a chain with its margins, or a program with its windows.
+
+    Args:
+        result: what moves.
+        progress: called with (done, total) while margins are searched.
+    """
+    if isinstance(result, Program):
+        return _view(result.chain, result.path, {**margins_of(None), "program": told(result)})
+    cycle = result.cycle()
+    found = {
+        "program": None,
+        "sequence": str(cycle.sequence),
+        "pathway": "" if cycle.pathway is None else cycle.pathway.label,
+        "ties": [tie.advice for tie in cycle.degenerate],
+        **margins_of(margin(result, progress=progress)),
+    }
+    return _view(result, cycle.path, found)
+
+
+def _view(chain: Chain, path: Path, found: dict[str, Any]) -> View:
+    few = drawn(path)
+    header = {
+        "title": chain.title,
+        "version": __version__,
+        "units": units_of(chain),
+        "cells": cells_of(chain),
+        "events": events_of(path.events, few),
+        "peak_force_N": path.peak_force * told_in(chain.measure.force_unit)[1],
+        "dissipated_mJ": path.dissipated * MJ,
+        "assumptions": assumptions(chain),
+        **found,
+    }
+    return View(header, arrays_of(few) | landscape(chain))

@@ -1,0 +1,93 @@
+"""A replay: one file that plays without a server, with Python's numbers."""
+
+from pathlib import Path
+
+import pytest
+
+import stepwell as sw
+from stepwell.mechanism import Chain
+from stepwell.studio.panels.evaluate import drawn
+from stepwell.studio.replay import replay
+from studio.browser import Opened, number, output, shown_as
+
+from playwright.sync_api import Browser, expect  # isort: skip
+
+
+@pytest.fixture
+def offline(browser: Browser):
+    context = browser.new_context(offline=True, viewport={"width": 1280, "height": 800})
+    found = Opened(context.new_page())
+    yield found
+    context.close()
+    assert not found.wrong
+    # The page itself, and the empty icon that stands in it.
+    assert all(url.startswith(("file://", "data:")) for url in found.asked)
+    assert sum(url.startswith("file://") for url in found.asked) == 1
+
+
+def opens(offline: Opened, folder: Path, text: str):
+    file = folder / "replay.html"
+    file.write_text(text, "utf-8")
+    offline.page.goto(file.as_uri())
+    return offline.page
+
+
+def chain(name: str) -> Chain:
+    found = sw.preset(name)
+    assert isinstance(found, Chain)
+    return found
+
+
+def test_every_number_of_a_cycle_is_pythons_and_nothing_is_loaded(offline: Opened, tmp_path: Path):
+    forward = chain("paper-forward")
+    text = replay(forward)
+    assert len(text.encode()) < 400_000
+    page = opens(offline, tmp_path, text)
+    cycle, path = forward.cycle(), drawn(forward.cycle().path)
+    expect(output(page, "sequence")).to_have_attribute("data-value", str(cycle.sequence))
+    assert number(page, "peak force") == shown_as(cycle.peak_force)
+    assert number(page, "margin") == shown_as(min(forward.margin().anchors) * 1e3)
+    slider = page.get_by_role("slider", name="Stroke")
+    for k in (0, 40, len(path.drive) - 20):
+        slider.fill(str(k))
+        assert number(page, "stroke") == shown_as(path.stroke[k] * 1e3)
+        assert number(page, "force") == shown_as(path.force[k])
+        for i, name in enumerate(forward.names):
+            assert number(page, f"travel of {name}") == shown_as(path.travel[k, i] * 1e3)
+
+
+def test_it_plays_and_goes_by_the_keyboard(offline: Opened, tmp_path: Path):
+    page = opens(offline, tmp_path, replay(chain("paper-forward")))
+    slider = page.get_by_role("slider", name="Stroke")
+    slider.press("ArrowRight")
+    expect(slider).to_have_value("1")
+    page.get_by_role("button", name="Play").press("Enter")
+    expect(slider).not_to_have_value("1")
+    page.get_by_role("button", name="Pause").press("Enter")
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+
+
+def test_a_program_ends_where_it_leads(offline: Opened, tmp_path: Path):
+    program = chain("paper-forward").program("01")
+    page = opens(offline, tmp_path, replay(program))
+    expect(output(page, "sequence")).to_have_attribute("data-value", str(program.sequence))
+    expect(output(page, "ends in")).to_have_text("01")
+
+
+def test_a_title_is_text_whatever_it_holds(offline: Opened, tmp_path: Path):
+    title = "</script></title><img src=x onerror=\"document.title='hit'\"> $data <!-- <script>"
+    page = opens(offline, tmp_path, replay(chain("paper-forward"), title=title))
+    expect(page.get_by_role("banner")).to_contain_text(title)
+    assert page.title() == title
+    assert page.locator("img").count() == 0
+
+
+def test_a_narrow_page_needs_no_sideways_scrolling(offline: Opened, tmp_path: Path):
+    offline.page.set_viewport_size({"width": 390, "height": 844})
+    page = opens(offline, tmp_path, replay(chain("metachronal-wave")))
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_what_is_no_motion_is_refused():
+    with pytest.raises(ValueError, match="needs a Chain or a Program"):
+        replay(sw.preset("robot-left"))  # type: ignore[arg-type]
