@@ -2,6 +2,7 @@
 import type { Component } from "svelte";
 import type { Follower } from "../state.svelte";
 import graph from "./graph";
+import measured from "./measured";
 import mechanism from "./mechanism";
 import motion from "./motion";
 import summary from "./summary";
@@ -17,4 +18,4 @@ export interface Panel {
   view: Component;
 }
 
-export const panels: Panel[] = [summary, mechanism, motion, graph];
+export const panels: Panel[] = [summary, mechanism, motion, graph, measured];
