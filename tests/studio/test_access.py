@@ -26,7 +26,8 @@ async () => {
 
 def nothing_found(page: Page, axe: str) -> None:
     page.evaluate(axe)
-    assert page.evaluate(RUN) == []
+    found = page.evaluate(RUN)
+    assert not found, "\n".join(found)
 
 
 def each_tab(page: Page, axe: str) -> None:
