@@ -1,13 +1,23 @@
-"""Time from a move of the pointer to the painted answer, and frames a second of play."""
+"""Time from a move of the pointer to the painted answer, frames a second, first paint, memory."""
 
+import argparse
+import re
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 MOVES = 200
+# Of a drag after which memory is looked at; 100000 take half an hour: `--moves 100000`.
+LONG_DRAG = 2000
 SERVE = """
 import sys
 from stepwell.files import preset_text, tables_in
@@ -62,19 +72,38 @@ FRAMES = """
   });
 })
 """
+# A move a frame, which is faster than answers come; the drag itself began with a real pointer.
+DRAG = """
+async ([x, y, moves]) => {
+  const dot = document.elementFromPoint(x, y).closest("[role=button]");
+  for (let k = 0; k < moves; k += 1) {
+    const to = { clientX: x + (k % 40) * 1.3 - 26, clientY: y + (k % 23) - 11, bubbles: true };
+    dot.dispatchEvent(new PointerEvent("pointermove", { ...to, pointerId: 1, buttons: 1 }));
+    await new Promise(requestAnimationFrame);
+  }
+}
+"""
+PAINT = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? NaN"
 
 
-def rows() -> list[tuple[str, str, str]]:
+def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
     """What was timed, what came out, what is wanted."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         return [("studio", "there is no chromium here", "")]
     pair, frames = measured(chromium, "paper-forward", "outer")
     five, _ = measured(chromium, "metachronal-wave", None)
+    paint, server, page = grown(chromium, moves)
     return [
         ("studio: pointer move to painted frame, a pair", told(pair), "p50 28 ms, p95 45 ms"),
         ("studio: the same, metachronal-wave", told(five), "p95 60 ms for five cells"),
         ("studio: frames a second of play", f"{frames:.0f}", "60"),
+        ("studio: first paint", f"{paint:.0f} ms", "1000 ms"),
+        (
+            f"studio: memory after {moves} moves",
+            f"server {server:+.1f} MB, page {page:+.1f} MB",
+            "20 MB each after 100000",
+        ),
     ]
 
 
@@ -86,43 +115,85 @@ def told(taken: list[float]) -> str:
 
 def measured(chromium: str, preset: str, cell: str | None) -> tuple[list[float], float]:
     """Times of moves one after another [ms], and frames a second of play."""
-    from playwright.sync_api import sync_playwright
-
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        script = Path(folder) / "serve.py"
-        script.write_text(SERVE)
-        command = [sys.executable, str(script), preset]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-            assert server.stdout is not None
-            address = server.stdout.readline().strip()
-            browser = playwright.chromium.launch(
-                executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
-            )
-            page = browser.new_page(viewport={"width": 1280, "height": 800})
-            page.add_init_script(WATCH)
-            page.goto(address)
-            page.get_by_role("status", name="sequence").wait_for()
-            page.wait_for_timeout(1500)
-            name = f"q of {cell}" if cell else "q of "
-            dot = page.get_by_role("button", name=name).locator(".dot").last
-            box = dot.bounding_box()
-            assert box is not None
-            x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-            page.mouse.move(x, y)
-            page.mouse.down()
-            for k in range(MOVES):
-                page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
-                page.evaluate(ANSWERED, k)
-                page.wait_for_timeout(7 + k % 13)
-            page.mouse.up()
-            taken = page.evaluate("window.taken")
-            page.get_by_role("button", name="Play").click()
-            frames = page.evaluate(FRAMES)
-            browser.close()
-            server.terminate()
+    with opened(chromium, preset, WATCH) as (page, _):
+        page.wait_for_timeout(1500)
+        x, y = held(page, f"q of {cell}" if cell else "q of ")
+        for k in range(MOVES):
+            page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
+            page.evaluate(ANSWERED, k)
+            page.wait_for_timeout(7 + k % 13)
+        page.mouse.up()
+        taken = page.evaluate("window.taken")
+        page.get_by_role("button", name="Play").click()
+        frames = page.evaluate(FRAMES)
     return taken[20:], frames
 
 
+def grown(chromium: str, moves: int) -> tuple[float, float, float]:
+    """First paint [ms], and by how much server and page grow over a long drag [MB]."""
+    with opened(chromium, "paper-forward") as (page, server):
+        paint = page.evaluate(PAINT)
+        inside = page.context.new_cdp_session(page)
+
+        def sizes() -> tuple[float, float]:
+            inside.send("HeapProfiler.collectGarbage")
+            return resident(server), inside.send("Runtime.getHeapUsage")["usedSize"] / 1e6
+
+        x, y = held(page, "q of outer")
+        page.evaluate(DRAG, [x, y, 500])  # whatever is made once is made now
+        before = sizes()
+        page.evaluate(DRAG, [x, y, moves])
+        after = sizes()
+        page.mouse.up()
+    return paint, after[0] - before[0], after[1] - before[1]
+
+
+def resident(process: int) -> float:
+    """Memory that a process holds [MB]; NaN where the system does not tell."""
+    status = Path(f"/proc/{process}/status")
+    found = re.search(r"VmRSS:\s+(\d+) kB", status.read_text()) if status.exists() else None
+    return int(found[1]) * 1024 / 1e6 if found else float("nan")
+
+
+def held(page: "Page", name: str) -> tuple[float, float]:
+    """Where an anchor is, the pointer having taken hold of it."""
+    box = page.get_by_role("button", name=name).locator(".dot").last.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    return x, y
+
+
+@contextmanager
+def opened(chromium: str, preset: str, script: str = "") -> Iterator[tuple["Page", int]]:
+    """A page on a studio of its own, with a script that runs before it; the server's process."""
+    from playwright.sync_api import sync_playwright
+
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        serve = Path(folder) / "serve.py"
+        serve.write_text(SERVE)
+        command = [sys.executable, str(serve), preset]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+            try:
+                assert server.stdout is not None
+                address = server.stdout.readline().strip()
+                browser = playwright.chromium.launch(
+                    executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
+                )
+                page = browser.new_page(viewport={"width": 1280, "height": 800})
+                if script:
+                    page.add_init_script(script)
+                page.goto(address)
+                page.get_by_role("status", name="sequence").wait_for()
+                yield page, server.pid
+                browser.close()
+            finally:
+                server.terminate()
+
+
 if __name__ == "__main__":
-    for what, found, wanted in rows():
+    asked = argparse.ArgumentParser(description=__doc__)
+    asked.add_argument("--moves", type=int, default=LONG_DRAG, help="of the long drag")
+    for what, found, wanted in rows(asked.parse_args().moves):
         print(f"{what}: {found} (wanted: {wanted})")

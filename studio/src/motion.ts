@@ -80,6 +80,18 @@ export const scale = (view: View): number =>
     ? 1
     : 20 / Math.max(...view.cells.map((cell: { full_travel_mm: number }) => cell.full_travel_mm));
 
+/** The sample nearest to a stroke, on the way, loading or unloading, that the cursor is on. */
+export function nearest(view: View, at: number, stroke: number): number {
+  const { stroke: all, direction } = view.blocks;
+  const way = direction[Math.floor(at)];
+  let best = 0;
+  for (let k = 0; k < all.length; k += 1) {
+    const better = Math.abs(all[k] - stroke) < Math.abs(all[best] - stroke);
+    if (direction[k] === way && (better || direction[best] !== way)) best = k;
+  }
+  return best;
+}
+
 /** The sample after some time of play. */
 export function played(view: View, at: number, ms: number): number {
   const last = view.blocks.drive.length - 1;

@@ -30,9 +30,9 @@ from stepwell.files import preset_text, tables_in
 from stepwell.studio.server import serve
 
 if __name__ == "__main__":
-    name = sys.argv[1]
+    name, port = sys.argv[1], int(sys.argv[2])
     design = tables_in(preset_text(name), name) if name else None
-    serve(design, opened=lambda address: print(address, flush=True))
+    serve(design, port=port, opened=lambda address: print(address, flush=True))
 """
 
 if not REQUIRED:
@@ -55,15 +55,17 @@ expect.set_options(timeout=30_000)
 
 
 @contextmanager
-def served(folder: Path, preset: str) -> Iterator[str]:
+def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
     """The address of a studio that begins with a preset, or with the gallery."""
     script = folder / "serve.py"
     script.write_text(SERVE)
-    command = [sys.executable, str(script), preset]
+    command = [sys.executable, str(script), preset, str(port)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
-        yield server.stdout.readline().strip()
-        server.terminate()
+        try:
+            yield server.stdout.readline().strip()
+        finally:  # a test that fails would wait for it forever
+            server.terminate()
 
 
 class Opened:

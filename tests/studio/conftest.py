@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,6 +16,33 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
     from studio.browser import Opened
+
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page's sources in a folder of their own, with what builds and tests them."""
+    npm = shutil.which("npm")
+    if npm is None and os.environ.get("STEPWELL_REQUIRE_BROWSER") != "1":
+        pytest.skip("npm is not installed: the studio's page is not built anew, nor run by axe")
+    assert npm is not None, "STEPWELL_REQUIRE_BROWSER=1, and npm is not installed"
+    found = tmp_path_factory.mktemp("sources") / "studio"
+    shutil.copytree(ROOT / "studio", found, ignore=shutil.ignore_patterns("node_modules"))
+    words = [npm, "ci", "--no-audit", "--no-fund", "--ignore-scripts"]
+    done = subprocess.run(words, cwd=found, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return found
+
+
+@pytest.fixture(scope="session")
+def axe(request: pytest.FixtureRequest) -> str:
+    """The script that looks for what keeps people out: what is installed here, or comes now."""
+    inside = Path("node_modules", "axe-core", "axe.min.js")
+    here = ROOT / "studio" / inside
+    found = here if here.exists() else request.getfixturevalue("sources") / inside
+    return found.read_text()
 
 
 @pytest.fixture(scope="module")

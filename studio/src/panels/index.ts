@@ -3,6 +3,7 @@ import type { Component } from "svelte";
 import type { Follower } from "../state.svelte";
 import graph from "./graph";
 import map from "./map";
+import measured from "./measured";
 import mechanism from "./mechanism";
 import motion from "./motion";
 import prediction from "./prediction";
@@ -34,4 +35,5 @@ export const panels: Panel[] = [
   program,
   map,
   wish,
+  measured,
 ];

@@ -253,7 +253,7 @@ def calibrate(
         tuple(samples),
         np.array([error(whole, sample) for sample in samples]),
         np.array([error(folds[sample.geometry], sample) for sample in samples]),
-        _correlations(jacobian),
+        correlations(jacobian),
         reference,
     )
 
@@ -373,7 +373,8 @@ def _fit(
     return found.x, found.jac * size
 
 
-def _correlations(jacobian: Floats) -> Floats:
+def correlations(jacobian: Floats) -> Floats:
+    """(m, m) correlations of fitted numbers, from the Jacobian (n, m) of the residuals."""
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return np.clip(covariance / np.outer(size, size), -1.0, 1.0)

@@ -214,7 +214,7 @@ def _baseline_of(series: Series) -> tuple[str, ...]:
 
 def _errors(series: Series) -> Floats:
     """RMSE in k r (2, 2): by the cell that moved first in the baseline, and by the order here."""
-    curve, past = series.curve, _past_snaps(series)
+    curve, past = series.curve, past_snaps(series)
     errors = np.zeros((2, 2))
     for j, order in enumerate(_ORDERS):
         use = judged(curve.stroke, [*_zones(series, order), past])
@@ -230,7 +230,7 @@ def _errors(series: Series) -> Floats:
     return errors
 
 
-def _past_snaps(series: Series) -> tuple[float, float]:
+def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
     found = [*_snaps_of(path_of(series.chain, series.unloading))]
     for run in series.recordings:

@@ -13,7 +13,7 @@ def path_of(chain: Chain, unloading: bool) -> Path:
     """The full stroke of a chain one way, without friction unless its cells have it."""
     full = chain.full_stroke
     if unloading:
-        return chain.path([full, 0.0], start="1" * len(chain))
+        return chain.path([full, 0.0], start=chain.last_state)
     return chain.path([0.0, full])
 
 

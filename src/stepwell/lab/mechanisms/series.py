@@ -13,7 +13,7 @@ from pathlib import PurePath
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats
-from stepwell.lab.mechanisms.predict import predicted_force
+from stepwell.lab.mechanisms.predict import path_of, predicted_force
 from stepwell.lab.mechanisms.rig import judged, quiet_zones
 from stepwell.lab.recordings import (
     Curve,
@@ -31,6 +31,7 @@ from stepwell.lab.recordings import (
     unlike,
 )
 from stepwell.mechanism import Band, Cell, Chain
+from stepwell.statics import Path
 
 Geometry = tuple[float, float]
 
@@ -40,6 +41,8 @@ _COVER = (0.97, 1.1)
 # that is told.
 _JUMP, _DOUBT = 1.3, 0.35
 _TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
+# Shares of a design's stroke: a recording over less or more of it shows something else.
+_LEAST, _MOST = 0.5, 1.5
 _NAMED_CELLS = re.compile(r"([12])unit")
 
 
@@ -89,6 +92,36 @@ class Series(ByValue):
         dx, dy = self.chain.levers[0].bands[0].d
         return round(dx, 9), round(dy, 9)
 
+    @property
+    def strange(self) -> str:
+        """Why the runs cannot be of this chain: "" where they go over about its stroke."""
+        full = self.chain.full_stroke
+        placed = [self.placed(run) for run in self.recordings]
+        low = max(float(np.min(stroke)) for stroke in placed)
+        high = min(float(np.max(stroke)) for stroke in placed)
+        if min(high, full) - max(low, 0.0) >= _LEAST * full and high - low <= _MOST * full:
+            return ""
+        runs = ", ".join(dict.fromkeys(run.source for run in self.recordings))
+        return (
+            f"{runs}: left out, its stroke goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm "
+            f"and that of the design from 0 to {full * 1e3:.4g} mm: check the unit in the header, "
+            f"and that this design was tested."
+        )
+
+    @cached_property
+    def path(self) -> Path:
+        """What the chain does over the full stroke, the way of the recordings."""
+        return path_of(self.chain, self.unloading)
+
+    @property
+    def quiet(self) -> list[tuple[float, float]]:
+        """Strokes at the ends between which the rig shows, and not the mechanism [m]."""
+        return quiet_zones(self.chain.full_stroke, self.unloading)
+
+    def placed(self, run: Recording) -> Floats:
+        """Strokes of one of the runs, counted from state 0 [m]."""
+        return from_zero(run, self.chain.full_stroke)
+
     def net(self, stroke: Floats, force: Floats) -> Floats:
         """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m]."""
         base = self.baseline_curve
@@ -96,7 +129,7 @@ class Series(ByValue):
 
     def judged(self) -> Bools:
         """Which strokes of the mean curve of one cell count (n,)."""
-        return judged(self.curve.stroke, quiet_zones(self.chain.full_stroke, self.unloading))
+        return judged(self.curve.stroke, self.quiet)
 
     def __repr__(self):
         return f"Series({self.name}: {len(self.recordings)} runs)"

@@ -12,6 +12,6 @@ from stepwell.lab.recordings.names import (
     stem_of,
 )
 from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike
-from stepwell.lab.recordings.read import Batch, natural, read, read_all
+from stepwell.lab.recordings.read import Batch, natural, read, read_all, read_bytes
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.table import SUMMARY, hashes, summary, table, to_csv

@@ -53,11 +53,28 @@ def read(file: str | os.PathLike[str]) -> Recording:
     name = os.fspath(file)
     try:
         content = content_of(Path(file), "recording_bytes")
-        export = parse(content)
     except FileNotFoundError:
         raise LabError(name, "no such file.") from None
     except OSError as error:
         raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
+    return read_bytes(content, name)
+
+
+def read_bytes(content: bytes, name: str) -> Recording:
+    """One recording from the content of its file.
+
+    Args:
+        content: as for `read`.
+        name: what the file is called; it is not opened.
+
+    Returns:
+        The recording, in SI.
+
+    Raises:
+        LabError: the content is broken, binary, empty, or in a unit that is not known.
+    """
+    try:
+        export = parse(content)
     except ValueError as error:
         raise LabError(name, str(error)) from None
     return Recording(name, *export, hashlib.sha256(content).hexdigest())

@@ -118,6 +118,19 @@ class Ask:
             raise InputError(f"ask.{key} = {_shown(value)}: must be an object.")
         return value
 
+    def parts(self, key: str, longest: int) -> list[Ask]:
+        """The objects of a list, each to be asked by itself.
+
+        Raises:
+            ValueError: another value, too many, or none.
+        """
+        value = self._take(key, None)
+        whole = isinstance(value, list) and 1 <= len(value) <= longest
+        if not whole or not all(isinstance(one, dict) for one in value):
+            allowed = f"a list of 1 to {longest} objects"
+            raise InputError(f"ask.{key} = {_shown(value)}: must be {allowed}.")
+        return [Ask(one) for one in value]
+
     def close(self) -> None:
         """Refuse keys that nobody has taken.
 

@@ -1,0 +1,67 @@
+// The recordings that were chosen: they stay while another tab is open, and are read by the server.
+
+import { studio } from "../state.svelte";
+
+/** A file as it is sent: packed, for a message holds a mebibyte. */
+interface Packed {
+  name: string;
+  gzip_base64: string;
+}
+
+// What the server unpacks of all files together, and what a message holds beside the design.
+const LONGEST = 16 * 2 ** 20;
+const MESSAGE = 900_000;
+const MOST = 32;
+
+const ADVICE = "Leave some out, export fewer samples a second, or use `stepwell lab compare`.";
+
+class Recordings {
+  files = $state.raw<Packed[]>([]);
+  /** A line for each file that was not taken. */
+  refused = $state.raw<string[]>([]);
+
+  /** Takes files beside those that are here; one of the same name takes its place. */
+  async add(chosen: Iterable<File>): Promise<void> {
+    this.refused = [];
+    for (const file of chosen) {
+      const others = this.files.filter((one) => one.name !== file.name);
+      const packed = file.size > LONGEST ? "" : await pack(file);
+      const length = others.reduce((sum, one) => sum + one.gzip_base64.length, packed.length);
+      if (file.size > LONGEST) {
+        const size = (file.size / 2 ** 20).toFixed(0);
+        this.refuse(`${file.name}: ${size} MiB, and at most 16 MiB can be taken. ${ADVICE}`);
+      } else if (length > MESSAGE || others.length >= MOST) {
+        this.refuse(`${file.name}: with it the recordings are too many to be sent. ${ADVICE}`);
+      } else this.files = [...others, { name: file.name, gzip_base64: packed }];
+    }
+    this.changed();
+  }
+
+  /** Leaves a file out again. */
+  remove(name: string): void {
+    this.files = this.files.filter((one) => one.name !== name);
+    this.changed();
+  }
+
+  private refuse(line: string): void {
+    this.refused = [...this.refused, line];
+  }
+
+  private changed(): void {
+    studio.cancel("measured");
+    studio.again("measured");
+  }
+}
+
+async function pack(file: File): Promise<string> {
+  const packed = file.stream().pipeThrough(new CompressionStream("gzip"));
+  const blob = await new Response(packed).blob();
+  return new Promise((done, failed) => {
+    const reader = new FileReader();
+    reader.onload = () => done((reader.result as string).split(",")[1] ?? "");
+    reader.onerror = () => failed(reader.error);
+    reader.readAsDataURL(blob);
+  });
+}
+
+export const recordings = new Recordings();

@@ -1,0 +1,105 @@
+"""The page keeps nobody out: axe finds nothing, by all of its rules and in all that is shown."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from studio.browser import Opened, field, output, served, settled
+
+from playwright.sync_api import Browser, Page, expect  # isort: skip
+
+WINDOWS = {
+    "light": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "light"},
+    "dark": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "dark"},
+    "narrow": {"viewport": {"width": 390, "height": 844}, "color_scheme": "light"},
+    "narrow and dark": {"viewport": {"width": 390, "height": 844}, "color_scheme": "dark"},
+}
+# By the text "axe" and not by a tag, for the page's own rules forbid scripts that it did not bring.
+RUN = """
+async () => {
+  const { violations } = await axe.run(document, { resultTypes: ["violations"] });
+  return violations.map(({ id, help, nodes }) =>
+    `${id}: ${help}: ` + nodes.map((one) => one.html.slice(0, 160)).join(" | "));
+}
+"""
+
+
+def nothing_found(page: Page, axe: str) -> None:
+    page.evaluate(axe)
+    found = page.evaluate(RUN)
+    assert not found, "\n".join(found)
+
+
+def each_tab(page: Page, axe: str) -> None:
+    """All that is shown with each tab open; whatever tabs there are."""
+    for tab in page.get_by_role("tab").all():
+        tab.click()
+        settled(page)
+        page.wait_for_timeout(700)  # what follows the design is asked after a rest
+        nothing_found(page, axe)
+
+
+@pytest.fixture(params=WINDOWS)
+def window(request: pytest.FixtureRequest, browser: Browser) -> Iterator[Page]:
+    context = browser.new_context(**WINDOWS[request.param])
+    yield context.new_page()
+    context.close()
+
+
+def test_the_gallery(window: Page, empty_address: str, axe: str):
+    window.goto(empty_address)
+    expect(window.get_by_role("button", name="Three cells, a wave")).to_be_visible()
+    nothing_found(window, axe)
+
+
+def test_a_chain_with_each_tab_open(window: Page, address: str, axe: str):
+    window.goto(address)
+    expect(output(window, "sequence")).to_be_visible()
+    each_tab(window, axe)
+    assert window.evaluate("document.documentElement.scrollWidth") <= window.evaluate("innerWidth")
+
+
+@pytest.mark.parametrize("preset", ["balloon", "robot-forward", "friction", "paper-forward-double"])
+def test_elements_robots_searched_margins_and_several_bands(
+    browser: Browser, axe: str, preset: str, tmp_path
+):
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    with served(tmp_path, preset) as address:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+        each_tab(page, axe)
+        page.close()
+
+
+def test_a_problem_a_lock_and_holes(page: Page, axe: str):
+    page.get_by_role("button", name="Lock p of inner").click()
+    page.get_by_role("spinbutton", name="Snap to holes").fill("2.5")
+    field(page, "q", "outer", "x").fill("9999999")
+    field(page, "q", "outer", "x").press("Enter")
+    expect(page.get_by_role("alert")).to_be_visible()
+    nothing_found(page, axe)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_design_as_text(page: Page, axe: str, scheme: str):
+    if scheme == "dark":
+        page.get_by_role("button", name="Dark colours").click()
+    page.get_by_role("button", name="Show me the Python").click()
+    expect(page.get_by_label("Python", exact=True).last).to_contain_text("import stepwell")
+    nothing_found(page, axe)
+
+
+def test_a_way_to_a_state(page: Page, axe: str):
+    page.get_by_role("button", name="Go to state 01").click()
+    expect(output(page, "turning points")).to_be_visible()
+    nothing_found(page, axe)
+
+
+def test_a_page_without_its_server(opened: Opened, axe: str, tmp_path):
+    page = opened.page
+    with served(tmp_path, "paper-forward") as address:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+    expect(page.get_by_text("The server is gone")).to_be_visible()
+    nothing_found(page, axe)
+    opened.wrong.clear()  # the browser tells of every socket that did not open

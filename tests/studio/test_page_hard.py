@@ -1,0 +1,224 @@
+"""The page under hard use: many steps, touch, two tabs, keys alone, no server, a long drag."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from studio.browser import (
+    Opened,
+    anchors,
+    chain_shown,
+    compare,
+    expect,
+    field,
+    handle,
+    number,
+    output,
+    served,
+    settled,
+)
+
+from playwright.sync_api import Browser, Page  # isort: skip
+
+STEPS = 100
+
+
+def focus(page: Page, name: str, most: int = 60) -> None:
+    """Reach what has a name by the Tab key alone."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        found = page.evaluate(
+            "(document.activeElement.getAttribute('aria-label') ?? "
+            "document.activeElement.innerText ?? '').trim()"
+        )
+        if found.startswith(name):
+            return
+    pytest.fail(f"{name} is not reached by Tab")
+
+
+@pytest.mark.slow
+def test_a_hundred_steps_are_undone_and_the_first_is_not(page: Page):
+    dot = handle(page, "q", "outer")
+    states = [anchors(page, "outer")]
+    for _ in range(STEPS + 1):
+        dot.press("ArrowRight")
+        states.append(anchors(page, "outer"))
+    assert states[-1][1] == [30.1, 0.0]
+    undo = page.get_by_role("button", name="Undo")
+    for state in reversed(states[1:-1]):
+        undo.click()
+        assert anchors(page, "outer") == state
+    expect(undo).to_be_disabled()
+    page.keyboard.press("Control+z")
+    assert anchors(page, "outer") == states[1]
+    settled(page)
+    compare(page)
+    redo = page.get_by_role("button", name="Redo")
+    for _ in range(STEPS):
+        redo.click()
+    expect(redo).to_be_disabled()
+    assert anchors(page, "outer") == states[-1]
+
+
+def test_a_finger_moves_an_anchor_and_not_the_page(browser: Browser, address: str):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    page = context.new_page()
+    page.goto(address)
+    expect(output(page, "sequence")).to_be_visible()
+    before = anchors(page, "outer")
+    box = handle(page, "q", "outer").locator(".dot").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    fingers = context.new_cdp_session(page)
+
+    def touch(kind: str, *points: dict[str, float]) -> None:
+        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
+
+    touch("touchStart", {"x": x, "y": y})
+    for k in range(1, 11):
+        touch("touchMove", {"x": x - 3 * k, "y": y + 4 * k})
+    touch("touchEnd")
+    settled(page)
+    assert page.evaluate("scrollY") == 0
+    after = anchors(page, "outer")
+    assert after[0] == before[0]
+    assert after[1][0] < before[1][0] - 2
+    assert after[1][1] < before[1][1] - 2
+    page.get_by_role("button", name="Undo").tap()
+    assert anchors(page, "outer") == before
+    context.close()
+
+
+def test_two_tabs_of_one_studio_have_their_own_numbers(browser: Browser, address: str):
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    pages = [context.new_page(), context.new_page()]
+    for page in pages:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+    for x, page in zip((15, 12), pages, strict=True):
+        field(page, "q", "outer", "x").fill(str(x))
+        field(page, "q", "outer", "x").press("Enter")
+    for x, page in zip((15, 12), pages, strict=True):
+        settled(page)
+        assert anchors(page, "outer")[1] == [x, 0.0]
+        compare(page)
+    context.close()
+
+
+def test_a_journey_by_keys_alone(opened: Opened, empty_address: str):
+    page = opened.page
+    page.goto(empty_address)
+    expect(page.get_by_role("button", name="Three cells, a wave")).to_be_visible()
+    focus(page, "Forward leg: clockwise, the inner")
+    page.keyboard.press("Enter")
+    expect(output(page, "sequence")).to_be_visible()
+    settled(page)
+    focus(page, "q of outer")
+    page.keyboard.press("Shift+ArrowLeft")
+    settled(page)
+    assert anchors(page, "outer")[1] == [19.0, 0.0]
+    focus(page, "Graph")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Go to state 01")).to_be_visible()
+    focus(page, "Go to state 01")
+    page.keyboard.press("Enter")
+    turns = [point * 1e3 for point in chain_shown(page).program("01").turning_points]
+    told = " → ".join(f"{point:.4g}" for point in turns)
+    expect(output(page, "turning points")).to_have_text(f"{told} mm")
+    focus(page, "Back to the full cycle")
+    page.keyboard.press("Space")
+    focus(page, "Play")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+    focus(page, "Show me the Python")
+    page.keyboard.press("Enter")
+    expect(page.get_by_label("Python", exact=True).last).to_contain_text("import stepwell as sw")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.keyboard.press("Control+z")
+    settled(page)
+    assert anchors(page, "outer")[1] == [20.0, 0.0]
+    compare(page)
+
+
+def test_what_a_lost_server_leaves_is_saved_and_opened_in_the_next(opened: Opened, tmp_path: Path):
+    page = opened.page
+    with served(tmp_path, "paper-forward") as address:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+    expect(page.get_by_text("The server is gone; your design is kept here.")).to_be_visible()
+    port = re.search(r":(\d+)/", address)
+    assert port is not None
+    expect(page.get_by_text(f"stepwell studio --port {port[1]}")).to_be_visible()
+    field(page, "q", "outer", "x").fill("15")
+    field(page, "q", "outer", "x").press("Enter")
+    assert anchors(page, "outer")[1] == [15.0, 0.0]
+    page.wait_for_timeout(400)  # what is kept is kept after a rest
+    assert "#design=" in page.url
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save").click()
+    saved = tmp_path / download.value.suggested_filename
+    download.value.save_as(saved)
+    assert saved.suffix == ".json"
+    assert json.loads(saved.read_text())["chain"]["cell"][1]["q_mm"] == [15, 0]
+    opened.wrong.clear()  # the browser tells of every socket that did not open
+    with served(tmp_path, "") as address:
+        page.goto(address)
+        page.get_by_label("Open a design file").set_input_files(saved)
+        expect(output(page, "sequence")).to_be_visible()
+        settled(page)
+        assert anchors(page, "outer")[1] == [15.0, 0.0]
+        compare(page)
+        opened.page.goto("about:blank")
+    opened.wrong.clear()
+
+
+def test_a_studio_at_the_same_port_goes_on_where_one_was(opened: Opened, tmp_path: Path):
+    page = opened.page
+    with served(tmp_path, "paper-forward") as address:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+        field(page, "q", "outer", "x").fill("15")
+        field(page, "q", "outer", "x").press("Enter")
+        settled(page)
+        page.goto("about:blank")
+    port = re.search(r":(\d+)/", address)
+    assert port is not None
+    with served(tmp_path, "", int(port[1])) as address:
+        page.goto(address)
+        page.get_by_role("button", name="Go on where you were").click()
+        expect(output(page, "sequence")).to_be_visible()
+        settled(page)
+        assert anchors(page, "outer")[1] == [15.0, 0.0]
+        page.goto("about:blank")
+
+
+@pytest.mark.slow
+def test_a_long_drag_leaves_the_page_as_large_as_it_was(page: Page):
+    inside = page.context.new_cdp_session(page)
+
+    def heap() -> float:
+        inside.send("HeapProfiler.collectGarbage")
+        return inside.send("Runtime.getHeapUsage")["usedSize"] / 2**20
+
+    box = handle(page, "q", "outer").locator(".dot").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+
+    def moved(count: int) -> float:
+        for k in range(count):
+            page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
+        return heap()
+
+    before = moved(200)
+    after = moved(800)
+    page.mouse.up()
+    settled(page)
+    assert after - before < 8
+    assert number(page, "peak force") > 0

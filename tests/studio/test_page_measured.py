@@ -1,0 +1,141 @@
+"""Recordings in the page: chosen, compared with the design shown, and their fit taken."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from lab.machine import export, pair
+from stepwell import files, lab
+from stepwell.mechanism import Chain
+from studio.browser import anchors, field, number, output, settled, shown_as
+
+from playwright.sync_api import Page, expect  # isort: skip
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> list[Path]:
+    chain = files.preset("paper-forward")
+    assert isinstance(chain, Chain)
+    cells = [
+        replace(cell, band=tuple(replace(band, stiffness=38.0) for band in cell.bands))
+        for cell in chain.levers
+    ]
+    both = [
+        pair("mine_1.txt", Chain(cells)),
+        pair("back_1.txt", Chain(cells), unloading=True),
+        pair("friction_1.txt", None),
+        pair("back_friction_1.txt", None, unloading=True),
+    ]
+    return [export(tmp_path / one.source, one.time, one.stroke, one.force) for one in both]
+
+
+def choose(page: Page, *chosen: Path) -> None:
+    page.get_by_role("tab", name="Measured").click()
+    page.get_by_label("Recordings of a test machine").set_input_files(list(chosen))
+    done(page)
+
+
+def done(page: Page) -> None:
+    expect(page.get_by_text("Comparing with the design…")).to_have_count(0, timeout=60_000)
+
+
+def compared(page: Page, runs: list[Path]) -> lab.Comparison:
+    from studio.browser import chain_shown
+
+    return lab.compare([lab.read(run) for run in runs], [chain_shown(page)], as_designed=True)
+
+
+def test_verdict_snaps_and_fit_are_the_labs(page: Page, runs: list[Path]):
+    choose(page, *runs)
+    expect(output(page, "fitted stiffness")).to_be_visible(timeout=60_000)
+    found = compared(page, runs)
+    fit = lab.refit(found)
+    assert number(page, "fitted stiffness") == shown_as(fit.stiffness)
+    assert number(page, "fitted rest length") == shown_as(fit.rest_length * 1e3)
+    assert number(page, "RMS before the fit") == float(f"{fit.before:.3g}")
+    assert number(page, "RMS after the fit") == float(f"{fit.after:.3g}")
+    rows = page.get_by_role("table", name="Snaps").get_by_role("row")
+    for k, test in enumerate(found.pairs):
+        name = test.series.name
+        expect(output(page, f"verdict on {name}")).to_have_text(test.verdict)
+        assert number(page, f"RMS difference of {name}") == shown_as(test.rmse * test.series.scale)
+        ((measured,),), (predicted,) = test.snaps, test.snaps_predicted
+        told = [cell.inner_text() for cell in rows.nth(k + 1).get_by_role("cell").all()]
+        assert told[1:3] == [f"{predicted * 1e3:.4g}", f"{measured * 1e3:.4g}"]
+        difference = (measured - predicted) * 1e3
+        assert float(told[3].replace("−", "-")) == float(f"{difference:.3g}")
+
+
+def test_the_fit_is_taken_in_one_step_that_can_be_undone(page: Page, runs: list[Path]):
+    choose(page, *runs)
+    before = anchors(page, "inner")
+    peak = number(page, "peak force")
+    page.get_by_role("button", name="Take the fit").click()
+    settled(page)
+    assert number(page, "peak force") > 1.2 * peak
+    assert anchors(page, "inner") == before
+    done(page)
+    expect(output(page, "fitted stiffness")).to_be_visible(timeout=60_000)
+    assert number(page, "RMS before the fit") < 0.02
+    page.get_by_role("button", name="Undo").click()
+    settled(page)
+    assert number(page, "peak force") == peak
+
+
+def test_the_design_in_the_page_is_the_one_compared(page: Page, runs: list[Path]):
+    choose(page, *runs)
+    first = output(page, "RMS difference of mine, loading")
+    expect(first).to_be_visible(timeout=60_000)
+    before = first.inner_text()
+    field(page, "q", "outer", "x").fill("17")
+    field(page, "q", "outer", "x").press("Enter")
+    expect(first).not_to_have_text(before, timeout=60_000)
+    done(page)
+    test = compared(page, runs).pairs[0]
+    assert number(page, "RMS difference of mine, loading") == shown_as(
+        test.rmse * test.series.scale
+    )
+
+
+def test_recordings_stay_while_another_tab_is_open_and_can_be_left_out(
+    page: Page, runs: list[Path]
+):
+    choose(page, *runs[:2])
+    page.get_by_role("tab", name="Graph").click()
+    page.get_by_role("tab", name="Measured").click()
+    expect(page.get_by_text("mine_1.txt").first).to_be_visible()
+    page.get_by_role("button", name="Leave mine_1.txt out").click()
+    done(page)
+    expect(output(page, "verdict on mine, loading")).to_have_count(0)
+    expect(output(page, "verdict on back, unloading")).to_be_visible(timeout=60_000)
+    page.get_by_role("button", name="Leave back_1.txt out").click()
+    expect(page.get_by_role("table", name="Snaps")).to_have_count(0)
+
+
+def test_what_is_no_recording_is_told_and_stops_no_other(
+    page: Page, runs: list[Path], tmp_path: Path
+):
+    picture, long = tmp_path / "picture.txt", tmp_path / "long.csv"
+    picture.write_bytes(b"\x89PNG\0\0" * 50)
+    row = b"1.000000,2.000000,3.000000\n"
+    long.write_bytes(b"Time (s),Displacement (mm),Force (N)\n" + row * 1_000_000)
+    choose(page, picture, runs[0], long)
+    said = page.get_by_role("alert")
+    expect(said).to_contain_text("picture.txt: is binary", timeout=60_000)
+    expect(said).to_contain_text("long.csv: 26 MiB, and at most 16 MiB can be taken.")
+    expect(output(page, "verdict on mine, loading")).to_be_visible()
+
+
+def test_recordings_can_be_dropped(page: Page, runs: list[Path]):
+    page.get_by_role("tab", name="Measured").click()
+    data = page.evaluate_handle(
+        """(text) => {
+          const data = new DataTransfer();
+          data.items.add(new File([text], "dropped_1.txt"));
+          return data;
+        }""",
+        runs[0].read_text(),
+    )
+    page.get_by_role("group", name="Recordings").dispatch_event("drop", {"dataTransfer": data})
+    expect(output(page, "verdict on dropped, loading")).to_be_visible(timeout=60_000)
