@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 import stepwell as sw
 from chains import concave_chain
 from sizes import examples
-from stepwell.design import Change
+from stepwell.design import Change, Method, proved_margin
 from stepwell.design.margins.change import number_change
 from stepwell.design.margins.displacements import Displacements
 from stepwell.design.margins.nearest import nearest
@@ -49,11 +49,11 @@ def concave_margins(seed: int, count: int) -> list[tuple[sw.Chain, sw.Margin]]:
 
 def test_a_margin_that_is_proved_is_the_margin():
     for chain, margin in concave_margins(3, examples(10)):
-        proved = sw.design.proved_margin(chain)
+        proved = proved_margin(chain)
         assert proved is None or proved == margin
-        assert (proved is None) == (margin.method is not sw.design.Method.EXACT)
+        assert (proved is None) == (margin.method is not Method.EXACT)
     for name, exact in (("paper-backward", True), ("paper-counterclockwise", False)):
-        assert (sw.design.proved_margin(sw.preset(name)) is not None) is exact
+        assert (proved_margin(sw.preset(name)) is not None) is exact
 
 
 @pytest.mark.slow

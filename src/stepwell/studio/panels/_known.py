@@ -33,7 +33,7 @@ def answer(kind: str, design: Design, ask: Ask) -> View:
 
 @cache
 def _found() -> dict[str, str]:
-    """The module of every type; a folder here holds panels that share something."""
+    """The module of every type; a folder holds panels that ask about the same."""
     here, found = Path(__file__).parent, dict[str, str]()
     for module in pkgutil.walk_packages([str(here)], f"{__package__}."):
         name = module.name.rpartition(".")[2]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepwell import files
-from stepwell.studio.panels._script import script
+from stepwell.studio.panels.designs._script import script
 from stepwell.studio.wire import Ask, Design, View
 
 

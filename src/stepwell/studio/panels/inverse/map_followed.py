@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from stepwell.design import Boundary
-from stepwell.studio.panels._plane import Blocks, Plane, Unproved, pixels
+from stepwell.studio.panels.inverse._plane import Blocks, Plane, Unproved, pixels
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True

@@ -9,7 +9,7 @@ from stepwell.base import InputError, told_in
 from stepwell.files import WrittenProgram
 from stepwell.mechanism import Chain
 from stepwell.sequences import Program, ProgramMethod
-from stepwell.studio.panels.evaluate import arrays_of, drawn, events_of, units_of
+from stepwell.studio.panels.motions.evaluate import arrays_of, drawn, events_of, units_of
 from stepwell.studio.wire import Ask, Design, View
 
 _MOST_TURNS = 100

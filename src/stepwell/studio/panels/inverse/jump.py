@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepwell import files
-from stepwell.studio.panels._plane import asked_parameter, unit_of
+from stepwell.studio.panels.inverse._plane import asked_parameter, unit_of
 from stepwell.studio.wire import Ask, Design, View
 
 _FARTHEST = 1e6

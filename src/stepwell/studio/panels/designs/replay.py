@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepwell.studio.panels.program import program_of
+from stepwell.studio.panels.motions import program_of
 from stepwell.studio.wire import Ask, Design, View
 
 # Where no closed form tells the margins they are searched.

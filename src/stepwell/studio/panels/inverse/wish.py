@@ -9,7 +9,7 @@ from stepwell import files
 from stepwell.base import InputError
 from stepwell.design import USUAL, Tolerances, design as designed
 from stepwell.results import design_record
-from stepwell.studio.panels import evaluate
+from stepwell.studio.panels.motions import evaluated
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
@@ -45,7 +45,7 @@ def answer(_design: Design, ask: Ask) -> View:
         progress=ask.tell,
     )
     tables = files.tables_in(files.dumps(found.chain))
-    shown = evaluate.answer(Design(tables), Ask())
+    shown = evaluated(Design(tables), Ask())
     return View({**design_record(found), "design": tables, "shown": shown.header}, shown.blocks)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepwell.studio.panels._plane import Plane, Unproved
+from stepwell.studio.panels.inverse._plane import Plane, Unproved
 from stepwell.studio.wire import Ask, Design, View
 
 

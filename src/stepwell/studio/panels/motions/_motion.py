@@ -11,7 +11,7 @@ from stepwell.mechanism import Chain
 from stepwell.reports import assumptions
 from stepwell.sequences import Program
 from stepwell.statics import Path
-from stepwell.studio.panels.evaluate import (
+from stepwell.studio.panels.motions.evaluate import (
     MJ,
     arrays_of,
     cells_of,
@@ -21,7 +21,7 @@ from stepwell.studio.panels.evaluate import (
     margins_of,
     units_of,
 )
-from stepwell.studio.panels.program import told
+from stepwell.studio.panels.motions.program import told
 from stepwell.studio.wire import View
 
 

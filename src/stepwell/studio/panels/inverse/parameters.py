@@ -7,7 +7,7 @@ from typing import Any
 
 from stepwell.design import Parameter, parameters
 from stepwell.mechanism import Cell, Chain
-from stepwell.studio.panels._plane import key_of, unit_of
+from stepwell.studio.panels.inverse._plane import key_of, unit_of
 from stepwell.studio.wire import Ask, Design, View
 
 # Of a lever: as far as an anchor is mapped to either side, which is the paper's box.

@@ -1,0 +1,1 @@
+"""What the page asks the other way round: maps of parameters, wishes, yields."""

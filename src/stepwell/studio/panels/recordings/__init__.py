@@ -1,0 +1,1 @@
+"""What the page asks of recordings: how a measurement and the design agree."""
