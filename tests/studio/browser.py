@@ -46,6 +46,7 @@ if not REQUIRED:
         pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
 
 from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Locator,
     Page,
     expect,
 )
@@ -148,10 +149,16 @@ def settled(page: Page) -> None:
     expect(page.locator("main")).to_have_attribute("aria-busy", "false", timeout=30_000)
 
 
-def drag(page: Page, anchor: str, cell: str, dx: int, dy: int) -> None:
-    box = handle(page, anchor, cell).locator(".dot").bounding_box()
+def middle(found: Locator) -> tuple[float, float]:
+    """Where the middle of something is, in view and not behind the bar at the bottom."""
+    found.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
+    box = found.bounding_box()
     assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page: Page, anchor: str, cell: str, dx: int, dy: int) -> None:
+    x, y = middle(handle(page, anchor, cell).locator(".dot"))
     page.mouse.move(x, y)
     page.mouse.down()
     for k in range(1, 11):

@@ -102,4 +102,5 @@ def test_a_page_without_its_server(opened: Opened, axe: str, tmp_path):
         expect(output(page, "sequence")).to_be_visible()
     expect(page.get_by_text("The server is gone")).to_be_visible()
     nothing_found(page, axe)
+    page.goto("about:blank")
     opened.wrong.clear()  # the browser tells of every socket that did not open

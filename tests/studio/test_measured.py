@@ -29,7 +29,7 @@ HEADER = b"Time (s),Displacement (mm),Force (N)\n"
 
 
 def packed(name: str, content: bytes) -> dict[str, str]:
-    return {"name": name, "gzip_base64": base64.b64encode(gzip.compress(content)).decode()}
+    return {"name": name, "gzip_base64": base64.b64encode(gzip.compress(content, mtime=0)).decode()}
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from studio.browser import (
     expect,
     field,
     handle,
-    number,
+    middle,
     output,
     served,
     settled,
@@ -68,9 +68,7 @@ def test_a_finger_moves_an_anchor_and_not_the_page(browser: Browser, address: st
     page.goto(address)
     expect(output(page, "sequence")).to_be_visible()
     before = anchors(page, "outer")
-    box = handle(page, "q", "outer").locator(".dot").bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y = middle(handle(page, "q", "outer").locator(".dot"))
     fingers = context.new_cdp_session(page)
 
     def touch(kind: str, *points: dict[str, float]) -> None:
@@ -205,9 +203,7 @@ def test_a_long_drag_leaves_the_page_as_large_as_it_was(page: Page):
         inside.send("HeapProfiler.collectGarbage")
         return inside.send("Runtime.getHeapUsage")["usedSize"] / 2**20
 
-    box = handle(page, "q", "outer").locator(".dot").bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y = middle(handle(page, "q", "outer").locator(".dot"))
     page.mouse.move(x, y)
     page.mouse.down()
 
@@ -221,4 +217,4 @@ def test_a_long_drag_leaves_the_page_as_large_as_it_was(page: Page):
     page.mouse.up()
     settled(page)
     assert after - before < 8
-    assert number(page, "peak force") > 0
+    compare(page)

@@ -6,7 +6,7 @@ import pytest
 
 import stepwell as sw
 from stepwell import files
-from studio.browser import output, settled
+from studio.browser import middle, output, settled
 
 from playwright.sync_api import Page, expect  # isort: skip
 
@@ -35,10 +35,7 @@ def visited(points: list[float], start: str = "00") -> str:
 
 
 def test_a_turn_that_is_dragged_does_what_python_says(tab: Page):
-    dot = turn(tab, "Turn 1").locator(".dot")
-    box = dot.bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y = middle(turn(tab, "Turn 1").locator(".dot"))
     tab.mouse.move(x, y)
     tab.mouse.down()
     for k in range(1, 6):

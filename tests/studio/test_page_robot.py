@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.robot import Robot
 from stepwell.simulation import Maze
-from studio.browser import Opened, number, output, served, settled, shown_as
+from studio.browser import Opened, middle, number, output, served, settled, shown_as
 
 from playwright.sync_api import Page, expect  # isort: skip
 
@@ -39,12 +39,6 @@ def button(page: Page, name: str) -> Any:
 
 def plan(page: Page) -> Any:
     return page.get_by_role("group", name="The robot on its floor, from above")
-
-
-def middle_of(found: Any) -> tuple[float, float]:
-    box = found.bounding_box()
-    assert box is not None
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 def drag(page: Page, begin: tuple[float, float], end: tuple[float, float]) -> None:
@@ -118,8 +112,8 @@ def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
     page = robot_page
     page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
     expect(button(page, "Through the arena")).to_be_enabled()
-    x, y = middle_of(page.get_by_role("button", name="start", exact=True).locator(".dot"))
     button(page, "Draw walls").click()
+    x, y = middle(page.get_by_role("button", name="start", exact=True).locator(".dot"))
     box = plan(page).bounding_box()
     assert box is not None
     wide = box["width"] * 0.06
@@ -158,14 +152,14 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
     page = robot_page
     tip = page.get_by_role("button", name="tip of antenna left")
     before = design_kept(page).antennas[0]
-    x, y = middle_of(tip.locator(".dot"))
+    x, y = middle(tip.locator(".dot"))
     drag(page, (x, y), (x + 20, y - 10))
     after = design_kept(page).antennas[0]
     assert after.length > before.length
     assert after.pivot == before.pivot
     told = page.get_by_role("spinbutton", name="length of antenna left in mm").input_value()
     assert float(told) == pytest.approx(after.length * 1e3)
-    placed = middle_of(tip.locator(".dot"))
+    placed = middle(tip.locator(".dot"))
     assert placed == pytest.approx((x + 20, y - 10), abs=3)
     button(page, "Undo").click()
     assert design_kept(page).antennas[0] == before
