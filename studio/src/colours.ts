@@ -1,6 +1,13 @@
-// The colours of the cells: Okabe and Ito's, told apart by every eye, in light and in dark.
-const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#b5568f", "#b37a00", "#3a94c9"];
-const DARK = ["#56b4e9", "#e69f00", "#2fc89b", "#e28fbd", "#f0e442", "#ff8a4a"];
+// The colours of the cells, in the order that the figures have them and told apart by every eye.
+// Loading and unloading keep Okabe and Ito's blue and vermillion for themselves.
+const LIGHT = [
+  ...["#009e73", "#b5568f", "#b37a00", "#2f86b8", "#7a6a00", "#1f2328"],
+  ...["#00704f", "#6f0a4f", "#855829", "#254782", "#403700", "#5c6975"],
+];
+const DARK = [
+  ...["#2fc89b", "#e28fbd", "#f0b429", "#56b4e9", "#c9b64a", "#e8e6e1"],
+  ...["#7fe3c3", "#f3bfdc", "#d9a66f", "#8fb4f5", "#d8cf8a", "#aab4be"],
+];
 
 export const colour = (i: number, theme: "light" | "dark"): string =>
   theme === "dark" ? DARK[i % DARK.length] : LIGHT[i % LIGHT.length];
