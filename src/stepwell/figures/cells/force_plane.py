@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
@@ -161,11 +162,15 @@ def force_plane(
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud, colours)
         _frame_order(strip_ax, ax, half, orders[half], names, colours)
-    named = zip(forces.tolist(), names, strict=True)
-    beside(ax, [Label(x, y, literal(name)) for (x, y), name in named])
+    # In the colour of their dots and clouds, so that every outline has its owner.
+    named = zip(forces.tolist(), names, colours, strict=True)
+    labels = [Label(x, y, literal(name), colour) for (x, y), name, colour in named]
+    for text in beside(ax, labels, leaders=True):
+        text.set(fontweight="bold", path_effects=[withStroke(linewidth=1.6, foreground="white")])
     middle = {"ha": "center", "va": "center"}
     text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
-    text_at(figure, width - _RIGHT - strip / 2, 4.8, "unloads", ha="center", va="top")
+    # Over one narrow column the word would leave the page.
+    text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
     legends.above(above, key, columns)
     return figure
 

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.text import Text
-from matplotlib.typing import ColorType
+from matplotlib.typing import ColorType, LineStyleType
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
@@ -44,9 +44,16 @@ FIXED_BLOCK = "#A8A8A8"
 # Where an element is in one of its phases.
 PHASE = "#E9E9E9"
 
-# The innermost and the outermost cell keep their colour in a chain of any length.
-_INNER, _OUTER = GREEN, PURPLE
-_BETWEEN = (ORANGE, SKY, "#7A6A00", BLACK)
+# A cell keeps its colour in a chain of any length, inner first. Blue and vermillion are not among
+# them: they mean loading and unloading. Past six, the same hues darker, then lighter.
+_CELLS = (
+    *(GREEN, PURPLE, ORANGE, SKY, "#7A6A00", BLACK),
+    *("#00573F", "#85305F", "#A05A00", "#2A6283", "#403700", "#6B6B6B"),
+    *("#5CC3A3", "#E3ABC9", "#F2BE52", "#97D2F4", "#B0A24A", "#A6A6A6"),
+)
+# Every six cells the lines change too, for an eye that sees little of the hues.
+_CELL_DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)))
+_HUES = 6
 
 # By the sequence of a pathway, which a map read back from a file has too.
 PATHWAY = {
@@ -202,11 +209,13 @@ def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
 
 
 def cell_colours(count: int) -> list[str]:
-    """One colour a cell, inner first; past six cells the ones between repeat."""
-    if count == 1:
-        return [_INNER]
-    between = [_BETWEEN[i % len(_BETWEEN)] for i in range(count - 2)]
-    return [_INNER, *between, _OUTER]
+    """One colour a cell, inner first; past eighteen they repeat."""
+    return [_CELLS[i % len(_CELLS)] for i in range(count)]
+
+
+def cell_dashes(count: int) -> list[LineStyleType]:
+    """One line style a cell, inner first: with its colour no two of twenty cells look alike."""
+    return [_CELL_DASHES[i // _HUES % len(_CELL_DASHES)] for i in range(count)]
 
 
 def hollow(size: float, colour: ColorType = INK, **look: Any) -> dict[str, Any]:

@@ -75,11 +75,13 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     names = [*map(literal, colours)]
     loads = np.column_stack([walk.foot_force[some], walk.support_force[some].sum(axis=1)])
     step = walk.settings.sample
+    # Legs that carry the same lie on each other, so that the lower ones are wider.
+    widths = [*np.linspace(1.0 + 0.9 * (len(names) - 2), 1.0, len(names) - 1), 1.2]
     for i, (name, colour) in enumerate(colours.items()):
         stood = intervals(time, standing(loads[:, i]))
         spans = [(begin - step / 2, end - begin + step) for begin, end in stood]
         bars.broken_barh(spans, (i - 0.32, 0.64), facecolors=colour, linewidth=0, gid=name)
-        look = {"color": colour, "linewidth": 1.2, "zorder": 2 if name == "T-foot" else 3}
+        look = {"color": colour, "linewidth": widths[i], "zorder": 2 if name == "T-foot" else 3}
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
     name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)

@@ -24,6 +24,7 @@ from stepwell.figures.common import (
     legends,
     limits,
     literal,
+    marks,
     place,
     round_length,
     styled,
@@ -41,6 +42,8 @@ _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
 _START = hollow(4.5)
+_HEADING = 3.4  # length of an arrow to the heading [mm]
+_SLIGHT = 0.5  # turns that no bar shows [°]
 _SIDEWAYS: dict[str, Any] = {
     "markersize": 3.0,
     "color": ORANGE,
@@ -56,7 +59,7 @@ def trajectory(walk: Walk) -> Figure:
         walk: any walk.
 
     Returns:
-        A figure of two columns' width: path [mm] with a tick to the heading at the start of every
+        A figure of two columns' width: path [mm] with an arrow to the heading at the start of every
         cycle, d/u_max along and across that heading, turn to the left [°].
 
     Raises:
@@ -118,7 +121,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         legends.line("path of the body", BLUE),
         legends.mark("start", **_START),
         legends.mark("end"),
-        legends.mark("heading at each cycle", "|", 6.0, markeredgewidth=0.8),
+        legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
         legends.shade("along the heading", BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
     ]
@@ -145,15 +148,13 @@ def _path(
         for line in _outline(walk, sample):
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
     ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
-    length = max(0.35 * walk.robot.body.length * MM, 2.0 / scale)
+    length = _HEADING / scale
     for sample in cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1]):
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
-        # Across the path for who walks straight on, along it would not be seen.
-        side = 0.15 * np.array([-tip[1], tip[0]])
         start = np.array([x[sample], y[sample]])
-        look = {"color": INK, "linewidth": 0.6, "zorder": 4}
-        ax.plot(*np.array([start - side, start + side]).T, **look)
-        ax.plot(*np.array([start, start + tip]).T, **look, gid="heading")
+        look = {"color": INK, "linewidth": 0.8, "zorder": 4.8, "gid": "heading"}
+        ax.plot(*np.array([start, start + tip]).T, **look)
+        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=6.0)
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
     ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
@@ -173,6 +174,14 @@ def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
     moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
     moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
     turned.bar(number, np.degrees(walk.turn), width=0.7, color=BLUE, zorder=2, gid="turn")
+    # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
+    degrees = np.degrees(walk.turn)
+    turned.plot(number, degrees, "o", markersize=3.0, color=INK, zorder=3, gid="turns")
+    most = float(np.abs(degrees).max(initial=0.0))
+    if walk.cycles and most < _SLIGHT:
+        words = "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
+        look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
+        turned.text(0.5, 0.75, words, **look)
     moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
     turned.set_ylabel("Turn to the left [°]")
     # Both ways alike, so that left and right, forward and backward are seen at a glance.
