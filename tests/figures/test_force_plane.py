@@ -129,6 +129,31 @@ def test_orders_and_chains_that_cannot_be_drawn_are_refused():
         figures.force_plane(Chain([Cell(Band((-0.010, 0.0), (0.010, 0.0)))] * 17))
 
 
+@pytest.mark.parametrize("count", [1, 2, 5, 12, 16])
+@pytest.mark.parametrize("built", [False, True])
+def test_every_label_lies_at_its_own_dot(count, built):
+    anchors = [(0.001 + 0.021 * i / count, 0.001 * (i * 5 % 3)) for i in range(count)]
+    chain = Chain([Cell(Band((-0.010, 0.0), q)) for q in anchors])
+    figure = figures.force_plane(chain, clouds=cloud(chain) if built else None)
+    assert untidy(figure, 7.0) == []
+    ax = figure.axes[0]
+    spots = dict(zip(chain.names, ax.transData.transform(forces(chain)), strict=True))
+    led = {text.xy for text in ax.texts if text.get_gid() == "leader"}
+    dots = {str(points(line)[0]): line.get_color() for line in lines(figure, "cells")}
+    labels = [text for text in ax.texts if text.get_text()]
+    assert sorted(text.get_text() for text in labels) == sorted(chain.names)
+    for text in labels:
+        box = text.get_window_extent()
+        far = {
+            name: np.hypot(*(spot - np.clip(spot, box.min, box.max)))
+            for name, spot in spots.items()
+        }
+        own = text.get_text()
+        # In the colour of its dot and its outline, and nearest to it or joined to it by a line.
+        assert text.get_color() == dots[str(np.array(text.xy))]
+        assert far[own] == min(far.values()) or text.xy in led, own
+
+
 def test_one_cell_has_no_step():
     figure = figures.force_plane(files.preset("paper-cell-10-0"))
     assert legend_of(figure) == []

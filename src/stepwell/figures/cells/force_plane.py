@@ -43,6 +43,8 @@ _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
 _ELLIPSE = 2.4477
 _FILL = "#EFEFEF"
 _CENTRAL = (2.5, 97.5)
+# Least half width of the plane, as a share of the mean force.
+_ROOM = 0.25
 # Characters that a row's name has room for.
 _NAME = 9
 
@@ -150,6 +152,12 @@ def force_plane(
         ax.plot(x, y, "o", color=colour, **dot)
     ax.margins(0.12)
     ax.autoscale_view()
+    # Round one cell some room, or its ticks would have more digits than the page has room for.
+    for middle, (low, high), limit in zip(
+        forces.mean(axis=0), (ax.get_xlim(), ax.get_ylim()), (ax.set_xlim, ax.set_ylim), strict=True
+    ):
+        room = _ROOM * abs(middle)
+        limit(min(low, middle - room), max(high, middle + room))
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
         # The narrowest step as a band across the plane.
@@ -166,7 +174,7 @@ def force_plane(
     named = zip(forces.tolist(), names, colours, strict=True)
     labels = [Label(x, y, literal(name), colour) for (x, y), name, colour in named]
     for text in beside(ax, labels, leaders=True):
-        text.set(fontweight="bold", path_effects=[withStroke(linewidth=1.6, foreground="white")])
+        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
     middle = {"ha": "center", "va": "center"}
     text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
     # Over one narrow column the word would leave the page.

@@ -14,7 +14,9 @@ from stepwell.base import Floats
 from stepwell.figures.common.style import INK, root
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
-_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0)
+_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 65.0)
+# From here on a label needs a line to its point [pt].
+_FAR = 13.0
 
 
 class Label(NamedTuple):
@@ -75,7 +77,8 @@ def beside(
         text.xyann = best
         taken.append(box.translated(best[0] * point, best[1] * point))
         written.append(text)
-        if leaders and gap > _DISTANCES[1]:
+        own = float(_distances(taken[-1], here[None])[0])
+        if leaders and (gap >= _FAR or (_distances(taken[-1], others) < own + 2 * point).any()):
             _lead(ax, text, taken[-1])
     return written
 

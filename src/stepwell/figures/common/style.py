@@ -45,11 +45,12 @@ FIXED_BLOCK = "#A8A8A8"
 PHASE = "#E9E9E9"
 
 # A cell keeps its colour in a chain of any length, inner first. Blue and vermillion are not among
-# them: they mean loading and unloading. Past six, the same hues darker, then lighter.
+# them: they mean loading and unloading. Past six, like hues darker, then lighter, shifted as far
+# apart as a search could put them for people with all cones and without one kind.
 _CELLS = (
     *(GREEN, PURPLE, ORANGE, SKY, "#7A6A00", BLACK),
-    *("#00573F", "#85305F", "#A05A00", "#2A6283", "#403700", "#6B6B6B"),
-    *("#5CC3A3", "#E3ABC9", "#F2BE52", "#97D2F4", "#B0A24A", "#A6A6A6"),
+    *("#00704F", "#6F0A4F", "#855829", "#254782", "#403700", "#5C6975"),
+    *("#6ECC83", "#DEBBD2", "#F2BE52", "#B5CBFD", "#B9904B", "#AFB0A0"),
 )
 # Every six cells the lines change too, for an eye that sees little of the hues.
 _CELL_DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)))

@@ -94,7 +94,8 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     # A tenth of the width more, so that ticks stand clear of the frame.
     scale = min(_WIDE / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
-    named = 0.0 if list(walks) == [""] else 5.0
+    bare = list(walks) == [""] and not any(walk.stopped for walk in walks.values())
+    named = 0.0 if bare else 5.0
     height = sum(tall) + len(tall) * (_ABOVE + named + _BELOW) + _KEY
     figure = blank(PAGE, height)
     rows: list[tuple[Axes, Axes, Axes]] = []
@@ -107,11 +108,9 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         turned = place(figure, _LEFT + _WIDE + 2 * _GAP + _BAR, bottom, _BAR - 3.0, high)
         _bars(moved, turned, walk)
         rows.append((path, moved, turned))
-        if name:
-            text_at(figure, _LEFT, bottom + high + 1.8, literal(name), weight="bold")
-        if walk.stopped:
-            look = {"transform": moved.transAxes, "va": "bottom", "gid": "stopped"}
-            moved.text(0.0, 1.03, "stopped early", **look)
+        # In one line: over the panels at the right, a long name would be crossed.
+        title = [literal(name)] * bool(name) + ["stopped early"] * bool(walk.stopped)
+        text_at(figure, _LEFT, bottom + high + 1.8, ", ".join(title), weight="bold")
         bottom -= _BELOW
     for column in (1, 2):
         most = max(row[column].get_ylim()[1] for row in rows)
@@ -152,9 +151,10 @@ def _path(
     for sample in cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1]):
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
         start = np.array([x[sample], y[sample]])
-        look = {"color": INK, "linewidth": 0.8, "zorder": 4.8, "gid": "heading"}
+        # Below the path, and only its head above: who walks straight on has both in one line.
+        look = {"color": INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
         ax.plot(*np.array([start, start + tip]).T, **look)
-        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=6.0)
+        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=9.0)
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
     ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
@@ -179,7 +179,9 @@ def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
     turned.plot(number, degrees, "o", markersize=3.0, color=INK, zorder=3, gid="turns")
     most = float(np.abs(degrees).max(initial=0.0))
     if walk.cycles and most < _SLIGHT:
-        words = "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
+        words = (
+            "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
+        )
         look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
         turned.text(0.5, 0.75, words, **look)
     moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
