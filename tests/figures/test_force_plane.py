@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Annotation
 
 from figures.drawn import collisions, legend_of, lines, points, says, untidy
 from figures.shapes import boxes
@@ -138,9 +139,10 @@ def test_every_label_lies_at_its_own_dot(count, built):
     assert untidy(figure, 7.0) == []
     ax = figure.axes[0]
     spots = dict(zip(chain.names, ax.transData.transform(forces(chain)), strict=True))
-    led = {text.xy for text in ax.texts if text.get_gid() == "leader"}
+    texts = [text for text in ax.texts if isinstance(text, Annotation)]
+    led = {text.xy for text in texts if text.get_gid() == "leader"}
     dots = {str(points(line)[0]): line.get_color() for line in lines(figure, "cells")}
-    labels = [text for text in ax.texts if text.get_text()]
+    labels = [text for text in texts if text.get_text()]
     assert sorted(text.get_text() for text in labels) == sorted(chain.names)
     for text in labels:
         box = text.get_window_extent()

@@ -84,16 +84,15 @@ def test_a_robot_has_the_same_colours_in_a_picture_and_in_a_video(robot):
     from stepwell.figures.robots.robot_above import ANTENNA, FOOT, SUPPORT
     from stepwell.simulation.model import parts
 
-    near = {"abs": 0.006}
     for name, colour in (
         ("FOOT", FOOT),
         ("LINK", FOOT),
         ("SUPPORT", SUPPORT),
         ("ANTENNA", ANTENNA),
     ):
-        assert getattr(parts, name)[:3] == pytest.approx(to_rgb(colour), **near)
+        assert getattr(parts, name)[:3] == pytest.approx(to_rgb(colour), abs=0.006)
     for seen, colour in zip(parts.BANDS, cell_colours(len(parts.BANDS)), strict=True):
-        assert seen[:3] == pytest.approx(to_rgb(colour), **near)
+        assert seen[:3] == pytest.approx(to_rgb(colour), abs=0.006)
     figure = figures.robot_above(robot)
     drawn = {
         line.get_color()

@@ -223,7 +223,7 @@ def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
         figure = figures.transition_map(dataset, curves)
         mesh = figure.axes[0].collections[0]
         number = np.ma.asarray(mesh.get_array()).reshape(PLACES, PLACES).astype(int)
-        shown = mesh.cmap(mesh.norm(number))[..., :3]
+        shown = np.asarray(mesh.cmap(mesh.norm(number)))[..., :3]
         shade = {p.value: pale(PATHWAY[p.value]) for p in sw.Pathway if p.value in PATHWAY}
         names = {value: name for name, value in codes(exact).items()}
         wanted = np.array(

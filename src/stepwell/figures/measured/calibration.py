@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -73,7 +75,11 @@ def calibration(result: Calibration) -> Figure:
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
             dark = abs(value) > 0.6
-            look = {"ha": "center", "va": "center", "color": "white" if dark else INK}
+            look: dict[str, Any] = {
+                "ha": "center",
+                "va": "center",
+                "color": "white" if dark else INK,
+            }
             right.text(j, i, _hundredths(float(value)), **look, gid="correlation")
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)
