@@ -99,6 +99,13 @@ def test_states_are_named_with_their_stroke_and_joined_by_arrows():
     assert {"inner", "outer"} <= set(said)
 
 
+def test_no_rounding_error_is_told_as_a_stroke():
+    cycle = files.preset("curved-beam").cycle()
+    said = says(figures.mechanism(cycle.chain, cycle.sequence))
+    assert said.count("$u$ = 0 mm") == 2
+    assert not any("e\N{MINUS SIGN}" in text for text in said)
+
+
 def test_the_scale_bar_is_as_long_as_it_says():
     figure = figures.mechanism(files.preset("paper-forward"), ["00"])
     (bar,) = lines(figure, "scale bar")

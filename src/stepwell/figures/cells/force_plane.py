@@ -158,6 +158,7 @@ def force_plane(
     ):
         room = _ROOM * abs(middle)
         limit(min(low, middle - room), max(high, middle + room))
+    ax.locator_params(nbins=5 if width == COLUMN else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
         # The narrowest step as a band across the plane.

@@ -200,6 +200,9 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
         ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
+        # Elements rest where a root was found, and a rounding error is no stroke.
+        if abs(stroke) < 1e-9 * sheet.linkage.chain.full_stroke:
+            stroke = 0.0
         # From where the outermost block's edge is at zero stroke to where it is now.
         start = origin[0] + sheet.rest * per_metre
         now = start + stroke * sheet.linkage.unit * per_metre
