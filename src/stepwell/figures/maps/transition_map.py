@@ -57,6 +57,8 @@ _SIDE = 70.0
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
 _NUMBERED = 25.0
+# Between the names of a design and of a region [pt].
+_CLEAR = 5.0
 _SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
 _PARTS = {
     "p.x": "$p_x$",
@@ -159,14 +161,16 @@ def transition_map(
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
         taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
+    # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
+    for text in beside(ax, marks, keep_clear=taken):
+        text.set_bbox(on_white(0.12, 0.8))
+        taken.append(text.get_window_extent().padded(_CLEAR * root(ax).dpi / 72))
     free = _free(ax, *places, taken)
     for region in shown:
         if region.name:
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
             inside = region.inside & free
             taken += name_regions(ax, *places, inside, forms, region.shade)
-    for text in beside(ax, marks, keep_clear=taken):
-        text.set_bbox(on_white(0.12, 0.8))
     key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
     return figure
 

@@ -43,6 +43,7 @@ _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
 _START = hollow(4.5)
 _HEADING = 3.4  # length of an arrow to the heading [mm]
+_FAN = 2.6  # longer where steps are shorter than arrows
 _SLIGHT = 0.5  # turns that no bar shows [°]
 _SIDEWAYS: dict[str, Any] = {
     "markersize": 3.0,
@@ -147,8 +148,11 @@ def _path(
         for line in _outline(walk, sample):
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
     ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
-    length = _HEADING / scale
-    for sample in cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1]):
+    at = cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1])
+    # A robot that turns where it stands spreads its arrows like a fan.
+    step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
+    length = _HEADING / scale * (1.0 if step * scale > _HEADING else _FAN)
+    for sample in at:
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
         start = np.array([x[sample], y[sample]])
         # Below the path, and only its head above: who walks straight on has both in one line.
