@@ -188,6 +188,20 @@ def test_designs_stand_at_their_parameters(pair):
     assert collisions(figure) == []
 
 
+def test_names_of_designs_and_of_regions_are_not_read_as_one(pair):
+    # Three of the paper's, all on the frame.
+    at = {"(0, 0)": (0.0, 0.0), "(20, 0)": (0.020, 0.0), "(10, 15)": (0.010, 0.015)}
+    figure = figures.transition_map(pair[0], pair[1], at)
+    ax = figure.axes[0]
+    shown = [text for text in ax.texts if text.get_text() and text.get_gid() != "number"]
+    designs = [text.get_window_extent() for text in shown if text.get_text() in at]
+    others = [text.get_window_extent() for text in shown if text.get_text() not in at]
+    assert len(designs) == 3
+    assert len(others) == 4
+    point = figure.dpi / 72
+    assert not any(a.padded(2.0 * point).overlaps(b) for a in designs for b in others)
+
+
 def test_neighbouring_regions_differ_in_colour(shuffle):
     dataset, _ = shuffle
     mesh = figures.transition_map(dataset).axes[0].collections[0]

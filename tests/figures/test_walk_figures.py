@@ -202,6 +202,16 @@ def test_headings_point_ahead_and_keep_apart(forward):
         assert tip[0] <= after[0] + 1e-9
 
 
+def test_headings_of_a_robot_that_turns_where_it_stands_spread_like_a_fan(turning, forward):
+    def long(walk) -> float:
+        figure = figures.trajectory(walk)
+        ax = figure.axes[0]
+        ends = ax.transData.transform(points(lines(figure, "heading")[0]))
+        return float(np.hypot(*(ends[1] - ends[0]))) / figure.dpi * 25.4
+
+    assert long(turning) > 2 * long(forward)
+
+
 def test_a_long_name_is_not_crossed_by_how_the_walk_ended(walks):
     long = "a robot whose name goes on over all of the panels that there are to its right"
     figure = figures.trajectories({long: walks["stopped"]})
