@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Annotation
 
 from figures.drawn import collisions, legend_of, lines, points, says, untidy
 from figures.shapes import boxes
@@ -127,6 +128,32 @@ def test_orders_and_chains_that_cannot_be_drawn_are_refused():
         figures.force_plane(WAVE, loading=[0, 0, 1])
     with pytest.raises(ValueError, match="17 cells: at most 16"):
         figures.force_plane(Chain([Cell(Band((-0.010, 0.0), (0.010, 0.0)))] * 17))
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 12, 16])
+@pytest.mark.parametrize("built", [False, True])
+def test_every_label_lies_at_its_own_dot(count, built):
+    anchors = [(0.001 + 0.021 * i / count, 0.001 * (i * 5 % 3)) for i in range(count)]
+    chain = Chain([Cell(Band((-0.010, 0.0), q)) for q in anchors])
+    figure = figures.force_plane(chain, clouds=cloud(chain) if built else None)
+    assert untidy(figure, 7.0) == []
+    ax = figure.axes[0]
+    spots = dict(zip(chain.names, ax.transData.transform(forces(chain)), strict=True))
+    texts = [text for text in ax.texts if isinstance(text, Annotation)]
+    led = {text.xy for text in texts if text.get_gid() == "leader"}
+    dots = {str(points(line)[0]): line.get_color() for line in lines(figure, "cells")}
+    labels = [text for text in texts if text.get_text()]
+    assert sorted(text.get_text() for text in labels) == sorted(chain.names)
+    for text in labels:
+        box = text.get_window_extent()
+        far = {
+            name: np.hypot(*(spot - np.clip(spot, box.min, box.max)))
+            for name, spot in spots.items()
+        }
+        own = text.get_text()
+        # In the colour of its dot and its outline, and nearest to it or joined to it by a line.
+        assert text.get_color() == dots[str(np.array(text.xy))]
+        assert far[own] == min(far.values()) or text.xy in led, own
 
 
 def test_one_cell_has_no_step():

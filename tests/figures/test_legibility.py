@@ -146,6 +146,17 @@ def test_a_chain_of_one_cell_has_every_figure_but_the_landscape():
     assert "0" in says(figures.overview(cycle))
 
 
+@pytest.mark.parametrize("count", [1, 2, 5, 12])
+def test_an_overview_can_be_read_with_any_number_of_cells(count):
+    anchors = [0.001 + 0.021 * i / count for i in range(count)]
+    cycle = Chain([Cell(Band((-0.010, 0.0), (q, 0.0))) for q in anchors]).cycle()
+    figure = figures.overview(cycle)
+    assert untidy(figure, 7.0) == []
+    # The force loop is not drawn out to a row of lines.
+    loop = figure.axes[-1].get_window_extent()
+    assert loop.height <= 1.05 * loop.width
+
+
 def test_a_chain_too_long_to_draw_keeps_the_figures_that_can_be_read():
     cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.0005 * i, 0.0))) for i in range(13)]
     cycle = Chain(tuple(cells)).cycle()

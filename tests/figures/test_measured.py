@@ -111,6 +111,22 @@ def test_the_chosen_law_is_named_in_the_legend(drawn):
     assert "cubic (chosen)" in legend_of(drawn["laws"])
 
 
+def test_correlations_keep_their_sign(comparison, drawn):
+    fit = lab.calibrate(lab.prepare([t.series for t in comparison.cells]), "cubic")
+    texts = [t for t in drawn["calibration"].axes[1].texts if t.get_gid() == "correlation"]
+    assert any(text.get_text().startswith("\N{MINUS SIGN}") for text in texts)
+    for text in texts:
+        column, row = (round(x) for x in text.get_position())
+        told = float(text.get_text().replace("\N{MINUS SIGN}", "-"))
+        assert told == pytest.approx(fit.correlations[row, column], abs=0.0051)
+
+
+def test_the_measurement_is_seen_on_both_sides_of_the_model(drawn):
+    for ax in drawn["pairs"].axes:
+        width = {line.get_gid(): line.get_linewidth() for line in ax.get_lines()}
+        assert width["measured"] >= 3 * width["model"]
+
+
 def test_nothing_to_draw_is_refused():
     with pytest.raises(ValueError, match="tests is empty: give one unit cell"):
         figures.measured_forces([])

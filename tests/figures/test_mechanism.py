@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 from matplotlib.collections import PolyCollection
 
-from figures.drawn import legend_of, lines, points, says
+from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.cells.drawing import Drawing
 from stepwell.figures.cells.linkage import LinkageDrawing
@@ -99,6 +99,13 @@ def test_states_are_named_with_their_stroke_and_joined_by_arrows():
     assert {"inner", "outer"} <= set(said)
 
 
+def test_no_rounding_error_is_told_as_a_stroke():
+    cycle = files.preset("curved-beam").cycle()
+    said = says(figures.mechanism(cycle.chain, cycle.sequence))
+    assert said.count("$u$ = 0 mm") == 2
+    assert not any("e\N{MINUS SIGN}" in text for text in said)
+
+
 def test_the_scale_bar_is_as_long_as_it_says():
     figure = figures.mechanism(files.preset("paper-forward"), ["00"])
     (bar,) = lines(figure, "scale bar")
@@ -121,8 +128,37 @@ def test_travels_between_the_stops_can_be_drawn():
 def test_columns_can_be_chosen():
     cycle = files.preset("paper-forward").cycle()
     tall = figures.mechanism(cycle.chain, cycle.sequence, columns=1)
-    wide = figures.mechanism(cycle.chain, cycle.sequence, columns=5)
-    assert tall.get_size_inches()[1] > 4 * wide.get_size_inches()[1]
+    wide = figures.mechanism(cycle.chain, cycle.sequence, columns=3)
+    assert tall.get_size_inches()[1] > 2 * wide.get_size_inches()[1]
+
+
+def spread(count: int) -> Chain:
+    return Chain(
+        [Cell(Band((-0.010, 0.0), (0.001 + 0.021 * i / count, 0.0))) for i in range(count)]
+    )
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 12])
+def test_arrows_point_the_way_that_the_stroke_goes(count):
+    cycle = spread(count).cycle()
+    figure = figures.mechanism(cycle.chain, cycle.sequence)
+    ways = [np.sign(np.diff(points(arrow)[:, 0])[0]) for arrow in lines(figure, "arrow")]
+    assert ways == [1.0] * count + [-1.0] * count
+    # And each lies on that side of the state to which it leads.
+    titles = [t.get_position() for t in figure.axes[0].texts if t.get_text() in cycle.sequence]
+    for arrow, way, (x, y) in zip(lines(figure, "arrow"), ways, titles[1:], strict=True):
+        assert np.sign(x - points(arrow)[:, 0].mean()) == way
+        assert 0.0 < y - points(arrow)[0, 1] < 40.0
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 12])
+def test_a_page_holds_all_states_of_a_cycle(count):
+    cycle = spread(count).cycle()
+    figure = figures.mechanism(cycle.chain, cycle.sequence)
+    wide, tall = 25.4 * figure.get_size_inches()
+    assert wide == pytest.approx(180.0)
+    assert tall <= 275.0
+    assert untidy(figure, 7.0) == []
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Annotation
 
-from figures.drawn import legend_of, line_of, lines, marks, points, says
+from figures.drawn import legend_of, line_of, lines, marks, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.common.style import LOADING, UNLOADING
 from stepwell.mechanism import Band, Cell, Chain
@@ -96,6 +96,13 @@ def test_each_cell_has_a_lane_innermost_on_top():
     }
     assert sorted(placed, key=lambda name: -placed[name]) == names
     assert ax.get_ylabel() == "Travel $s$ [mm]"
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 12, 20])
+def test_legend_and_lanes_stay_on_the_page(count):
+    cells = [Cell(Band((-0.010, 0.0), (0.001 + 0.021 * i / count, 0.0))) for i in range(count)]
+    figure = figures.travel_stroke(Chain(cells).cycle())
+    assert untidy(figure, 7.0) == []
 
 
 def test_lanes_show_the_travel_of_their_cell():

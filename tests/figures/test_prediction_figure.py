@@ -8,6 +8,7 @@ from figures.drawn import lines, points, says, untidy
 from figures.robots import explorer, walker
 from figures.shapes import boxes
 from stepwell import figures
+from stepwell.figures.common.style import VERMILLION
 
 pytestmark = pytest.mark.slow
 
@@ -69,3 +70,18 @@ def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, pre
         assert f"{least * 1e3:.2f} to {most * 1e3:.2f} mm" in says(figure)
     (below,) = lines(figure, "below")
     assert points(below)[:, 0] == pytest.approx(found.robot.foot.below * 1e3)
+
+
+@pytest.mark.parametrize("name", ["forward", "antennas"])
+def test_no_leg_has_the_colour_of_what_is_in_doubt(name, predictions):
+    figure = figures.prediction(predictions[name])
+    legs = {
+        line.get_color()
+        for ax in figure.axes
+        for line in ax.get_lines()
+        if (line.get_gid() or "").startswith(("margin", "flip"))
+    }
+    assert len(legs) >= 2
+    assert VERMILLION not in legs
+    doubtful = any(text.get_color() == VERMILLION for ax in figure.axes for text in ax.texts)
+    assert ("in this colour: in doubt" in says(figure)) == doubtful

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stepwell import figures
+from stepwell import figures, files
+from stepwell.figures.runs.sweep import axis_words
 from stepwell.simulation import Sweep, Trial
 
 GAITS = ("00>10>11>01>00", "00>01>11>10>00", "00>01>11>01>00")
@@ -33,7 +34,7 @@ def test_over_one_key_advance_and_turn_of_every_robot_are_shown():
     figure = figures.sweep(swept(np.arange(7.0)))
     assert shown(figure) == [7, 7]
     lower, upper = figure.axes
-    assert lower.get_xlabel() == "key.a_mm"
+    assert lower.get_xlabel() == "A of key [mm]"
     assert lower.get_xlim() == upper.get_xlim()
 
 
@@ -68,6 +69,31 @@ def test_pathways_have_their_colours_and_rare_gaits_share_one():
     labels = [text.get_text() for text in legend.get_texts()]
     assert {GAITS[0], "any other", "did not walk to the end"} <= set(labels)
     assert len(labels) <= 10
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("chain.cell.outer.q_mm[0]", "$q_x$ of outer [mm]"),
+        ("leg.*.chain.cell.outer.q_mm[0]", "$q_x$ of outer, every leg [mm]"),
+        ("leg.left.chain.cell.inner.band.rest_length_mm", "Rest length of inner, left leg [mm]"),
+        ("foot.below_mm", "Depth of foot [mm]"),
+        ("blocks.damping_N_s_per_m", "Damping of blocks [N s/m]"),
+        ("body.supports_mm[1][0]", "Supports 2 $x$ of body [mm]"),
+        ("floor.gravity_m_per_s2", "Gravity of floor [m/s²]"),
+        ("floor.foot_friction", "Foot friction of floor"),
+    ],
+)
+def test_axes_say_what_a_key_means(key, said):
+    assert axis_words(key) == said
+
+
+def test_no_key_of_a_robot_is_written_raw():
+    for parameter in files.parameters(files.preset("robot-explorer")):
+        said = axis_words(parameter.path)
+        assert "_mm" not in said
+        assert "." not in said
+        assert said.endswith(f"[{parameter.unit}]") or not parameter.unit, said
 
 
 def test_nothing_to_show_is_refused():

@@ -10,7 +10,8 @@ import stepwell as sw
 from figures.drawn import collisions, cut_off, lines, points, says, words
 from stepwell import figures, files
 from stepwell.design import parameter_boundaries, parameter_map
-from stepwell.figures.common.style import INK, LOADING, UNLOADING
+from stepwell.figures.common.style import INK, LOADING, PATHWAY, UNLOADING, pale
+from stepwell.figures.maps.between import PLACES
 
 X = ("outer.q.x", np.linspace(0.0, 0.020, 41))
 Y = ("outer.q.y", np.linspace(-0.015, 0.015, 61))
@@ -187,10 +188,24 @@ def test_designs_stand_at_their_parameters(pair):
     assert collisions(figure) == []
 
 
+def test_names_of_designs_and_of_regions_are_not_read_as_one(pair):
+    # Three of the paper's, all on the frame.
+    at = {"(0, 0)": (0.0, 0.0), "(20, 0)": (0.020, 0.0), "(10, 15)": (0.010, 0.015)}
+    figure = figures.transition_map(pair[0], pair[1], at)
+    ax = figure.axes[0]
+    shown = [text for text in ax.texts if text.get_text() and text.get_gid() != "number"]
+    designs = [text.get_window_extent() for text in shown if text.get_text() in at]
+    others = [text.get_window_extent() for text in shown if text.get_text() not in at]
+    assert len(designs) == 3
+    assert len(others) == 4
+    point = figure.dpi / 72
+    assert not any(a.padded(2.0 * point).overlaps(b) for a in designs for b in others)
+
+
 def test_neighbouring_regions_differ_in_colour(shuffle):
     dataset, _ = shuffle
     mesh = figures.transition_map(dataset).axes[0].collections[0]
-    number = np.ma.asarray(mesh.get_array()).reshape(dataset.sequence.shape).astype(int)
+    number = np.ma.asarray(mesh.get_array()).reshape(PLACES, PLACES).astype(int)
     colours = mesh.cmap(mesh.norm(number))
     for axis in (0, 1):
         changes = np.diff(number, axis=axis) != 0
@@ -203,10 +218,62 @@ def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
     code = codes(dataset)
     dataset["sequence"][:, :5] = code["impossible"]
     figure = figures.transition_map(dataset)
-    shown = np.ma.asarray(figure.axes[0].collections[0].get_array()).reshape(61, 41)
-    assert np.ma.getmaskarray(shown)[:, :5].all()
-    assert not np.ma.getmaskarray(shown)[:, 5:].any()
+    shown = np.ma.asarray(figure.axes[0].collections[0].get_array()).reshape(PLACES, PLACES)
+    # Half-way between the last such node and the next one.
+    edge = round(4.5 / 40 * PLACES)
+    assert np.ma.getmaskarray(shown)[:, : edge - 1].all()
+    assert not np.ma.getmaskarray(shown)[:, edge + 1 :].any()
     assert "no mechanism: the band's ends meet" in says(figure)
+
+
+def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
+    chain = files.preset("paper-forward")
+    few = ("outer.q.x", np.linspace(0.0, 0.020, 9)), ("outer.q.y", np.linspace(-0.015, 0.015, 11))
+    many = tuple((name, np.linspace(ends[0], ends[-1], PLACES)) for name, ends in few)
+    exact = parameter_map(chain, *many)
+    dataset, found = parameter_map(chain, *few), parameter_boundaries(chain, *few, search=31)
+
+    def wrong(curves) -> float:
+        figure = figures.transition_map(dataset, curves)
+        mesh = figure.axes[0].collections[0]
+        number = np.ma.asarray(mesh.get_array()).reshape(PLACES, PLACES).astype(int)
+        shown = np.asarray(mesh.cmap(mesh.norm(number)))[..., :3]
+        shade = {p.value: pale(PATHWAY[p.value]) for p in sw.Pathway if p.value in PATHWAY}
+        names = {value: name for name, value in codes(exact).items()}
+        wanted = np.array(
+            [[shade[names[int(one)]] for one in row] for row in exact.sequence.values]
+        )
+        return float(np.mean(np.abs(shown - wanted).max(axis=-1) > 0.02))
+
+    assert wrong(()) > 0.04
+    assert wrong(found) < 0.004
+
+
+def test_every_large_blank_region_is_named_where_it_is(pair):
+    dataset = pair[0].copy(deep=True)
+    code = codes(dataset)
+    dataset["sequence"][:, :14] = code["impossible"]
+    dataset["sequence"][:20, 24:] = code["unsolved"]
+    texts = figures.transition_map(dataset).axes[0].texts
+    at = {text.get_text().replace("\n", " "): text.get_position() for text in texts}
+    assert at["no mechanism"][0] < 7.0
+    assert at["no answer"][0] > 12.0
+    assert at["no answer"][1] < -5.0
+
+
+def test_names_lie_inside_the_frame_on_coarse_maps_too():
+    chain = files.preset("paper-forward")
+    axes = ("outer.q.x", np.linspace(0.0, 0.020, 7)), ("outer.rest_length", np.linspace(0, 0.02, 7))
+    figure = figures.transition_map(parameter_map(chain, *axes))
+    frame = figure.axes[0].get_window_extent()
+    names = [text for text in figure.axes[0].texts if text.get_text()]
+    assert names
+    for text in names:
+        box = text.get_window_extent()
+        assert frame.y0 < box.y0
+        assert box.y1 < frame.y1
+        assert frame.x0 < box.x0
+        assert box.x1 < frame.x1
 
 
 def test_words_stay_apart_and_on_the_page(pair, shuffle):

@@ -1,5 +1,6 @@
 """Gait, trajectory and contacts of a walk: its numbers, whole or cut short."""
 
+import itertools
 import math
 import warnings
 
@@ -173,6 +174,49 @@ def test_forces_under_feet_and_t_foot_are_those_of_the_walk(forward):
     assert points(left)[:, 1] == pytest.approx(forward.foot_force[shown, 0])
     (weight,) = lines(figure, "weight")
     assert points(weight)[:, 1] == pytest.approx(forward.robot.weight)
+
+
+def test_legs_that_carry_the_same_are_both_seen(forward):
+    figure = figures.contacts(forward)
+    (left,), (right,) = (lines(figure, f"force {leg}") for leg in ("left", "right"))
+    assert points(left)[:, 1] == pytest.approx(points(right)[:, 1], abs=0.05)
+    # The wider one below, the other dashed above it.
+    assert left.get_linewidth() >= 2 * right.get_linewidth()
+    assert left.get_linestyle() == "-"
+    assert right.get_linestyle() == "--"
+    assert left.get_color() != right.get_color()
+
+
+def test_a_walk_straight_on_says_so_where_its_bars_have_no_height(forward, turning):
+    straight, turned = figures.trajectory(forward), figures.trajectory(turning)
+    assert any(text.startswith("straight on") for text in says(straight))
+    assert not any(text.startswith("straight on") for text in says(turned))
+    (dots,) = lines(straight, "turns")
+    assert points(dots)[:, 1] == pytest.approx(np.degrees(forward.turn))
+
+
+def test_headings_point_ahead_and_keep_apart(forward):
+    drawn = [points(line) for line in lines(figures.trajectory(forward), "heading")]
+    for (start, tip), (after, _) in itertools.pairwise(drawn):
+        assert tip[0] - start[0] > 10 * abs(tip[1] - start[1])
+        assert tip[0] <= after[0] + 1e-9
+
+
+def test_headings_of_a_robot_that_turns_where_it_stands_spread_like_a_fan(turning, forward):
+    def long(walk) -> float:
+        figure = figures.trajectory(walk)
+        ax = figure.axes[0]
+        ends = ax.transData.transform(points(lines(figure, "heading")[0]))
+        return float(np.hypot(*(ends[1] - ends[0]))) / figure.dpi * 25.4
+
+    assert long(turning) > 2 * long(forward)
+
+
+def test_a_long_name_is_not_crossed_by_how_the_walk_ended(walks):
+    long = "a robot whose name goes on over all of the panels that there are to its right"
+    figure = figures.trajectories({long: walks["stopped"]})
+    assert untidy(figure, 7.0) == []
+    assert f"{long}, stopped early" in says(figure)
 
 
 def test_work_of_the_cycles_adds_up_to_the_walks(forward):

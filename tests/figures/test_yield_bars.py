@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from figures.drawn import lines, points, says, untidy
+from figures.drawn import lines, points, says, untidy, words
 from figures.shapes import boxes
 from stepwell import figures, files
 from stepwell.design import Tolerances, yields
@@ -30,6 +30,15 @@ def test_the_interval_is_drawn_and_told(found):
     assert points(interval)[:, 0] == pytest.approx(100 * np.array(found.interval))
     low, high = (f"{100 * bound:.1f} %" for bound in found.interval)
     assert f"{100 * found.share:.1f} % ({low} to {high}) as wanted" in says(figure)
+
+
+@pytest.mark.parametrize("anchor", [0.0003, 0.002, 0.0035])
+@pytest.mark.parametrize("name", ["paper-forward", "three-wave"])
+def test_the_interval_strikes_through_no_word(name, anchor):
+    figure = figures.yield_bars(yields(files.preset(name), Tolerances(anchor), n=2000))
+    (interval,) = lines(figure, "interval")
+    box = interval.get_window_extent()
+    assert not [t.get_text() for t in words(figure) if t.get_window_extent().overlaps(box)]
 
 
 def test_parts_are_sorted_by_what_their_tolerance_causes(found):

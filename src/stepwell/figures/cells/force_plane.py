@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
@@ -42,6 +43,8 @@ _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
 _ELLIPSE = 2.4477
 _FILL = "#EFEFEF"
 _CENTRAL = (2.5, 97.5)
+# Least half width of the plane, as a share of the mean force.
+_ROOM = 0.25
 # Characters that a row's name has room for.
 _NAME = 9
 
@@ -149,6 +152,13 @@ def force_plane(
         ax.plot(x, y, "o", color=colour, **dot)
     ax.margins(0.12)
     ax.autoscale_view()
+    # Round one cell some room, or its ticks would have more digits than the page has room for.
+    for middle, (low, high), limit in zip(
+        forces.mean(axis=0), (ax.get_xlim(), ax.get_ylim()), (ax.set_xlim, ax.set_ylim), strict=True
+    ):
+        room = _ROOM * abs(middle)
+        limit(min(low, middle - room), max(high, middle + room))
+    ax.locator_params(nbins=5 if width == COLUMN else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
         # The narrowest step as a band across the plane.
@@ -161,11 +171,15 @@ def force_plane(
     for half, strip_ax in enumerate((above, right)):
         _draw_order(strip_ax, ax, half, orders[half], forces, cloud, colours)
         _frame_order(strip_ax, ax, half, orders[half], names, colours)
-    named = zip(forces.tolist(), names, strict=True)
-    beside(ax, [Label(x, y, literal(name)) for (x, y), name in named])
+    # In the colour of their dots and clouds, so that every outline has its owner.
+    named = zip(forces.tolist(), names, colours, strict=True)
+    labels = [Label(x, y, literal(name), colour) for (x, y), name, colour in named]
+    for text in beside(ax, labels, leaders=True):
+        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
     middle = {"ha": "center", "va": "center"}
     text_at(figure, 3.0, _BOTTOM + side + _BETWEEN + strip / 2, "loads", rotation=90, **middle)
-    text_at(figure, width - _RIGHT - strip / 2, 4.8, "unloads", ha="center", va="top")
+    # Over one narrow column the word would leave the page.
+    text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
     legends.above(above, key, columns)
     return figure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby, pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,6 +24,7 @@ from stepwell.figures.common import (
     legends,
     marks,
     plain,
+    round_length,
     styled,
     told,
 )
@@ -34,7 +36,13 @@ MOST_STATES = 30
 
 # On the page [mm]: between two drawings, above and below each, and for the key under them all.
 _BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
+# Of the key: what a row holds, and the height of each row but the first [mm].
+_ENTRIES, _MORE = 7, 3.8
+# The scale bar is no longer [mm].
+_BAR = 12.0
 _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
+# A page has no more; rather than leave it, drawings become smaller.
+_TALLEST = 270.0
 
 State = str | Sequence[float]
 
@@ -49,7 +57,8 @@ def mechanism(
 ) -> Figure:
     """The chain in one state after another, with an arrow between and the stroke below each.
 
-    The stroke runs to the right and the fixed block is at the left. Every second cell is
+    The stroke runs to the right and the fixed block is at the left. States that load follow each
+    other to the right, in a row or several, those that unload to the left. Every second cell is
     mirrored across the stroke, so that blocks lie in two rows with the levers zig-zagging
     between them; this changes no length and no force. A band is as thick as its tension, and
     dashed where it is slack. An element is a box with its force curve, and a mark on the curve
@@ -84,6 +93,7 @@ class Sheet:
     scale: float
     bounds: tuple[float, float, float, float]
     rest: float
+    ways: list[int]
     height: float
 
 
@@ -105,28 +115,38 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     left = min(left, -1.7 * linkage.reach)
     wide, high = (right - left) * MM, (top - bottom) * MM
 
-    def scale_of(c: int) -> float:
-        # Where the drawings wrap, each row but the first begins with an arrow.
-        gaps = c - 1 if c >= len(wanted) else c
-        return min(_LARGEST, (PAGE - 4.0 - gaps * _BETWEEN) / (c * wide))
+    strokes = [math.fsum(travel) for travel in travels]
+    ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
+
+    # Cells, what a band's width means, and one that is slack.
+    key = _KEY + _MORE * ((len(chain) + 1) // _ENTRIES)
+
+    def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
+        """Places, room for arrows at the left and right, scale and height with c columns."""
+        grid = _grid(ways, c)
+        entered = {(way, column) for way, (_, column) in zip(ways, grid[1:], strict=True)}
+        edges = (1, 0) in entered, (-1, c - 1) in entered
+        room = PAGE - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
+        scale = min(_LARGEST, room / (c * wide))
+        return grid, edges, scale, key + (grid[-1][0] + 1) * (high * scale + _ABOVE + _BELOW)
 
     if columns is None:
-        columns = 1
-        while columns < len(wanted) and scale_of(columns + 1) >= _SMALLEST_WANTED:
-            columns += 1
+        most = _longest_run(ways)
+        columns = max((c for c in range(2, most + 1) if sized(c)[2] >= _SMALLEST_WANTED), default=1)
         # As many rows as that needs, filled evenly.
-        columns = math.ceil(len(wanted) / math.ceil(len(wanted) / columns))
-    rows = math.ceil(len(wanted) / columns)
-    scale = scale_of(columns)
+        columns = math.ceil(most / math.ceil(most / columns))
+        while columns < most and sized(columns)[3] > _TALLEST:
+            columns += 1
+    grid, edges, scale, height = sized(columns)
     row = high * scale + _ABOVE + _BELOW
-    used = columns * (wide * scale + _BETWEEN) - _BETWEEN
-    first = (PAGE - used) / 2 if rows == 1 else (PAGE - used + _BETWEEN) / 2
+    step = wide * scale + _BETWEEN
+    first = (PAGE - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
     origins = [
         (
-            first + (k % columns) * (wide * scale + _BETWEEN) - left * MM * scale,
-            _KEY + (rows - 1 - k // columns) * row + _BELOW - bottom * MM * scale,
+            first + column * step - left * MM * scale,
+            height - (at + 1) * row + _BELOW - bottom * MM * scale,
         )
-        for k in range(len(wanted))
+        for at, column in grid
     ]
     return Sheet(
         linkage,
@@ -137,8 +157,28 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
         scale,
         (left, bottom, right, top),
         _at_rest(linkage, travels[0]),
-        _KEY + rows * row,
+        ways,
+        height,
     )
+
+
+def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
+    """Row and column of every state, which go on by these ways; each turn begins a row."""
+    back = bool(ways) and ways[0] < 0
+    found = [(0, columns - 1 if back else 0)]
+    for k, way in enumerate(ways):
+        row, column = found[-1][0], found[-1][1] + way
+        if not 0 <= column < columns:
+            row, column = row + 1, 0 if way > 0 else columns - 1
+        elif way != ways[max(k - 1, 0)]:
+            row += 1
+        found.append((row, column))
+    return found
+
+
+def _longest_run(ways: Sequence[int]) -> int:
+    """The most states that follow each other one way."""
+    return 1 + max((len(list(run)) for _, run in groupby(ways)), default=0)
 
 
 def draw(ax: Axes, sheet: Sheet) -> None:
@@ -160,6 +200,9 @@ def draw(ax: Axes, sheet: Sheet) -> None:
         above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
         ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
+        # Elements rest where a root was found, and a rounding error is no stroke.
+        if abs(stroke) < 1e-9 * sheet.linkage.chain.full_stroke:
+            stroke = 0.0
         # From where the outermost block's edge is at zero stroke to where it is now.
         start = origin[0] + sheet.rest * per_metre
         now = start + stroke * sheet.linkage.unit * per_metre
@@ -170,12 +213,14 @@ def draw(ax: Axes, sheet: Sheet) -> None:
             marks.head(ax, (start, y), (now, y), INK, size=5)
         ax.text(middle, y - 1.4, stroke_of.value(stroke), ha="center", va="top", fontsize=7)
         if k:
-            loading = stroke >= math.fsum(sheet.travels[k - 1])
-            x = origin[0] + left - _BETWEEN / 2
+            # From the state before, the way that the stroke goes.
+            way = sheet.ways[k - 1]
+            x = origin[0] + (left - _BETWEEN / 2 if way > 0 else right + _BETWEEN / 2)
             y = origin[1] + (bottom + top) / 2
-            colour = direction_colour(1 if loading else -1)
-            ax.plot([x - 2.4, x + 1.0], [y, y], color=colour, linewidth=1.6, gid="arrow")
-            marks.head(ax, (x - 2.4, y), (x + 2.6, y), colour, size=9)
+            colour = direction_colour(way)
+            ends = [x - 2.4 * way, x + 1.0 * way]
+            ax.plot(ends, [y, y], color=colour, linewidth=1.6, gid="arrow")
+            marks.head(ax, (ends[0], y), (x + 2.6 * way, y), colour, size=9)
     _key(ax, sheet, slack)
 
 
@@ -199,15 +244,15 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     place_of_key = (0.02, 0.6 / sheet.height)
-    legends.above(ax, handles, min(len(handles), 7), bbox_to_anchor=place_of_key)
+    legends.above(ax, handles, min(len(handles), _ENTRIES), bbox_to_anchor=place_of_key)
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
-    # A round length of about a lever, so that no reader needs the design file.
-    bar = 0.010 if linkage.reach < 0.02 else 0.050
+    # A round length, so that no reader needs the design file.
+    bar = round_length(_BAR / sheet.scale)
     x = PAGE - 4.0
     look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
-    ax.plot([x - bar * MM * sheet.scale, x], [2.4, 2.4], **look)
-    ax.text(x - bar * MM * sheet.scale - 1.2, 2.4, f"{bar * MM:.0f} mm", ha="right", va="center")
+    ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)
+    ax.text(x - bar * sheet.scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")
 
 
 def _at_rest(linkage: LinkageDrawing, travels: Sequence[float]) -> float:

@@ -16,6 +16,7 @@ from stepwell.figures.common import (
     INK,
     canvas,
     cell_colours,
+    cell_dashes,
     hollow,
     keep_inside,
     legends,
@@ -90,12 +91,13 @@ def _curves(
         )
     # Names in rows of two, the marks in a row of their own.
     rows = math.ceil(len(levers) / 2)
-    top = 6.5 + 3.6 * rows
+    top = 8.0 + 3.75 * rows
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
-    for cell, colour in zip(levers, cell_colours(len(levers)), strict=True):
+    looks = list(zip(cell_colours(len(levers)), cell_dashes(len(levers)), strict=True))
+    for cell, (colour, dashes) in zip(levers, looks, strict=True):
         theta = np.linspace(-cell.limit, cell.limit, _SAMPLES)
-        ax.plot(np.degrees(theta), curve(cell, theta), color=colour)
+        ax.plot(np.degrees(theta), curve(cell, theta), color=colour, linestyle=dashes)
         shown = [(-cell.limit, _END_0), (cell.limit, _END_1)] if ends else []
         if abs(cell.peak_angle) < cell.limit:
             shown.append((cell.peak_angle, _PEAK))
@@ -121,10 +123,12 @@ def _curves(
     lower = ax.get_legend()
     assert lower is not None
     ax.add_artist(lower)
-    above = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1 + 0.01
-    colours = cell_colours(len(levers))
-    handles = [legends.line(*pair) for pair in zip(_names(levers), colours, strict=True)]
-    legends.above(ax, handles, 2, bbox_to_anchor=(0.0, above))
+    over = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1
+    handles = [
+        legends.line(name, colour, linestyle=dashes)
+        for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
+    ]
+    legends.above(ax, handles, 2, bbox_to_anchor=(0.0, over), handlelength=2.6)
     if own:
         keep_inside(ax)
     return figure

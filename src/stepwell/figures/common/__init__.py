@@ -48,6 +48,7 @@ from stepwell.figures.common.style import (
     blank,
     canvas,
     cell_colours,
+    cell_dashes,
     direction_colour,
     hollow,
     keep_inside,

@@ -14,7 +14,9 @@ from stepwell.base import Floats
 from stepwell.figures.common.style import INK, root
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
-_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0)
+_DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 65.0)
+# From here on a label needs a line to its point [pt].
+_FAR = 13.0
 
 
 class Label(NamedTuple):
@@ -27,15 +29,20 @@ class Label(NamedTuple):
 
 
 def beside(
-    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = ()
+    ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), leaders: bool = False
 ) -> list[Annotation]:
     """Write each label near its point, away from the lines of `ax`, other labels and its edges.
+
+    No label lies nearer to the point of another one than to its own, where that can be.
 
     Args:
         ax: axes with their final limits.
         labels: in falling order of importance.
         keep_clear: further boxes to stay out of [display units].
+        leaders: a thin line from each label that had to go away from its point.
     """
+    labels = list(labels)
+    spots = ax.transData.transform([(label.x, label.y) for label in labels] or np.empty((0, 2)))
     point = root(ax).dpi / 72.0
     curves = _curves(ax, 2.0 * point)
     frame = ax.get_window_extent().padded(-1.5 * point)
@@ -44,6 +51,7 @@ def beside(
     done: list[tuple[str, float, float]] = []
     for label in labels:
         here = ax.transData.transform((label.x, label.y))
+        others = spots[np.hypot(*(spots - here).T) > 1.0 * point]
         # One label serves all points of that name around it.
         if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
             continue
@@ -53,7 +61,7 @@ def beside(
         text = ax.annotate(label.text, at, (0, 0), textcoords="offset points", zorder=9, **look)
         text.set_in_layout(False)
         box = text.get_window_extent().padded(0.8 * point)
-        best, best_cost = (0.0, 0.0), np.inf
+        best, best_cost, gap = (0.0, 0.0), np.inf, 0.0
         for far in _DISTANCES:
             for dx, dy in _DIRECTIONS:
                 # The gap is between the point and the nearest edge of the text.
@@ -61,13 +69,17 @@ def beside(
                 y = dy * (far + box.height / point / 2)
                 moved = box.translated(x * point, y * point)
                 cost = _cost(moved, frame, taken, curves) + 0.02 * far
+                cost += 50.0 * (_distances(moved, others) <= _distances(moved, here[None])).any()
                 if cost < best_cost:
-                    best, best_cost = (x, y), cost
+                    best, best_cost, gap = (x, y), cost, far
             if best_cost < 1.0:
                 break
         text.xyann = best
         taken.append(box.translated(best[0] * point, best[1] * point))
         written.append(text)
+        own = float(_distances(taken[-1], here[None])[0])
+        if leaders and (gap >= _FAR or (_distances(taken[-1], others) < own + 2 * point).any()):
+            _lead(ax, text, taken[-1])
     return written
 
 
@@ -75,6 +87,20 @@ def inside(frame: Bbox, box: Bbox) -> bool:
     """Whether a box lies within a frame."""
     wide = frame.x0 <= box.x0 and box.x1 <= frame.x1
     return wide and frame.y0 <= box.y0 and box.y1 <= frame.y1
+
+
+def _lead(ax: Axes, text: Annotation, box: Bbox) -> None:
+    """A line from the nearest edge of a label's box to its point."""
+    here = ax.transData.transform(text.xy)
+    edge = ax.transData.inverted().transform(np.clip(here, box.min, box.max))
+    props = {"arrowstyle": "-", "color": text.get_color(), "linewidth": 0.5}
+    look = {"arrowprops": props | {"shrinkA": 0, "shrinkB": 3}, "zorder": 7, "gid": "leader"}
+    ax.annotate("", text.xy, tuple(edge), **look)
+
+
+def _distances(box: Bbox, points: Floats) -> Floats:
+    """How far each point (n, 2) lies outside a box."""
+    return np.hypot(*(points - np.clip(points, box.min, box.max)).T)
 
 
 def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Floats) -> float:

@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
 from matplotlib.typing import ColorType
 
 from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import INK, cell_colours, size_of
+from stepwell.figures.common.style import INK, cell_colours, cell_dashes, root, size_of
 
 
 def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:
@@ -33,17 +34,32 @@ def shade(label: str, colour: ColorType, **look: Any) -> Patch:
     return Patch(facecolor=colour, label=label, **look)
 
 
-def cells(names: Sequence[str], width: float = 1.4, label: str = "{}", **look: Any) -> list[Line2D]:
-    """The colour of every cell of these names, inner first."""
-    pairs = zip(names, cell_colours(len(names)), strict=True)
-    return [line(label.format(literal(name)), colour, width, **look) for name, colour in pairs]
+def cells(
+    names: Sequence[str],
+    width: float = 1.4,
+    label: str = "{}",
+    *,
+    dashed: bool = False,
+    **look: Any,
+) -> list[Line2D]:
+    """The colour of every cell of these names, inner first, and its dashes if lines have them."""
+    found = [
+        line(label.format(literal(name)), colour, width, **look)
+        for name, colour in zip(names, cell_colours(len(names)), strict=True)
+    ]
+    for one, dashes in zip(found, cell_dashes(len(names)) if dashed else (), strict=False):
+        one.set_linestyle(dashes)
+    return found
 
 
 def above(ax: Axes, handles: Iterable[Artist] | None = None, columns: int = 3, **look: Any) -> None:
-    """A legend above the axes, of these handles or of all that has a label."""
+    """A legend 1.2 mm above the axes, of these handles or of all that has a label."""
+    # In mm, not as a share of the axes: on high ones that would leave the page.
+    lifted = ax.transAxes + ScaledTranslation(0.0, 1.2 / 25.4, root(ax).dpi_scale_trans)
+    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     ax.legend(
         **({} if handles is None else {"handles": list(handles)}),
-        **{"loc": "lower left", "bbox_to_anchor": (0.0, 1.02), "ncols": columns} | look,
+        **place | {"ncols": columns} | look,
     )
 
 

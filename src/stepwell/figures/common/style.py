@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.text import Text
-from matplotlib.typing import ColorType
+from matplotlib.typing import ColorType, LineStyleType
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
@@ -44,9 +44,17 @@ FIXED_BLOCK = "#A8A8A8"
 # Where an element is in one of its phases.
 PHASE = "#E9E9E9"
 
-# The innermost and the outermost cell keep their colour in a chain of any length.
-_INNER, _OUTER = GREEN, PURPLE
-_BETWEEN = (ORANGE, SKY, "#7A6A00", BLACK)
+# A cell keeps its colour in a chain of any length, inner first. Blue and vermillion are not among
+# them: they mean loading and unloading. Past six, like hues darker, then lighter, shifted as far
+# apart as a search could put them for people with all cones and without one kind.
+_CELLS = (
+    *(GREEN, PURPLE, ORANGE, SKY, "#7A6A00", BLACK),
+    *("#00704F", "#6F0A4F", "#855829", "#254782", "#403700", "#5C6975"),
+    *("#6ECC83", "#DEBBD2", "#F2BE52", "#B5CBFD", "#B9904B", "#AFB0A0"),
+)
+# Every six cells the lines change too, for an eye that sees little of the hues.
+_CELL_DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)))
+_HUES = 6
 
 # By the sequence of a pathway, which a map read back from a file has too.
 PATHWAY = {
@@ -202,11 +210,13 @@ def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
 
 
 def cell_colours(count: int) -> list[str]:
-    """One colour a cell, inner first; past six cells the ones between repeat."""
-    if count == 1:
-        return [_INNER]
-    between = [_BETWEEN[i % len(_BETWEEN)] for i in range(count - 2)]
-    return [_INNER, *between, _OUTER]
+    """One colour a cell, inner first; past eighteen they repeat."""
+    return [_CELLS[i % len(_CELLS)] for i in range(count)]
+
+
+def cell_dashes(count: int) -> list[LineStyleType]:
+    """One line style a cell, inner first: with its colour no two of twenty cells look alike."""
+    return [_CELL_DASHES[i // _HUES % len(_CELL_DASHES)] for i in range(count)]
 
 
 def hollow(size: float, colour: ColorType = INK, **look: Any) -> dict[str, Any]:

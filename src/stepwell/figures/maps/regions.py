@@ -49,7 +49,10 @@ def name_regions(
             # Text is wider than high: a region's best place is where that shape fits best.
             shape = (per_y / box.height, per_x / box.width)
             depth = np.asarray(ndimage.distance_transform_edt(part, sampling=shape))
-            row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
+            # Of places as good as the best, the one in their middle.
+            best = np.argwhere(depth >= 0.98 * depth.max())
+            off = np.hypot(*(best - best.mean(axis=0)).T)
+            row, column = best[int(np.argmin(off))].tolist()
             if float(depth[row, column]) >= 0.55:
                 text.set_position((float(x[column - 1]), float(y[row - 1])))
                 text.set_bbox(on_white(0.15) | {"facecolor": shade})

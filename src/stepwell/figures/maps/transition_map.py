@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType, LineStyleType
+from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
 from stepwell.figures.common import (
@@ -40,6 +41,7 @@ from stepwell.figures.common import (
     sequence_words,
     styled,
 )
+from stepwell.figures.maps.between import PLACES, between
 from stepwell.figures.maps.map_key import Key, Row, badge
 from stepwell.figures.maps.regions import name_regions
 from stepwell.sequences import Pathway
@@ -55,6 +57,8 @@ _SIDE = 70.0
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
 _NUMBERED = 25.0
+# Between the names of a design and of a region [pt].
+_CLEAR = 5.0
 _SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
 _PARTS = {
     "p.x": "$p_x$",
@@ -76,8 +80,13 @@ _LINES: dict[str, tuple[str, LineStyleType]] = {
     "BISTABLE": (INK, (0, (3, 1.5))),
 }
 _EDGE = "bistable up to here"
-_IN_TWO_LINES = {"counterclockwise": "counter-\nclockwise"}
+_IN_TWO_LINES = {
+    "counterclockwise": "counter-\nclockwise",
+    "no mechanism": "no\nmechanism",
+    "no answer": "no\nanswer",
+}
 _EMPTY = {"impossible": "no mechanism: the band's ends meet", "unsolved": "no answer"}
+_EMPTY_NAMES = {"impossible": "no mechanism", "unsolved": "no answer"}
 
 
 _PATHWAYS = {pathway.value: pathway for pathway in Pathway}
@@ -134,8 +143,14 @@ def transition_map(
     height = 12.0 + max(tall, key.height - 9.0) + 3.0
     figure = blank(PAGE, height)
     ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
-    _draw_shades(ax, x, y, regions)
-    _draw_hatches(ax, x, y, dataset["monostable"].to_numpy())
+    walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
+    places = _places(x), _places(y)
+    shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
+    _draw_shades(ax, places, shown)
+    for axis, values in (("x", x), ("y", y)):
+        scale = "log" if values.is_log else "linear"
+        ax.set(**{f"{axis}scale": scale, f"{axis}lim": values.values[[0, -1]]})
+    _draw_hatches(ax, places, _between(dataset["monostable"].to_numpy().astype(int), x, y, walls))
     ax.set(xlabel=x.name, ylabel=y.name)
     keep_inside(ax)
 
@@ -146,14 +161,16 @@ def transition_map(
         ax.plot(mark.x, mark.y, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform((mark.x, mark.y))
         taken.append(Bbox([spot, spot]).padded(3.0 * root(ax).dpi / 72))
-    free = _free(ax, x.values, y.values, taken)
-    for region in regions:
+    # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
+    for text in beside(ax, marks, keep_clear=taken):
+        text.set_bbox(on_white(0.12, 0.8))
+        taken.append(text.get_window_extent().padded(_CLEAR * root(ax).dpi / 72))
+    free = _free(ax, *places, taken)
+    for region in shown:
         if region.name:
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
             inside = region.inside & free
-            taken += name_regions(ax, x.values, y.values, inside, forms, region.shade)
-    for text in beside(ax, marks, keep_clear=taken):
-        text.set_bbox(on_white(0.12, 0.8))
+            taken += name_regions(ax, *places, inside, forms, region.shade)
     key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
     return figure
 
@@ -273,25 +290,67 @@ def _words(sequence: str) -> str:
     return sequence_words(sequence, _ROOM)
 
 
-def _draw_shades(ax: Axes, x: _Axis, y: _Axis, regions: Sequence[_Region]) -> None:
-    """The regions; what has no sequence stays white."""
-    number = np.full((len(y.values), len(x.values)), np.nan)
+def _blanks(dataset: Dataset) -> list[_Region]:
+    """Places without a sequence, white and named by why."""
+    return [
+        _Region(_EMPTY_NAMES[name], "", inside, "white")
+        for name, inside in _nodes(dataset)
+        if name in _EMPTY
+    ]
+
+
+def _shares(points: Floats, x: _Axis, y: _Axis) -> Floats:
+    """Points (n, 2) of the map as shares of the width and the height of its axes."""
+    shares = []
+    for column, axis in zip(np.asarray(points, float).T, (x, y), strict=True):
+        low, high = axis.values[[0, -1]]
+        if axis.is_log:
+            column, low, high = np.log(np.maximum(column, low / 2)), np.log(low), np.log(high)
+        shares.append((column - low) / ((high - low) or 1.0))
+    return np.column_stack(shares)
+
+
+def _between(
+    nodes: NDArray[np.intp], x: _Axis, y: _Axis, walls: Sequence[Floats]
+) -> NDArray[np.intp]:
+    """What is at the nodes, and up to the boundaries between them."""
+    across, up = (_shares(np.column_stack([axis.values] * 2), axis, axis)[:, 0] for axis in (x, y))
+    return between(nodes, across, up, walls)
+
+
+def _places(axis: _Axis) -> Floats:
+    """At equal steps on the page."""
+    low, high = axis.values[[0, -1]]
+    return (np.geomspace if axis.is_log else np.linspace)(low, high, PLACES)
+
+
+def _spread(
+    regions: Sequence[_Region], x: _Axis, y: _Axis, walls: Sequence[Floats]
+) -> list[_Region]:
+    """The regions with all places inside, not only nodes."""
+    number = np.zeros((len(y.values), len(x.values)), int)
     for k, region in enumerate(regions):
         number[region.inside] = k
+    found = _between(number, x, y, walls)
+    return [region._replace(inside=found == k) for k, region in enumerate(regions)]
+
+
+def _draw_shades(ax: Axes, places: tuple[Floats, Floats], regions: Sequence[_Region]) -> None:
+    """The regions; what has no sequence stays white."""
+    number = np.ma.masked_all(regions[0].inside.shape, int)
+    for k, region in enumerate(regions):
+        if region.sequence:
+            number[region.inside] = k
     ax.set_facecolor("white")
-    shades = ListedColormap([region.shade for region in regions] or ["white"])
-    look = {"vmin": -0.5, "vmax": max(len(regions), 1) - 0.5, "shading": "nearest"}
-    shown = np.ma.masked_invalid(number)
-    ax.pcolormesh(x.values, y.values, shown, cmap=shades, rasterized=True, **look)
-    for name, axis in (("x", x), ("y", y)):
-        scale = "log" if axis.is_log else "linear"
-        ax.set(**{f"{name}scale": scale, f"{name}lim": axis.values[[0, -1]]})
+    shades = ListedColormap([region.shade for region in regions])
+    look = {"vmin": -0.5, "vmax": len(regions) - 0.5, "shading": "nearest"}
+    ax.pcolormesh(*places, number, cmap=shades, rasterized=True, **look)
 
 
-def _draw_hatches(ax: Axes, x: _Axis, y: _Axis, monostable: Bools) -> None:
-    if np.any(monostable) and min(monostable.shape) > 1:
+def _draw_hatches(ax: Axes, places: tuple[Floats, Floats], monostable: NDArray[np.intp]) -> None:
+    if np.any(monostable):
         look = {"colors": "none", "hatches": ["////"]}
-        hatches = ax.contourf(x.values, y.values, monostable.astype(float), [0.5, 1.5], **look)
+        hatches = ax.contourf(*places, monostable.astype(float), [0.5, 1.5], **look)
         hatches.set(edgecolor=FAINT, linewidth=0.0)
 
 

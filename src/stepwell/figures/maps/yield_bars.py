@@ -85,7 +85,10 @@ def _outcomes(result: Yield) -> list[_Outcome]:
     """What was wanted, then the most frequent other outcomes."""
     others = list(result.outcomes.items())
     shown = others[:_OUTCOMES]
-    found = [_Outcome(_lines(result.wanted), result.share, GREEN)]
+    low, high = map(_percent, result.interval)
+    # On a line of its own: beside or on the bar, the interval would strike it through.
+    words = f"{_percent(result.share)} ({low} to {high}) as wanted"
+    found = [_Outcome([*_lines(result.wanted), words], result.share, GREEN)]
     found += [_Outcome(_lines(text), count / result.n, VERMILLION) for text, count in shown]
     rest = sum(count for _, count in others[_OUTCOMES:])
     if rest:
@@ -105,18 +108,17 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:
-            ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline")
+            weight = "bold" if k == 0 and line is lines[-1] else "normal"
+            ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline", fontweight=weight)
             y += _LINE
         middle = y + _BAR / 2
         ax.barh(middle, 100.0 * share, _BAR, color=pale(colour, 0.3), linewidth=0, gid="outcomes")
-        words = _percent(share)
         if k == 0:
-            low, high = (100.0 * bound for bound in result.interval)
-            ax.plot([low, high], [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
-            words += f" ({_percent(low / 100)} to {_percent(high / 100)}) as wanted"
-        x = 2.0 if k == 0 or share > 0.5 else 100.0 * share + 2.0
-        weight = "bold" if k == 0 else "normal"
-        ax.text(x, middle, words, va="center_baseline", fontweight=weight)
+            ends = [100.0 * bound for bound in result.interval]
+            ax.plot(ends, [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
+        else:
+            x = 2.0 if share > 0.5 else 100.0 * share + 2.0
+            ax.text(x, middle, _percent(share), va="center_baseline")
         y += _BAR + _GAP
     ax.set_yticks([])
     _bare(ax)

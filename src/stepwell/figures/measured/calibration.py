@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -13,6 +15,7 @@ from stepwell.figures.common import (
     VERMILLION,
     blank,
     legends,
+    minus,
     mm_pair,
     place,
     styled,
@@ -29,6 +32,7 @@ _SYMBOLS = {
     "friction": "$f$",
 }
 _MARKS = "o^sDv"
+_RIGHT = 96.0  # where the map of correlations begins [mm]
 
 
 @styled
@@ -41,12 +45,12 @@ def calibration(result: Calibration) -> Figure:
     Returns:
         A figure of a page's width. On the left RMSE in k r, hollow marks for the fit and full ones
         for the prediction from the other geometries; on the right a map of the correlations,
-        with their size written in.
+        with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    tall = 24.0 + 6.0 * max(len(geometries), len(result.parameters))
+    tall = 24.0 + 7.0 * max(len(geometries), len(result.parameters))
     figure = blank(PAGE, tall)
-    left = place(figure, 24.0, 11.0, 64.0, tall - 20.0)
+    left = place(figure, 24.0, 11.0, 56.0, tall - 20.0)
     for n, bands in enumerate(result.counts):
         colour, mark = (BLUE, VERMILLION)[n % 2], _MARKS[n % len(_MARKS)]
         at = [k for k, sample in enumerate(result.samples) if sample.bands == bands]
@@ -65,22 +69,32 @@ def calibration(result: Calibration) -> Figure:
     legends.above(left, columns=2, columnspacing=1.0)
 
     names = [_symbol(p.name) for p in result.parameters]
-    side = min(60.0, tall - 24.0)
-    right = place(figure, 106.0, 11.0 + (tall - 20.0 - side) / 2, side, side)
+    side = min(66.0, tall - 24.0)
+    right = place(figure, _RIGHT, 11.0 + (tall - 20.0 - side) / 2, side, side)
     image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
             dark = abs(value) > 0.6
-            # The colour tells the sign, so that the number has room.
-            text = f"{abs(value):.2f}".removeprefix("0").replace("1.00", "1")
-            right.text(j, i, text, ha="center", va="center", color="white" if dark else INK)
+            look: dict[str, Any] = {
+                "ha": "center",
+                "va": "center",
+                "color": "white" if dark else INK,
+            }
+            right.text(j, i, _hundredths(float(value)), **look, gid="correlation")
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)
     right.tick_params(length=0)
-    bar = place(figure, 106.0 + side + 3.0, 11.0 + (tall - 20.0 - side) / 2, 2.5, side)
+    bar = place(figure, _RIGHT + side + 3.0, 11.0 + (tall - 20.0 - side) / 2, 2.5, side)
     figure.colorbar(image, cax=bar)
     bar.set_ylabel("Correlation [1]")
     return figure
+
+
+def _hundredths(value: float) -> str:
+    """A correlation with its sign, without the zero before the point: it has to be short."""
+    # Nothing is ever minus zero.
+    told = f"{round(value, 2) + 0.0:.2f}".replace("1.00", "1")
+    return minus(told.replace("0.", ".", 1) if abs(value) < 0.995 else told)
 
 
 def _symbol(name: str) -> str:

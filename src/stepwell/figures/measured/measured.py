@@ -42,7 +42,8 @@ _POINTS = 16
 _KEY = 8.0
 # One look for each number of bands: colour and mark say the same.
 _LOOKS = ((BLUE, "o"), (VERMILLION, "^"), (GREEN, "s"))
-_MODEL: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2))}
+_MEASURED = 2.6
+_MODEL: dict[str, Any] = {"color": INK, "linewidth": 0.8, "linestyle": (0, (4, 3))}
 
 
 @styled
@@ -121,7 +122,7 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     )
     looks = {True: ("measured, unloading", UNLOADING), False: ("measured, loading", LOADING)}
     occur = dict.fromkeys(test.series.unloading for test in tests)
-    handles = [legends.line(*looks[unloading]) for unloading in occur]
+    handles = [legends.line(*looks[unloading], _MEASURED) for unloading in occur]
     handles.append(Line2D([], [], **_MODEL, label="model"))
     handles.append(legends.mark("run snaps", "v", 4.0, color=FAINT))
     handles.append(legends.mark("model snaps", "^", **hollow(4.0)))
@@ -219,8 +220,10 @@ def _pair(ax: Axes, test: PairTest) -> None:
     colour = UNLOADING if test.series.unloading else LOADING
     u = test.stroke * MM
     marks.zero_line(ax)
-    ax.plot(u, test.force, color=pale(colour), linewidth=1.0, gid="not judged")
-    ax.plot(u, np.where(test.inside, test.force, np.nan), color=colour, gid="measured")
+    # Where the model is right it lies on the measurement, which is wide enough to be seen below.
+    wide = {"linewidth": _MEASURED, "solid_capstyle": "butt"}
+    ax.plot(u, test.force, color=pale(colour), **wide, gid="not judged")
+    ax.plot(u, np.where(test.inside, test.force, np.nan), color=colour, **wide, gid="measured")
     ax.plot(u, test.model, **_MODEL, gid="model")
     low, high = ax.get_ylim()
     span = high - low

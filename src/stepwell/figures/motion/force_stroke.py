@@ -72,6 +72,6 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     ax.plot(stroke[at], force[at], "o", markersize=size, color=BLACK, zorder=7, gid="states")
     if roomy:
         named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
-        beside(ax, named)
+        beside(ax, named, leaders=True)
     marks.legend(ax, path, _WIDTHS)
     return figure

@@ -53,7 +53,9 @@ def overview(cycle: Cycle) -> Figure:
         lanes_ax = place(figure, 14.0, 11.0, 66.0, body)
         travel_stroke(cycle, ax=lanes_ax)
         keep_inside(lanes_ax)
-    force_stroke(cycle, ax=place(figure, 105.0, 11.0, 72.0, body))
+    # Higher than wide, a force loop is but a row of lines.
+    high = min(body, 72.0)
+    force_stroke(cycle, ax=place(figure, 105.0, 11.0 + body - high, 72.0, high))
     letters += [("BC"[k] if drawable else "AB"[k], (2.0, 92.0)[k], below) for k in (0, 1)]
     for letter, x, y in letters:
         text_at(figure, x, y, letter, fontsize=10, fontweight="bold")

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from stepwell.simulation import Walk
 
 _LEFT, _RIGHT, _TOP = 20.0, 5.0, 8.0
+_UPPER = (0, (3.0, 2.0))
 _LEAST_FORCE = 0.1  # that the actuator's axis has room for [N]
 _LANE, _FORCE, _LOOP = 4.2, 34.0, 44.0
 
@@ -75,11 +76,18 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     names = [*map(literal, colours)]
     loads = np.column_stack([walk.foot_force[some], walk.support_force[some].sum(axis=1)])
     step = walk.settings.sample
+    # Legs that carry the same lie on each other: the lower ones are wider, the upper ones dashed.
+    widths = [*np.linspace(1.2 + 1.2 * (len(names) - 2), 1.2, len(names) - 1), 1.2]
     for i, (name, colour) in enumerate(colours.items()):
         stood = intervals(time, standing(loads[:, i]))
         spans = [(begin - step / 2, end - begin + step) for begin, end in stood]
         bars.broken_barh(spans, (i - 0.32, 0.64), facecolors=colour, linewidth=0, gid=name)
-        look = {"color": colour, "linewidth": 1.2, "zorder": 2 if name == "T-foot" else 3}
+        look = {
+            "color": colour,
+            "linewidth": widths[i],
+            "linestyle": _UPPER if 0 < i < len(names) - 1 else "-",
+            "zorder": 2 if name == "T-foot" else 3,
+        }
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
     name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)

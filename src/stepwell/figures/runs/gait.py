@@ -15,6 +15,7 @@ from stepwell.figures.common import (
     PAGE,
     blank,
     cell_colours,
+    cell_dashes,
     legends,
     literal,
     pale,
@@ -74,9 +75,11 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
         full = max(leg.chain.full_travels) * MM
-        for j, colour in enumerate(cell_colours(len(leg.chain))):
-            travel = walk.travel[some, i, j] * MM
-            ax.plot(time, travel, color=colour, linewidth=1.4, gid=f"{leg.name} cell {j}")
+        cells = len(leg.chain)
+        looks = zip(cell_colours(cells), cell_dashes(cells), strict=True)
+        for j, (colour, dashes) in enumerate(looks):
+            look = {"color": colour, "linestyle": dashes, "gid": f"{leg.name} cell {j}"}
+            ax.plot(time, walk.travel[some, i, j] * MM, linewidth=1.4, **look)
         ax.set(ylim=(-0.06 * full, 1.06 * full), ylabel=f"Travel $s$ of\n{literal(leg.name)} [mm]")
     for ax in axes:
         show_time(ax, walk, some, zorder=1)
@@ -91,7 +94,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     last.set_xlabel("Time [s]")
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     handles = [
-        *legends.cells(longest.names),
+        *legends.cells(longest.names, dashed=True),
         legends.shade("foot on the floor", STANCE),
         legends.line("stroke", width=1.2),
         legends.line("command", FAINT, 1.0),

@@ -63,12 +63,16 @@ def prediction(prediction: Prediction) -> Figure:
     )
     words = "\n".join([*title, minus(says)])
     text_at(figure, 2.0, height - 1.5, words, va="top", fontsize=8, weight="bold")
+    doubtful = {"color": VERMILLION, "ha": "right", "va": "top"}
+    doubt = text_at(figure, PAGE - 2.0, height - 1.5, "in this colour: in doubt", **doubtful)
     bottom = height - _TOP - 4.0 * len(title)
     for draw, rows in panels:
         bottom -= _HEAD + _ROW * rows
         ax = place(figure, 2.0, bottom, PAGE - 44.0, _ROW * rows)
         draw(ax, prediction)
         bottom -= _FOOT
+    shown = [text for ax in figure.axes for text in ax.texts]
+    doubt.set_visible(any(text.get_color() == VERMILLION for text in shown))
     # One width of names for all, so that the panels stand in line.
     dpi = figure.dpi / 25.4
     boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]

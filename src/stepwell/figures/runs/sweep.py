@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stepwell.base import Floats, InputError
+from stepwell.base import Floats, InputError, Quantity
 from stepwell.figures.common import (
     BLUE,
     FAINT,
@@ -38,6 +39,14 @@ MOST_KEYS = 8
 _COLOURS = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
 _REST, _STOPPED = "any other", "did not walk to the end"
 _LEFT, _RIGHT, _BOTTOM, _TOP = 16.0, 4.0, 12.0, 4.0
+# A unit at the end of a key, and tables of a path that have names or need none.
+_UNIT = re.compile(
+    r"_((?:mm|mN|mNm|mL|ms|kPa|deg|percent|g|N|s|m)(?:_(?:per|s|m|s2|m2|mm|mL|rad|deg|kPa))*)$"
+)
+_NAMED, _UNNAMED = {"leg", "cell", "antenna"}, {"chain", "band"}
+_SYMBOLS = {"p", "q"}
+# Keys that by themselves say little.
+_WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
 
 
@@ -89,7 +98,7 @@ def _over_one(shown: _Shown, foot: float) -> Figure:
     _points(lower, values, shown.turn, shown, 2.0)
     upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
     upper.tick_params(labelbottom=False)
-    lower.set(xlabel=literal(key), ylabel="Turn to the left [°]")
+    lower.set(xlabel=axis_words(key), ylabel="Turn to the left [°]")
     return figure
 
 
@@ -115,7 +124,7 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
         title = r"beside each robot: $d/u_\mathrm{max}$ and turn to the left per cycle"
         ax.set_title(title, fontsize=7.0, loc="right", pad=2.0)
     ax.margins(x=0.5 / columns, y=0.5 / rows)
-    xlabel, ylabel = map(literal, shown.values)
+    xlabel, ylabel = map(axis_words, shown.values)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     return figure
 
@@ -131,9 +140,40 @@ def _over_many(shown: _Shown, foot: float) -> Figure:
         bottom = foot + _BOTTOM + (rows - 1 - row) * step
         ax = place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
         _points(ax, values, shown.advance, shown, 0.5)
-        ax.set_xlabel(literal(key), fontsize=7.0)
+        ax.set_xlabel(axis_words(key), fontsize=7.0)
         ax.set_ylabel(r"$d/u_\mathrm{max}$")
     return figure
+
+
+def axis_words(key: str) -> str:
+    """What an axis says of a key path, as in "$q_x$ of outer, left leg [mm]".
+
+    Args:
+        key: of a design file, such as "leg.left.chain.cell.outer.q_mm[0]".
+    """
+    *path, last = key.split(".")
+    name, *numbers = last.replace("]", "").split("[")
+    unit = _UNIT.search(name)
+    word = name[: unit.start()] if unit else name
+    if numbers:
+        # The last number is a component, one before it counts.
+        count = [str(int(n) + 1) for n in numbers[:-1]]
+        axis = "xyz"[int(numbers[-1])]
+        words = f"${word}_{axis}$" if word in _SYMBOLS else " ".join([word, *count, f"${axis}$"])
+    else:
+        words = f"${word}$" if word in _SYMBOLS else _WORDS.get(word, word)
+    owners: list[str] = []
+    tables = iter(path)
+    for table in tables:
+        one = next(tables, "") if table in _NAMED else ""
+        kind = "" if table == "cell" and one != "*" else table
+        if table not in _UNNAMED:
+            owners.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
+    said = words if "$" in words else literal(words.replace("_", " "))
+    said += (" of " if owners else "") + ", ".join(reversed(owners))
+    sign = Quantity("", unit[1].replace("_per_", "/").replace("_", " ")).sign if unit else ""
+    told = said if said.startswith("$") else said[0].upper() + said[1:]
+    return told + (f" [{sign.replace('s2', 's²')}]" if sign else "")
 
 
 def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None:

@@ -24,6 +24,7 @@ from stepwell.figures.common import (
     legends,
     limits,
     literal,
+    marks,
     place,
     round_length,
     styled,
@@ -41,6 +42,9 @@ _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
 _START = hollow(4.5)
+_HEADING = 3.4  # length of an arrow to the heading [mm]
+_FAN = 2.6  # longer where steps are shorter than arrows
+_SLIGHT = 0.5  # turns that no bar shows [°]
 _SIDEWAYS: dict[str, Any] = {
     "markersize": 3.0,
     "color": ORANGE,
@@ -56,7 +60,7 @@ def trajectory(walk: Walk) -> Figure:
         walk: any walk.
 
     Returns:
-        A figure of two columns' width: path [mm] with a tick to the heading at the start of every
+        A figure of two columns' width: path [mm] with an arrow to the heading at the start of every
         cycle, d/u_max along and across that heading, turn to the left [°].
 
     Raises:
@@ -91,7 +95,8 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     # A tenth of the width more, so that ticks stand clear of the frame.
     scale = min(_WIDE / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
-    named = 0.0 if list(walks) == [""] else 5.0
+    bare = list(walks) == [""] and not any(walk.stopped for walk in walks.values())
+    named = 0.0 if bare else 5.0
     height = sum(tall) + len(tall) * (_ABOVE + named + _BELOW) + _KEY
     figure = blank(PAGE, height)
     rows: list[tuple[Axes, Axes, Axes]] = []
@@ -104,11 +109,9 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         turned = place(figure, _LEFT + _WIDE + 2 * _GAP + _BAR, bottom, _BAR - 3.0, high)
         _bars(moved, turned, walk)
         rows.append((path, moved, turned))
-        if name:
-            text_at(figure, _LEFT, bottom + high + 1.8, literal(name), weight="bold")
-        if walk.stopped:
-            look = {"transform": moved.transAxes, "va": "bottom", "gid": "stopped"}
-            moved.text(0.0, 1.03, "stopped early", **look)
+        # In one line: over the panels at the right, a long name would be crossed.
+        title = [literal(name)] * bool(name) + ["stopped early"] * bool(walk.stopped)
+        text_at(figure, _LEFT, bottom + high + 1.8, ", ".join(title), weight="bold")
         bottom -= _BELOW
     for column in (1, 2):
         most = max(row[column].get_ylim()[1] for row in rows)
@@ -118,7 +121,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         legends.line("path of the body", BLUE),
         legends.mark("start", **_START),
         legends.mark("end"),
-        legends.mark("heading at each cycle", "|", 6.0, markeredgewidth=0.8),
+        legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
         legends.shade("along the heading", BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
     ]
@@ -145,15 +148,17 @@ def _path(
         for line in _outline(walk, sample):
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
     ax.plot(x, y, color=BLUE, linewidth=1.6, zorder=4.5, gid="path")
-    length = max(0.35 * walk.robot.body.length * MM, 2.0 / scale)
-    for sample in cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1]):
+    at = cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1])
+    # A robot that turns where it stands spreads its arrows like a fan.
+    step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
+    length = _HEADING / scale * (1.0 if step * scale > _HEADING else _FAN)
+    for sample in at:
         tip = length * np.array([math.cos(walk.yaw[sample]), math.sin(walk.yaw[sample])])
-        # Across the path for who walks straight on, along it would not be seen.
-        side = 0.15 * np.array([-tip[1], tip[0]])
         start = np.array([x[sample], y[sample]])
-        look = {"color": INK, "linewidth": 0.6, "zorder": 4}
-        ax.plot(*np.array([start - side, start + side]).T, **look)
-        ax.plot(*np.array([start, start + tip]).T, **look, gid="heading")
+        # Below the path, and only its head above: who walks straight on has both in one line.
+        look = {"color": INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
+        ax.plot(*np.array([start, start + tip]).T, **look)
+        marks.head(ax, start.tolist(), (start + tip).tolist(), INK, size=9.0)
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
     ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
@@ -173,6 +178,16 @@ def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
     moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
     moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
     turned.bar(number, np.degrees(walk.turn), width=0.7, color=BLUE, zorder=2, gid="turn")
+    # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
+    degrees = np.degrees(walk.turn)
+    turned.plot(number, degrees, "o", markersize=3.0, color=INK, zorder=3, gid="turns")
+    most = float(np.abs(degrees).max(initial=0.0))
+    if walk.cycles and most < _SLIGHT:
+        words = (
+            "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
+        )
+        look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
+        turned.text(0.5, 0.75, words, **look)
     moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
     turned.set_ylabel("Turn to the left [°]")
     # Both ways alike, so that left and right, forward and backward are seen at a glance.

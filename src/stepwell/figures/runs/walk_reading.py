@@ -19,6 +19,7 @@ from stepwell.figures.common import (
     SKY,
     VERMILLION,
     YELLOW,
+    cell_colours,
 )
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ LEFT, RIGHT = "turning left", "turning right"
 MOTION = {FORWARD: INK, LEFT: BLUE, RIGHT: VERMILLION, BACKWARD: ORANGE, IDLE: FAINT}
 PRESSED = PURPLE
 
-_LEGS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _MORE = (GREEN, BLUE, VERMILLION, INK)
 
 
@@ -45,8 +45,9 @@ class Rest(NamedTuple):
 
 
 def leg_colours(robot: Robot) -> dict[str, str]:
-    """One colour a leg, by its name; past six they repeat."""
-    return {leg.name: _LEGS[i % len(_LEGS)] for i, leg in enumerate(robot.legs)}
+    """One colour a leg, by its name; neither blue nor vermillion, which have other meanings."""
+    names = [leg.name for leg in robot.legs]
+    return dict(zip(names, cell_colours(len(names)), strict=True))
 
 
 def first_cycle(walk: Walk) -> int:

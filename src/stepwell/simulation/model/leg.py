@@ -172,8 +172,8 @@ def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None
                 x, y, _ = in_body(leg, anchor)
                 parts.site(body, f"{label}.{end}", (joint[0] + x, joint[1] + y, joint[2]))
         sites = (f"{label}.p", f"{label}.q")
-        law = parts.stretch(band)
-        parts.between(model.spec, label, sites, width=0.0012, rgba=parts.BAND, **law)
+        law, colour = parts.stretch(band), parts.BANDS[number % len(parts.BANDS)]
+        parts.between(model.spec, label, sites, width=0.0012, rgba=colour, **law)
 
 
 def _add_foot(model: LegModel, where: Places) -> None:

@@ -20,15 +20,22 @@ Place = tuple[Any, Vec3]  # a body, and a point of it [m]
 # Levers and bands lie on top of the blocks, where they are seen [m].
 TOP = 0.007
 
-# Okabe and Ito's palette, as red, green, blue, opacity.
+# As figures draw them, which a test compares: red, green, blue, opacity.
 BODY = (0.45, 0.47, 0.50, 0.55)
-BLOCK = (0.00, 0.45, 0.70, 1.0)
-LEVER = (0.20, 0.20, 0.22, 1.0)
-BAND = (0.84, 0.37, 0.00, 1.0)
-LINK = (0.00, 0.62, 0.45, 1.0)
-FOOT = (0.00, 0.62, 0.45, 1.0)
-SUPPORT = (0.80, 0.47, 0.65, 1.0)
+BLOCK = (0.66, 0.66, 0.66, 1.0)
+LEVER = (0.13, 0.13, 0.13, 1.0)
+LINK = FOOT = (0.00, 0.45, 0.70, 1.0)
+SUPPORT = (0.84, 0.37, 0.00, 1.0)
 ANTENNA = (0.90, 0.62, 0.00, 1.0)
+# Of the bands of each cell, inner first; past six they repeat.
+BANDS: tuple[Colour, ...] = (
+    (0.00, 0.62, 0.45, 1.0),
+    (0.80, 0.47, 0.65, 1.0),
+    (0.90, 0.62, 0.00, 1.0),
+    (0.34, 0.71, 0.91, 1.0),
+    (0.48, 0.42, 0.00, 1.0),
+    (0.00, 0.00, 0.00, 1.0),
+)
 WALL = (0.35, 0.38, 0.45, 1.0)
 HIDDEN = (0.0, 0.0, 0.0, 0.0)
 
