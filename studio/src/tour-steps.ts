@@ -1,7 +1,7 @@
 // What the guided tour shows, in order. Each step waits for what it promises.
 
 import { studio } from "./state.svelte";
-import type { Step } from "./tour.svelte";
+import { type Step, isThere } from "./tour.svelte";
 
 const does = (sequence: string): boolean =>
   !studio.busy && studio.views.evaluate?.sequence === sequence;
@@ -19,29 +19,29 @@ export const STEPS: Step[] = [
     say: "Two cells in a row, a rubber band in each. An actuator pulls at the right end, and pushes back.",
     does: async (hand) => {
       await hand.press("Play");
-      await hand.watch(7000);
+      await hand.watch(6000);
       await hand.press("Pause");
     },
   },
   {
     say: "The slider is the stroke. A snap is shown slowly; really it takes next to no time.",
-    does: async (hand) => hand.slide("Stroke", 0.5, 4000),
+    does: async (hand) => hand.slide("Stroke", 0.5, 3000),
   },
   {
-    say: "Now one band is hooked in elsewhere: the outer cell goes first, both ways. This leg walks backward.",
+    say: "Now one band is hooked in elsewhere, and the outer cell goes first. This leg walks backward.",
     does: async (hand) => {
       await hand.slide("Stroke", 0, 300);
-      await hand.drag("q of outer", -15, 0, 4000);
+      await hand.drag("q of outer", -15, 0, 3500);
     },
     until: () => does("00>01>11>10>00"),
   },
   {
-    say: "The discs say how far an anchor may be off before the order is another one. Undo brings the first one back.",
+    say: "The discs say how far an anchor may be off before the order is another one. We take that back.",
     does: async (hand) => hand.press("Undo"),
     until: () => does("00>10>11>01>00"),
   },
   {
-    say: "These are all states in which it can stand. A click, and it goes there by its shortest program.",
+    say: "These are all states in which it can stand. A click, and it goes there the shortest way.",
     does: async (hand) => {
       await hand.press("Graph");
       await hand.press("Go to state 01");
@@ -49,8 +49,56 @@ export const STEPS: Step[] = [
     until: () => studio.way?.arrives === "01",
   },
   {
-    say: "That was the tour. Everything you saw can be dragged: try it.",
-    does: async (hand) => hand.press("Back to the full cycle"),
+    say: "A program is what the actuator does, turn by turn. Drag a turn, and see where it ends.",
+    does: async (hand) => {
+      await hand.press("Program");
+      await hand.drag("Turn 1", 0, 70, 2500);
+      await hand.press("Back to the full cycle");
+    },
     until: () => studio.way === null,
   },
+  {
+    say: "A map of where that anchor may be, with exact borders. A click takes the design there.",
+    does: async (hand) => {
+      await hand.press("Map");
+      await hand.point("Map over x of q of outer and y of q of outer", 0.42, 0.2);
+    },
+    until: () => does("00>10>11>10>00"),
+  },
+  {
+    say: "Or the other way round: wish for an order, state by state, and a design is found for it.",
+    does: async (hand) => {
+      await hand.press("Wish");
+      for (const state of ["00", "01", "11", "10", "00"]) await hand.press(`State ${state}`);
+      await hand.press("Find a design");
+      await hand.press("Take it");
+    },
+    until: () => does("00>01>11>10>00"),
+  },
+  {
+    say: "It comes with its yield: how many of a hundred that you build will do the same.",
+    until: () => studio.fresh.has("yield"),
+  },
+  {
+    say: "Two such legs walk. When an antenna meets a wall, it moves an anchor, and the robot turns away.",
+    does: async (hand) => {
+      await hand.press("Gallery");
+      await hand.press("Robot with antennas that finds its way past walls");
+      await hand.write("Arena", "wall");
+      await hand.write("Time limit in s", "60");
+      await hand.press("Through the arena");
+      await hand.find("outcome");
+      await hand.watch(9000);
+    },
+    until: () => isThere("outcome"),
+  },
+  {
+    say: "No computer decides anything in it. And all of it is Python, if you like.",
+    does: async (hand) => {
+      await hand.press("Show me the Python");
+      await hand.watch(4000);
+      await hand.press("Close");
+    },
+  },
+  { say: "That was the tour. Everything that you saw can be dragged: try it." },
 ];

@@ -10,7 +10,7 @@ export interface Step {
   until?: () => boolean;
 }
 
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 180_000;
 const LOOK_MS = 30;
 // So fast does a person read along [ms a word], beside a moment for the picture.
 const WORD_MS = 270;
@@ -22,9 +22,11 @@ class Ended extends Error {}
 export class Hand {
   constructor(private readonly tour: Tour) {}
 
-  /** Waits until something with this name is there. */
+  /** Waits until something with this name is there, and can be used. */
   async find(name: string): Promise<Element> {
-    await this.tour.until(() => named(name) !== null, name);
+    const usable = (found: Element | null): boolean =>
+      found !== null && !(found as HTMLButtonElement).disabled;
+    await this.tour.until(() => usable(named(name)), name);
     return named(name)!;
   }
 
@@ -34,17 +36,12 @@ export class Hand {
     found.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
   }
 
-  /** Writes into a field. */
+  /** Writes into a field, or chooses from a menu. */
   async write(name: string, text: string): Promise<void> {
     const field = (await this.over(await this.find(name))) as HTMLInputElement;
     field.value = text;
     field.dispatchEvent(new Event("input", { bubbles: true }));
     field.dispatchEvent(new Event("change", { bubbles: true }));
-  }
-
-  /** Chooses from a menu. */
-  async choose(name: string, value: string): Promise<void> {
-    await this.write(name, value);
   }
 
   /** Takes a slider from where it is to a share of its way. */
@@ -55,6 +52,24 @@ export class Hand {
       slider.value = String(Math.round(from + (to - from) * part));
       slider.dispatchEvent(new Event("input", { bubbles: true }));
     });
+  }
+
+  /** Points at a part of a picture, counted from its upper left corner, and clicks there. */
+  async point(name: string, across: number, down: number): Promise<void> {
+    const found = await this.over(await this.find(name));
+    const box = found.getBoundingClientRect();
+    const [x, y] = [box.x + across * box.width, box.y + down * box.height];
+    const [x0, y0] = [this.tour.x, this.tour.y];
+    const all = { bubbles: true, cancelable: true, pointerId: 1, isPrimary: true };
+    await this.tour.over(1200, (part) => {
+      [this.tour.x, this.tour.y] = [x0 + (x - x0) * part, y0 + (y - y0) * part];
+      const at = { clientX: this.tour.x, clientY: this.tour.y };
+      found.dispatchEvent(new PointerEvent("pointermove", { ...all, ...at }));
+    });
+    const at = { clientX: x, clientY: y };
+    found.dispatchEvent(new PointerEvent("pointerdown", { ...all, ...at, buttons: 1 }));
+    found.dispatchEvent(new PointerEvent("pointerup", { ...all, ...at }));
+    found.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true, ...at }));
   }
 
   /** Drags a handle of a drawing, in the drawing's own units. */
@@ -217,7 +232,11 @@ function named(name: string): Element | null {
   const label = [...document.querySelectorAll("label")].find(
     (one) => one.textContent?.trim().startsWith(name),
   );
-  return label?.control ?? null;
+  // A name may go on with what its keys do.
+  return label?.control ?? document.querySelector(`[aria-label^=${JSON.stringify(`${name}. `)}]`);
 }
+
+/** Whether something with this name is on the page. */
+export const isThere = (name: string): boolean => named(name) !== null;
 
 export const tour = new Tour();

@@ -38,7 +38,7 @@ def test_the_tour_shows_what_it_says(opened: Opened, empty_address: str):
     for k in range(count):
         page.get_by_role("button", name="Next").click()
         expect(said).to_have_attribute("data-step", str(k + 1))
-        expect(said).to_have_attribute("data-done", "true", timeout=60_000)
+        expect(said).to_have_attribute("data-done", "true", timeout=180_000)
         compare(page)
     page.get_by_role("button", name="Next").click()
     expect(page.get_by_text("The tour is over.")).to_be_visible()
