@@ -30,7 +30,7 @@ _SLOW_CLAIMS = frozenset({
 _COMPILING = re.compile(r"stepwell: compiling \w+, once")
 _commands = cache(typer.main.get_command)
 # No colours, and always the same width.
-_TERMINAL = {"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+_TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "TERM": "dumb"}
 
 
 def told(case: Case, folder: Path) -> str:

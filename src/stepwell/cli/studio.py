@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.screen import Interrupted, show_lines
+from stepwell.cli.screen import Interrupted, show_verbatim
 
 
 def studio(
@@ -51,7 +51,7 @@ def studio(
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
-        show_lines(address)
+        show_verbatim(address)
         if not no_open:
             webbrowser.open(address)
 

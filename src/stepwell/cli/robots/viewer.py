@@ -17,7 +17,7 @@ from stepwell.cli.options import (
     free_file,
     read_robot,
 )
-from stepwell.cli.screen import show_lines, usable
+from stepwell.cli.screen import show_verbatim, usable
 
 if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
@@ -52,7 +52,7 @@ def export(
     with usable(robot):
         text = simulation.mjcf(design, place)
     files.write_atomic(out, text)
-    show_lines(f"Wrote {out}")
+    show_verbatim(f"Wrote {out}")
 
 
 def view(robot: RobotName, arena: ArenaName = None) -> None:

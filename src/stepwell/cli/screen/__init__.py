@@ -10,6 +10,7 @@ from stepwell.cli.screen.show import (
     show_records,
     show_table,
     show_text,
+    show_verbatim,
     styled,
     warn,
     wrapped,

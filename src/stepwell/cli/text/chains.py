@@ -52,8 +52,8 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         "Landings": _landings(record),
     }
     show_facts(record, found, 2 + max(map(len, found)))
-    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
     show_events(record, chain)
+    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",

@@ -7,7 +7,7 @@ from pathlib import PurePath
 from typing import Any
 
 from stepwell.base import Column, Quantity, number
-from stepwell.cli.screen import show_lines, show_records, show_table
+from stepwell.cli.screen import show_lines, show_records, show_table, show_verbatim
 from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 
@@ -82,8 +82,8 @@ def band(record: dict[str, Any]) -> None:
         record["rest_length_told"],
         "",
         "For a design file:",
-        record["table"].rstrip(),
     )
+    show_verbatim(record["table"].rstrip())
 
 
 def comparison(record: dict[str, Any]) -> None:
@@ -156,7 +156,8 @@ def calibration(record: dict[str, Any]) -> None:
         "Intervals are of the jackknife over geometries, taken as independent; samples along a "
         "stroke are not.",
     )
-    show_lines(told, "", "For a design file:", record["table"].rstrip())
+    show_lines(told, "", "For a design file:")
+    show_verbatim(record["table"].rstrip())
     show_lines("", "Used, dropped and odd", *record["told"])
 
 
