@@ -27,7 +27,15 @@ from stepwell.cli.options import (
     planned,
     read_chain,
 )
-from stepwell.cli.screen import answered, finish, progress, show_json, show_lines, show_verbatim, usable
+from stepwell.cli.screen import (
+    answered,
+    finish,
+    progress,
+    show_json,
+    show_lines,
+    show_verbatim,
+    usable,
+)
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program

@@ -13,12 +13,14 @@ from typing import NamedTuple
 _USUAL, _LEAST, _MOST = 80, 40, 100
 _GAP, _HANG = "  ", "  "
 # Where a cell of a table may be folded: behind a comma outside of brackets, or else at a space or
-# between two states. A number is never cut, nor parted from its unit.
+# between two states, or else between the parts of a key. A number is never cut, nor parted from
+# its unit.
 _LISTS = re.compile(r"(?<=[,;])( )(?![^(]*\))")
 _WORDS = re.compile(r"(?<!\d)( )|( )(?![A-Za-z%°]{1,3}(?![A-Za-z]))|(?<=>)(?=\d)")
-_PLACES = (_LISTS, _WORDS)
+_KEYS = re.compile(rf"{_WORDS.pattern}|(?<=\.)(?=[a-z*])")
+_PLACES = (_LISTS, _WORDS, _KEYS)
 # Heads are folded before any cell, and cells at each kind of place in turn.
-_HEADS, _COMMAS, _ALL = 0, 1, 2
+_HEADS, _COMMAS, _ALL = 0, 1, 3
 # A column of words as narrow as this is still read; in a narrower one every word has a line.
 _READ = 24
 # A name, and what is said of it in a column of its own.
@@ -79,9 +81,7 @@ def blocks(head: Cells, rows: Sequence[Cells], left: Iterable[int]) -> list[Bloc
 def _shares(columns: Sequence[Cells]) -> list[list[int]]:
     """Which columns each block has."""
     room = width()
-    wanted = [
-        max(_least(column, _ALL), min(_least(column, _COMMAS), _READ)) for column in columns
-    ]
+    wanted = [max(_least(column, _ALL), min(_least(column, _COMMAS), _READ)) for column in columns]
     if _total(wanted) <= room:
         return [list(range(len(columns)))]
     keys = _keys(columns, wanted, room // 2)
@@ -107,11 +107,13 @@ def _keys(columns: Sequence[Cells], widths: Sequence[int], room: int) -> list[in
 
 def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> Block:
     widths = _widths(columns)
-    head, *rows = (
-        _row([_cell(*one) for one in zip(cells, widths, left, strict=True)], widths, left)
-        for cells in zip(*columns, strict=True)
-    )
-    return Block(head, [line for row in rows for line in row])
+    heads, *rows = zip(*columns, strict=True)
+    told = [_wrap(text, most, "", _WORDS) for text, most in zip(heads, widths, strict=True)]
+    found = [_row(told, widths, left)]
+    for row in rows:
+        cells = [_cell(*one) for one in zip(row, widths, left, strict=True)]
+        found.append(_row(cells, widths, left))
+    return Block(found[0], [line for lines in found[1:] for line in lines])
 
 
 def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) -> list[str]:
@@ -152,7 +154,7 @@ def _widths(columns: Sequence[Cells]) -> list[int]:
 def _least(column: Cells, effort: int) -> int:
     """How narrow a column can be whose head is folded, and its cells with so much effort."""
     head, *cells = column
-    words = max(map(len, head.split(" ")))
+    words = max((len(part) for part in _WORDS.split(head) if part), default=0)
     return max([words, *(_longest(text, effort) for text in cells)])
 
 

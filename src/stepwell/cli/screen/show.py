@@ -46,10 +46,13 @@ def write_out(text: str) -> None:
 
 
 def warn(text: str) -> None:
-    """Say something on standard error."""
+    """Say something on standard error: a line each, for logs are searched; folded at a terminal."""
     from typer import echo
 
-    echo(escaped(text), err=True)
+    lines = escaped(text).split("\n")
+    looked_at = sys.stderr is not None and sys.stderr.isatty()
+    for line in lines:
+        echo("\n".join(folded(line)) if looked_at else line, err=True)
 
 
 def show_json(record: dict[str, Any], *files: Path) -> None:

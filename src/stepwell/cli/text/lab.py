@@ -51,7 +51,7 @@ def band(record: dict[str, Any]) -> None:
     low, high = record["window_mm"]
     k, loss = record["stiffness_N_per_m"], record["loss_used"]
     show_lines(
-        f"Stiffness {k['value']:.3f} N/m, loading, {low:g} to {high:g} mm, cycles "
+        f"Stiffness {number(k['value'])} N/m, loading, {low:g} to {high:g} mm, cycles "
         f"{record['cycles'][0]} to {record['cycles'][1]}",
         f"  mean of such bands, 95 %:  {_interval(k, 'low', 'high')}",
         f"  one more band, 95 %:       {_interval(k, 'next_low', 'next_high')}",

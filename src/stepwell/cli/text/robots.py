@@ -33,7 +33,8 @@ def robot(record: dict[str, Any]) -> None:
         "Weight": f"{number(record['mass_g'])} g, {number(record['weight_N'])} N",
         "Predicted": f"{motion}: d/u_max {said['advance_over_u_max']:.2f}, "
         f"{said['turn_deg']:z.1f}° to the left a cycle, u_max {number(record['u_max_mm'])} mm",
-        "Assumed": _assumed(record["parameters"]) and f"{_assumed(record['parameters'])}; see below",
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; see below",
     }
     show_facts(record, found, 12)
     named = {q.name: q for q in PREDICTED}
@@ -116,7 +117,8 @@ def walk(record: dict[str, Any]) -> None:
         "Transport": record["cost_of_transport"] is not None
         and f"{number(record['cost_of_transport'], 3)} of work over weight and distance",
         "Stopped": record["stopped"].removeprefix("Stopped "),
-        "Assumed": _assumed(record["parameters"]) and f"{_assumed(record['parameters'])}; {_LISTED}",
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; {_LISTED}",
     }
     show_facts(record, found, 12)
     _gaits(record["legs"])
@@ -136,7 +138,7 @@ def _mean(record: dict[str, Any]) -> str:
     after = " after the first" if record["cycles"] > 1 else ""
     return (
         f"d/u_max {record['mean_advance_over_u_max'] + 0.0:.3f} and "
-        f"{record['mean_turn_deg']:z.2f}° to the left{after}"
+        f"{record['mean_turn_deg']:z.1f}° to the left{after}"
     )
 
 
@@ -186,7 +188,8 @@ def maze(record: dict[str, Any]) -> None:
         "Antennas": _antennas(record["antennas"]),
         "Ended at": x is not None and f"({number(x)}, {number(y)}) mm",
         "Stopped": record["stopped"].removeprefix("Stopped "),
-        "Assumed": _assumed(record["parameters"]) and f"{_assumed(record['parameters'])}; {_LISTED}",
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; {_LISTED}",
     }
     show_facts(record, found, 12)
     show_records("Obstacles", TOUCHED, record["touched"], most=None)
