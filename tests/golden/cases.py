@@ -269,6 +269,7 @@ ELEMENTS = [
 FILES = [
     Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case("presets", ("presets", "presets --json")),
+    Case("schema", ("schema", "schema presets", "schema ru")),
     Case(
         "animate",
         (

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from stepwell.cli.options import completing
 from stepwell.cli.screen import Interrupted, show_verbatim
 
 
@@ -17,6 +18,7 @@ def studio(
             metavar="[DESIGN]",
             help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
             "default.",
+            autocompletion=completing.designs,
         ),
     ] = None,
     port: Annotated[

@@ -1,6 +1,6 @@
 """What all commands do on the screen: tables, progress, errors."""
 
-from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
+from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered, stopped, usable
 from stepwell.cli.screen.progress import Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     finish,
