@@ -49,7 +49,7 @@ def main(wanted: list[str]) -> None:
         file.write_text(text, "utf-8")
         print(f"{time.perf_counter() - began:6.2f} s  {name}{news}", flush=True)
     if not wanted:
-        records.append(examined())
+        records.append(examined() | {"files": []})
     for record in records:
         publish(record)
     if not wanted:

@@ -309,12 +309,12 @@ def number(value: float | None, digits: int = 4) -> str:
     """A number for people; an empty place where there is none.
 
     This is the one home of the digits: four of what is computed, fewer only where a schema says
-    that fewer mean something, and no power of ten for what has up to seven before the point.
+    that fewer mean something, and no power of ten for what has up to six before the point.
     """
     if value is None:
         return ""
     told = _whole(value)
-    return f"{told:.0f}" if 10.0**digits <= abs(told) < 1e7 else f"{told:.{digits}g}"
+    return f"{told:.0f}" if 10.0**digits <= abs(told) < 1e6 else f"{told:.{digits}g}"
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:

@@ -11,7 +11,7 @@ import typer
 
 from stepwell.base import Column, Quantity, Schema, __version__
 from stepwell.cli.options import Json
-from stepwell.cli.screen import FAILED, finish, show_facts, show_lines, show_records
+from stepwell.cli.screen import FAILED, finish, has_display, show_facts, show_lines, show_records, show_verbatim
 
 # As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
 # nothing of it.
@@ -32,7 +32,7 @@ _EXTRA: Schema = (
     Quantity("name", head="extra"),
     Quantity("used_for", head="used for"),
     Quantity("present"),
-    Quantity("install", head="get it with"),
+    Quantity("install"),
 )
 _TOOL: Schema = (
     Quantity("name", head="tool"),
@@ -153,8 +153,6 @@ def _opengl() -> str | None:
 
 
 def _display() -> str | None:
-    from stepwell.cli.robots.viewer import has_display
-
     return "yes" if has_display() else None
 
 
@@ -174,11 +172,13 @@ def _show(record: dict[str, Any]) -> None:
     }
     show_facts({"title": ""}, found, 10)
     show_records("Packages", _PACKAGE, record["packages"], most=None)
-    name, used_for, _, install = _EXTRA
+    name, used_for, *_ = _EXTRA
     here = Column("here", lambda one: _versions(one) if one["present"] else "no")
-    get = Column(install.head, lambda one: "" if one["present"] else one["install"])
-    lacking = [get] if any(not one["present"] for one in record["extras"]) else []
-    show_records("Extras", [name, used_for, here, *lacking], record["extras"], most=None)
+    show_records("Extras", [name, used_for, here], record["extras"], most=None)
+    lacking = [one["install"] for one in record["extras"] if not one["present"]]
+    if lacking:
+        show_lines("", "What is missing comes with:")
+        show_verbatim("\n".join(lacking))
     show_records("Tools", _TOOL, record["tools"], most=None)
     if not record["ok"]:
         show_lines("", "Nothing else was looked at before the packages are there.")

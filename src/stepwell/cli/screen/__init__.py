@@ -4,6 +4,7 @@ from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered,
 from stepwell.cli.screen.progress import Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     finish,
+    has_display,
     show_facts,
     show_json,
     show_lines,

@@ -19,6 +19,12 @@ def styled() -> bool:
     return at_terminal and not os.environ.get("NO_COLOR")
 
 
+def has_display() -> bool:
+    """Whether windows can open; elsewhere than on Linux one has to try."""
+    screens = ("DISPLAY", "WAYLAND_DISPLAY")
+    return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
+
+
 def escaped(text: str) -> str:
     """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
     return "\n".join(map(printable, text.split("\n")))

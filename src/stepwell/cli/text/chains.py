@@ -101,7 +101,7 @@ def map_(record: dict[str, Any]) -> None:
         f"{_unit(axis['unit'])}, {axis['count']} values"
         for axis in (record["across"], record["up"])
     )
-    show_lines(record["title"], "", f"Across {across}; up {up}")
+    show_lines(record["title"], "", f"Across  {across}", f"Up      {up}")
     labels = {pathway.value: pathway.label for pathway in Pathway}
     pathway = Column("pathway", lambda one: labels.get(one["sequence"], ""))
     show_records(
