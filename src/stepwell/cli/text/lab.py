@@ -53,13 +53,13 @@ def band(record: dict[str, Any]) -> None:
     show_lines(
         f"Stiffness {number(k['value'])} N/m, loading, {low:g} to {high:g} mm, cycles "
         f"{record['cycles'][0]} to {record['cycles'][1]}",
-        f"  mean of such bands, 95 %:  {_interval(k, 'low', 'high')}",
-        f"  one more band, 95 %:       {_interval(k, 'next_low', 'next_high')}",
-        f"  by sample:                 {_each(k)}",
+        f"  mean of bands, 95 %:  {_interval(k, 'low', 'high')}",
+        f"  one more band, 95 %:  {_interval(k, 'next_low', 'next_high')}",
+        f"  by sample:            {_each(k)}",
     )
     if loss is not None:
         each = _each(loss, ".1%")
-        show_lines(f"Work lost in a cycle         {loss['value']:.1%}, by sample {each}")
+        show_lines(f"Work lost in a cycle    {loss['value']:.1%}, by sample {each}")
     show_lines(
         "Intervals are Student's, from the scatter between samples, taken as independent and "
         "normal; cycles of one sample are no samples.",

@@ -101,7 +101,7 @@ def convergence(record: dict[str, Any]) -> None:
     )
     show_lines(
         "",
-        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a",
+        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a "
         "force of the floor changes by more than a fifth.",
     )
 
