@@ -417,7 +417,7 @@ WRONG = [
             "walk robot.toml",
             "maze robot-forward wal",
             "view preset:paper-forward --arena open",
-            "studio range.toml.gone --no-open",
+            "studio range.toml.gone --port 0 --demo --no-open",
             "export preset:paper-forward",
         ),
         given={

@@ -11,7 +11,15 @@ import typer
 
 from stepwell.base import Column, Quantity, Schema, __version__
 from stepwell.cli.options import Json
-from stepwell.cli.screen import FAILED, finish, has_display, show_facts, show_lines, show_records, show_verbatim
+from stepwell.cli.screen import (
+    FAILED,
+    finish,
+    has_display,
+    show_facts,
+    show_lines,
+    show_records,
+    show_verbatim,
+)
 
 # As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
 # nothing of it.
