@@ -182,8 +182,8 @@ def maze(record: dict[str, Any]) -> None:
     touched = sum(one["time_s"] is not None for one in record["touched"])
     x, y = record["end_mm"] or (None, None)
     found = {
-        "Arena": record["arena"],
         "Outcome": f"{Outcome[record['outcome'].upper()]} after {number(record['duration_s'])} s",
+        "Arena": record["arena"],
         "Touched": record["touched"] and f"{touched} of {len(record['touched'])} obstacles",
         "Antennas": _antennas(record["antennas"]),
         "Ended at": x is not None and f"({number(x)}, {number(y)}) mm",
