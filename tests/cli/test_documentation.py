@@ -218,7 +218,8 @@ def test_every_name_of_the_json_is_documented():
 @pytest.mark.slow
 @pytest.mark.shown
 @pytest.mark.parametrize("name", ["design-files", "commands", "how-to/bring-your-own-element"])
-def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path):
+def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypatch):
+    monkeypatch.delenv("COLUMNS")
     (tmp_path / "forward.toml").unlink()  # the pages make it themselves
     blocks = FENCE.findall(page(name))
     assert "console" in {language for language, _, _ in blocks}

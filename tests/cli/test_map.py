@@ -37,7 +37,9 @@ def test_the_same_shares_are_printed(stepwell):
     for name, share in record["pathway_shares"].items():
         assert (f"{100 * share:.1f} %" in text) == (share > 0)
         assert (name.replace("_", " ") in text) == (share > 0)
-    assert "Across outer.q.x 0 to 20 mm, 41 values; up outer.q.y -15 to 15 mm, 41 values" in text
+    assert (
+        "Across  outer.q.x 0 to 20 mm, 41 values\nUp      outer.q.y -15 to 15 mm, 41 values" in text
+    )
     monostable = f"outer is monostable on {100 * record['monostable_fraction']:.1f} % of the map"
     assert monostable in text
 
@@ -164,7 +166,9 @@ def test_angles_are_in_degrees_and_ratios_may_be_equal(stepwell, monkeypatch):
     assert (record["up"]["unit"], record["up"]["to"]) == ("N/m", pytest.approx(1000))
     assert record["up"]["design"] is None
     text = stepwell("map", "forward.toml", *axes).stdout
-    assert "Across inner.limit 40 to 50 deg, 3 values; up actuator_stiffness 10 to 1000" in text
+    assert (
+        "Across  inner.limit 40 to 50 deg, 3 values\nUp      actuator_stiffness 10 to 1000" in text
+    )
 
 
 @pytest.mark.parametrize(

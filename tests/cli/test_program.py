@@ -23,7 +23,7 @@ def test_it_prints_the_turning_points_their_windows_and_the_states_passed(stepwe
     assert "Turns at  20 → 38.62 → 20 mm" in lines
     assert f"States    {found.sequence}" in lines
     assert any(
-        line.split()[:4] == ["1", *(f"{v * 1e3:.6g}" for v in (turn.drive, turn.low, turn.high))]
+        line.split()[:4] == ["1", *(f"{v * 1e3:.4g}" for v in (turn.drive, turn.low, turn.high))]
         for line in lines
     )
 

@@ -1,6 +1,7 @@
 """`stepwell walk`: a robot simulated, shown and written."""
 
 import json
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -24,9 +25,8 @@ def test_a_forward_robot_is_told_with_its_gaits_its_numbers_and_what_is_assumed(
     assert any(line.split()[:5] == ["left", "1", "to", "3", "00>10>11>01>00"] for line in lines)
     assert "cost" not in result.stdout
     assert "of work over weight and distance" in result.stdout
-    assumed = result.stdout.partition("Assumed, and the results depend on it")[2]
-    assert "body.mass_g = 260;" in assumed
-    assert "floor.drag_N" not in assumed
+    assert re.search(r"^Assumed +\d+ of its \d+ numbers", result.stdout, re.M)
+    assert "body.mass_g" not in result.stdout
 
 
 def test_the_json_is_that_of_the_paper(stepwell):

@@ -269,6 +269,7 @@ ELEMENTS = [
 FILES = [
     Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case("presets", ("presets", "presets --json")),
+    Case("schema", ("schema", "schema presets", "schema ru")),
     Case(
         "replay",
         (
@@ -424,7 +425,7 @@ WRONG = [
             "walk robot.toml",
             "maze robot-forward wal",
             "view preset:paper-forward --arena open",
-            "studio range.toml.gone --no-open",
+            "studio range.toml.gone --port 0 --demo --no-open",
             "export preset:paper-forward",
         ),
         given={

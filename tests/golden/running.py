@@ -3,10 +3,11 @@
 import json
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import chdir, contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import typer
@@ -30,11 +31,17 @@ _SLOW_CLAIMS = frozenset({
 _COMPILING = re.compile(r"stepwell: compiling \w+, once")
 _commands = cache(typer.main.get_command)
 # No colours, and always the same width.
-_TERMINAL = {"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+_TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "TERM": "dumb"}
 
 
-def told(case: Case, folder: Path) -> str:
-    """Run a case in an empty folder and tell what it showed and wrote."""
+def told(case: Case, folder: Path, records: list[dict[str, Any]] | None = None) -> str:
+    """Run a case in an empty folder and tell what it showed and wrote.
+
+    Args:
+        case: what is run.
+        folder: where; it is empty.
+        records: gets every result that was printed or written as JSON.
+    """
     for name, text in case.given.items():
         (folder / name).write_text(text, "utf-8")
     case.prepare(folder)
@@ -45,6 +52,9 @@ def told(case: Case, folder: Path) -> str:
             result = invoke(*shlex.split(command))
             lines += [f"$ stepwell {command}".rstrip(), *_shown(result, folder)]
             now = _files(folder)
+            if records is not None:
+                new = (now[name] for name in now if now[name] != seen.get(name))
+                records += _records([result.stdout.encode(), *new])
             for name in sorted(seen.keys() - now.keys()):
                 lines.append(f"--- {name} is gone")
             for name in sorted(name for name in now if now[name] != seen.get(name)):
@@ -103,6 +113,13 @@ def _output(text: str, folder: Path) -> list[str]:
         if written == {name: part for name, part in record.items() if name != "files"}:
             return [f"(JSON as in {file.relative_to(folder)}, and files: {record['files']})"]
     return telling.json_lines(text)
+
+
+def _records(texts: Iterable[bytes]) -> Iterator[dict[str, Any]]:
+    """Those that are results of ours as JSON."""
+    for text in texts:
+        if text.startswith(b"{") and b'"schema": "stepwell.' in text[:200]:
+            yield json.loads(text)
 
 
 def _files(folder: Path) -> dict[str, bytes]:

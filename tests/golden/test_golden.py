@@ -12,12 +12,13 @@ import pytest
 from golden.cases import CASES, Case, commands
 from golden.comparing import differences
 from golden.running import FROZEN, told
+from stepwell.results.json_schema import violations
 
 # Digits and the places of ticks are those of the locked dependencies.
 pytestmark = pytest.mark.shown
 _SHOWN = 60
-# The claims that take minutes.
-_NOT_FROZEN = {"paper --all"}
+# The claims that take minutes, and what is said of this machine alone.
+_NOT_FROZEN = {"paper --all", "doctor", "doctor --json"}
 
 
 @pytest.mark.parametrize(
@@ -30,11 +31,14 @@ _NOT_FROZEN = {"paper --all"}
 def test_a_user_sees_what_was_frozen(case: Case, tmp_path):
     file = FROZEN / f"{case.name}.txt"
     frozen = file.read_text("utf-8") if file.exists() else ""
-    found = told(case, tmp_path)
+    records: list[dict[str, Any]] = []
+    found = told(case, tmp_path, records)
     lines = differences(frozen, found, case.within)
     more = [f"and {len(lines) - _SHOWN} more lines"] if len(lines) > _SHOWN else []
     accept = f"If this is better: python tests/golden/freeze.py {case.name}"
     assert not lines, "\n".join([*lines[:_SHOWN], *more, accept])
+    unsaid = [problem for record in records for problem in violations(record)]
+    assert not unsaid, "\n".join([*unsaid[:_SHOWN], accept])
 
 
 def test_every_file_that_is_frozen_belongs_to_a_case():

@@ -260,7 +260,9 @@ def test_a_map_over_scales_has_no_unit_and_one_over_friction_that_of_the_chain(c
     found = results.map_record(sw.parameter_map(chain, *axes), [], (1.0, 0.0))
     texts.map_(found)
     screen = capsys.readouterr().out
-    assert "Across stiff.force_scale 0.5 to 1, 2 values; up soft.friction 0 to 0.1 kPa" in screen
+    assert (
+        "Across  stiff.force_scale 0.5 to 1, 2 values\nUp      soft.friction 0 to 0.1 kPa" in screen
+    )
     assert (found["across"]["unit"], found["up"]["unit"]) == ("1", "kPa")
 
 

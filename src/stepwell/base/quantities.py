@@ -306,8 +306,15 @@ def variables(schema: Schema, value: Any, *dims: str) -> dict[str, Any]:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number for people; an empty place where there is none."""
-    return "" if value is None else f"{_whole(value):.{digits}g}"
+    """A number for people; an empty place where there is none.
+
+    This is the one home of the digits: four of what is computed, fewer only where a schema says
+    that fewer mean something, and no power of ten for what has up to six before the point.
+    """
+    if value is None:
+        return ""
+    told = _whole(value)
+    return f"{told:.0f}" if 10.0**digits <= abs(told) < 1e6 else f"{told:.{digits}g}"
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:

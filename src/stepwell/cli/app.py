@@ -9,14 +9,13 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import lab, paper, presets, studio
+from stepwell.cli import doctor, lab, paper, presets, schema, studio
 from stepwell.cli.chains import design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
 app = typer.Typer(
     cls=Commands,
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich" if styled() else None,
@@ -44,6 +43,8 @@ for command in (walk.walk, walk.maze, viewer.export, viewer.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
 app.command(epilog=EXIT_CODES)(studio.studio)
 app.add_typer(lab.commands, name="lab", epilog=EXIT_CODES)
+for command in (schema.schema, doctor.doctor):
+    app.command(name=command.__name__, epilog=EXIT_CODES)(command)
 
 
 def _version(wanted: bool) -> None:

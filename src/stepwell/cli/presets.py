@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.options import ForceFile, free_file
+from stepwell.cli.options import ForceFile, completing, free_file
 from stepwell.cli.screen import finish, show_lines, show_table
 
 
@@ -30,7 +30,12 @@ def presets(
 def new(
     file: Annotated[Path, typer.Argument(metavar="NAME.toml", help="The file to write.")],
     preset: Annotated[
-        str, typer.Option(metavar="NAME", help="Which design; see `stepwell presets`.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Which design; see `stepwell presets`.",
+            autocompletion=completing.presets,
+        ),
     ] = "paper-forward",
     force: ForceFile = False,
 ) -> None:

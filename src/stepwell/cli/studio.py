@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from stepwell.cli.screen import Interrupted, show_lines
+from stepwell.cli.options import completing
+from stepwell.cli.screen import Interrupted, show_verbatim
 
 
 def studio(
@@ -17,6 +18,7 @@ def studio(
             metavar="[DESIGN]",
             help="What the page shows first: a design file (TOML), or preset:NAME; the gallery by "
             "default.",
+            autocompletion=completing.designs,
         ),
     ] = None,
     port: Annotated[
@@ -51,7 +53,7 @@ def studio(
 
     def opened(address: str) -> None:
         address += "&demo=1" if demo else ""
-        show_lines(address)
+        show_verbatim(address)
         if not no_open:
             webbrowser.open(address)
 

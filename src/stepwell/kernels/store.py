@@ -9,6 +9,7 @@ import tempfile
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import platformdirs
 
@@ -45,10 +46,9 @@ def folder() -> Path | None:
     """
     if _GIVEN:
         return _GIVEN[0]
-    named = os.environ.get("NUMBA_CACHE_DIR")
-    wanted = Path(named) / "stepwell" if named else platformdirs.user_cache_path("stepwell")
+    wanted = _wanted()
     try:
-        if not named and not wanted.is_absolute():
+        if not os.environ.get("NUMBA_CACHE_DIR") and not wanted.is_absolute():
             raise OSError("there is no home folder")
         wanted.mkdir(0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=wanted):
@@ -64,6 +64,35 @@ def folder() -> Path | None:
     atexit.register(shutil.rmtree, private, ignore_errors=True)
     say(f"{wanted} cannot be written ({reason}): compiled kernels are kept for this run; {advice}")
     return private
+
+
+class Kept(NamedTuple):
+    """What is kept of compiled kernels, and where.
+
+    Attributes:
+        folder: where they are, or would be if it could be written.
+        writable: whether new ones can be kept there.
+        compiled: kernels of which there is machine code, of this version or an earlier one.
+        size: of all files [bytes].
+    """
+
+    folder: Path
+    writable: bool
+    compiled: int
+    size: int
+
+
+def kept() -> Kept:
+    """What is kept of compiled kernels now."""
+    place = _GIVEN[0] if _GIVEN else _wanted()
+    files = [*place.glob("*.kernel")] if place.is_dir() else []
+    names = {file.name.partition("-")[0] for file in files}
+    return Kept(place, folder() == place, len(names), sum(file.stat().st_size for file in files))
+
+
+def _wanted() -> Path:
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    return Path(named) / "stepwell" if named else platformdirs.user_cache_path("stepwell")
 
 
 def holds(name: str) -> bool:

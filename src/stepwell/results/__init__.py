@@ -16,6 +16,7 @@ from stepwell.results.design import (
 )
 from stepwell.results.graph import graph_record, implicit_graph_record
 from stepwell.results.head import head, tie_notes
+from stepwell.results.json_schema import schema_kinds, schema_of
 from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
 from stepwell.results.map import boundary_rows, map_record
 from stepwell.results.robot import (
@@ -62,6 +63,8 @@ __all__ = [
     "reprogram_record",
     "robot_record",
     "run_record",
+    "schema_kinds",
+    "schema_of",
     "survival_record",
     "sweep_record",
     "unreachable_record",

@@ -96,7 +96,7 @@ MEAN: Schema = (
 CYCLES: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
     Quantity("sideways", "over_u_max", "to the left", form="z.3f"),
-    Quantity("turn", "deg", "turn to the left", form="z.3f"),
+    Quantity("turn", "deg", "turn to the left", form="z.1f"),
 )
 CONTACT: Schema = (
     Quantity("antenna", head="antenna"),

@@ -147,7 +147,7 @@ def event_schema(chain: Chain) -> Schema:
         Quantity("cause"),
         Quantity("direction", head="while", read=lambda event: _way(event.direction)),
         Quantity("drive", told_in(chain.drive_unit)[0]),
-        Quantity("stroke", "mm", "stroke", form=6),
+        Quantity("stroke", "mm", "stroke"),
         Quantity("cells"),
         Quantity("before", "mm"),
         Quantity("after", "mm"),

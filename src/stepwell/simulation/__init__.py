@@ -16,6 +16,7 @@ from stepwell.simulation.runs import (
     VideoError,
     Walk,
     convergence,
+    drawing_system,
     maze,
     mazes,
     sweep,

@@ -27,7 +27,15 @@ from stepwell.cli.options import (
     planned,
     read_chain,
 )
-from stepwell.cli.screen import answered, finish, progress, show_json, show_lines, usable
+from stepwell.cli.screen import (
+    answered,
+    finish,
+    progress,
+    show_json,
+    show_lines,
+    show_verbatim,
+    usable,
+)
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
@@ -121,7 +129,10 @@ def graph(
         show_json(record, *([out] if out else []))
         return
     title = [chain.title, ""] if chain.title else []
-    show_lines(*title, str(found.reading), *(["", f"Wrote {out}"] if out else []))
+    show_lines(*title, str(found.reading))
+    if out:
+        show_lines("")
+        show_verbatim(f"Wrote {out}")
 
 
 def program(
@@ -193,7 +204,7 @@ def animate(
             figures.animation(result, out, seconds=seconds, fps=fps, progress=tell)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    show_lines(f"Wrote {out}")
+    show_verbatim(f"Wrote {out}")
 
 
 def replay(

@@ -1,6 +1,6 @@
 """Options that commands share, and how they are read."""
 
-from stepwell.cli.options import tolerances
+from stepwell.cli.options import completing, tolerances
 from stepwell.cli.options.common import (
     Arena,
     Design,

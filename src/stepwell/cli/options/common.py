@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stepwell.cli.options import completing
+
 if TYPE_CHECKING:
     import stepwell.robot as values
     from stepwell.mechanism import Chain
@@ -16,6 +18,7 @@ Design = Annotated[
     typer.Argument(
         metavar="DESIGN",
         help="A design file (TOML), or preset:NAME for a design of `stepwell presets`.",
+        autocompletion=completing.designs,
     ),
 ]
 Robot = Annotated[
@@ -23,10 +26,16 @@ Robot = Annotated[
     typer.Argument(
         metavar="ROBOT",
         help="A robot's design file (TOML), or the name of one of `stepwell presets`.",
+        autocompletion=completing.robots,
     ),
 ]
 Arena = Annotated[
-    str | None, typer.Option(metavar="ARENA", help="Put it there; see `stepwell maze --list`.")
+    str | None,
+    typer.Option(
+        metavar="ARENA",
+        help="Put it there; see `stepwell maze --list`.",
+        autocompletion=completing.arenas,
+    ),
 ]
 Out = Annotated[
     Path | None,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +15,7 @@ from stepwell.cli.options import (
     free_file,
     read_robot,
 )
-from stepwell.cli.screen import show_lines, usable
+from stepwell.cli.screen import has_display, show_verbatim, usable
 
 if TYPE_CHECKING:
     from stepwell.robot import Arena, Robot
@@ -52,7 +50,7 @@ def export(
     with usable(robot):
         text = simulation.mjcf(design, place)
     files.write_atomic(out, text)
-    show_lines(f"Wrote {out}")
+    show_verbatim(f"Wrote {out}")
 
 
 def view(robot: RobotName, arena: ArenaName = None) -> None:
@@ -69,12 +67,6 @@ def view(robot: RobotName, arena: ArenaName = None) -> None:
         raise typer.Exit(1)
     with usable(robot):
         _show(design, place)
-
-
-def has_display() -> bool:
-    """Whether windows can open; elsewhere than on Linux one has to try."""
-    screens = ("DISPLAY", "WAYLAND_DISPLAY")
-    return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
 
 
 def command(robot: Robot, settle: float) -> Callable[[Any, Any], None]:

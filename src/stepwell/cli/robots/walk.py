@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, free, read_robot
+from stepwell.cli.options import Force, Json, NoVideo, Out, Robot, completing, free, read_robot
 from stepwell.cli.screen import Progress, finish, progress, show_table, stopped, usable, warn
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def maze(
         typer.Argument(
             metavar="ARENA",
             help="An arena's name (--list shows them), or a file of your own (.toml, .txt).",
+            autocompletion=completing.arenas,
         ),
     ],
     limit: Annotated[float, typer.Option(help="Time it is given [s].", min=1)] = 600.0,

@@ -1,15 +1,17 @@
 """What all commands do on the screen: tables, progress, errors."""
 
-from stepwell.cli.screen.outcomes import EXIT_CODES, Commands, answered, stopped, usable
+from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered, stopped, usable
 from stepwell.cli.screen.progress import Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     finish,
+    has_display,
     show_facts,
     show_json,
     show_lines,
     show_records,
     show_table,
     show_text,
+    show_verbatim,
     styled,
     warn,
     wrapped,

@@ -4,21 +4,25 @@ import errno
 import json
 import os
 import sys
-import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stepwell.base import Columns, printable, shown
+from stepwell.cli.screen.fold import blocks, folded, prose
 from stepwell.cli.screen.progress import WRITING, progress
-
-_WIDTH = 100
 
 
 def styled() -> bool:
     """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
     at_terminal = sys.stdout is not None and sys.stdout.isatty()
     return at_terminal and not os.environ.get("NO_COLOR")
+
+
+def has_display() -> bool:
+    """Whether windows can open; elsewhere than on Linux one has to try."""
+    screens = ("DISPLAY", "WAYLAND_DISPLAY")
+    return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
 
 
 def escaped(text: str) -> str:
@@ -48,10 +52,13 @@ def write_out(text: str) -> None:
 
 
 def warn(text: str) -> None:
-    """Say something on standard error."""
+    """Say something on standard error: a line each, for logs are searched; folded at a terminal."""
     from typer import echo
 
-    echo(escaped(text), err=True)
+    lines = escaped(text).split("\n")
+    looked_at = sys.stderr is not None and sys.stderr.isatty()
+    for line in lines:
+        echo("\n".join(folded(line)) if looked_at else line, err=True)
 
 
 def show_json(record: dict[str, Any], *files: Path) -> None:
@@ -91,8 +98,14 @@ def finish(
 
 
 def show_lines(*lines: str) -> None:
-    """Print lines."""
-    write_out("".join(f"{escaped(line)}\n" for line in lines))
+    """Print lines, folded to the width of the terminal."""
+    rows = (row for line in lines for row in escaped(line).split("\n"))
+    write_out("".join(f"{part}\n" for row in rows for part in folded(row)))
+
+
+def show_verbatim(text: str) -> None:
+    """Print what will be copied, such as TOML, an address or a path, as it is."""
+    write_out(f"{escaped(text)}\n")
 
 
 def show_text(*paragraphs: str) -> None:
@@ -103,8 +116,7 @@ def show_text(*paragraphs: str) -> None:
 
 def wrapped(text: str) -> list[str]:
     """A long sentence in lines, as a sentence begins."""
-    begun = text[:1].upper() + text[1:]
-    return textwrap.wrap(begun, _WIDTH, break_on_hyphens=False, break_long_words=False)
+    return prose(text[:1].upper() + text[1:])
 
 
 def show_table(
@@ -124,9 +136,15 @@ def show_table(
         left: columns that start at the left; the others hold numbers.
         hidden: how many rows are left out, for a line below it.
     """
-    draw = _styled if styled() else _aligned
     # Escaped here: a column is as wide as what is shown.
-    draw(escaped(title), [*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
+    found = blocks([*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
+    show_lines("")
+    for k, block in enumerate(found):
+        if k:
+            show_lines("")
+        told = folded(escaped(title)) if k == 0 else []
+        (_bold if styled() else _lines)(*told, *block.head)
+        _lines(*block.rows)
     if hidden > 0:
         show_lines(f"and {hidden} more; --json shows all")
 
@@ -165,36 +183,14 @@ def show_facts(record: Mapping[str, Any], found: Mapping[str, Any], width: int) 
     show_lines(*title, *(f"{name:<{width}}{value}" for name, value in found.items() if value))
 
 
-def _aligned(
-    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
-) -> None:
-    """Aligned columns, two spaces apart: what other programs and diffs like."""
-    table = [head, *rows]
-    widths = [max(len(row[k]) for row in table) for k in range(len(head))]
-    show_lines("", title)
-    for row in table:
-        cells = (
-            text.ljust(width) if k in left else text.rjust(width)
-            for k, (text, width) in enumerate(zip(row, widths, strict=True))
-        )
-        show_lines("  ".join(cells).rstrip())
+def _lines(*lines: str) -> None:
+    write_out("".join(f"{line}\n" for line in lines))
 
 
-def _styled(
-    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int]
-) -> None:
-    """Columns that fit the terminal."""
-    from rich import box
+def _bold(*lines: str) -> None:
     from rich.console import Console
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, header_style="bold")
-    for k, name in enumerate(head):
-        table.add_column(Text(name), justify="left" if k in left else "right")
-    for row in rows:
-        table.add_row(*map(Text, row))
-    console = Console(highlight=False)
-    console.print()
-    console.print(Text(title, style="bold"))
-    console.print(table)
+    console = Console(highlight=False, soft_wrap=True)
+    for line in lines:
+        console.print(Text(line, style="bold"))

@@ -52,8 +52,8 @@ def run(record: dict[str, Any], chain: Chain) -> None:
         "Landings": _landings(record),
     }
     show_facts(record, found, 2 + max(map(len, found)))
-    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
     show_events(record, chain)
+    show_records("Cells, innermost first", cell_schema(chain), record["cells"])
     changes = record["margin"]["changes"]
     show_records(
         "Margin: the smallest change of one thing that gives another sequence",
@@ -101,7 +101,7 @@ def map_(record: dict[str, Any]) -> None:
         f"{_unit(axis['unit'])}, {axis['count']} values"
         for axis in (record["across"], record["up"])
     )
-    show_lines(record["title"], "", f"Across {across}; up {up}")
+    show_lines(record["title"], "", f"Across  {across}", f"Up      {up}")
     labels = {pathway.value: pathway.label for pathway in Pathway}
     pathway = Column("pathway", lambda one: labels.get(one["sequence"], ""))
     show_records(

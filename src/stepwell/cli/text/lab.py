@@ -7,7 +7,7 @@ from pathlib import PurePath
 from typing import Any
 
 from stepwell.base import Column, Quantity, number
-from stepwell.cli.screen import show_lines, show_records, show_table
+from stepwell.cli.screen import show_lines, show_records, show_table, show_verbatim
 from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 
@@ -51,15 +51,15 @@ def band(record: dict[str, Any]) -> None:
     low, high = record["window_mm"]
     k, loss = record["stiffness_N_per_m"], record["loss_used"]
     show_lines(
-        f"Stiffness {k['value']:.3f} N/m, loading, {low:g} to {high:g} mm, cycles "
+        f"Stiffness {number(k['value'])} N/m, loading, {low:g} to {high:g} mm, cycles "
         f"{record['cycles'][0]} to {record['cycles'][1]}",
-        f"  mean of such bands, 95 %:  {_interval(k, 'low', 'high')}",
-        f"  one more band, 95 %:       {_interval(k, 'next_low', 'next_high')}",
-        f"  by sample:                 {_each(k)}",
+        f"  mean of bands, 95 %:  {_interval(k, 'low', 'high')}",
+        f"  one more band, 95 %:  {_interval(k, 'next_low', 'next_high')}",
+        f"  by sample:            {_each(k)}",
     )
     if loss is not None:
         each = _each(loss, ".1%")
-        show_lines(f"Work lost in a cycle         {loss['value']:.1%}, by sample {each}")
+        show_lines(f"Work lost in a cycle    {loss['value']:.1%}, by sample {each}")
     show_lines(
         "Intervals are Student's, from the scatter between samples, taken as independent and "
         "normal; cycles of one sample are no samples.",
@@ -82,8 +82,8 @@ def band(record: dict[str, Any]) -> None:
         record["rest_length_told"],
         "",
         "For a design file:",
-        record["table"].rstrip(),
     )
+    show_verbatim(record["table"].rstrip())
 
 
 def comparison(record: dict[str, Any]) -> None:
@@ -156,7 +156,8 @@ def calibration(record: dict[str, Any]) -> None:
         "Intervals are of the jackknife over geometries, taken as independent; samples along a "
         "stroke are not.",
     )
-    show_lines(told, "", "For a design file:", record["table"].rstrip())
+    show_lines(told, "", "For a design file:")
+    show_verbatim(record["table"].rstrip())
     show_lines("", "Used, dropped and odd", *record["told"])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import groupby
-from textwrap import wrap
 from typing import Any
 
 from stepwell.base import Column, Quantity, number, rows_of
@@ -22,6 +21,7 @@ from stepwell.robot import Motion
 from stepwell.simulation import TRIAL, Outcome
 
 MOST_ROWS = 40
+_LISTED = "`stepwell robot show` lists them all"
 _LEG = Column("leg", lambda row: row["leg"])
 
 
@@ -33,6 +33,8 @@ def robot(record: dict[str, Any]) -> None:
         "Weight": f"{number(record['mass_g'])} g, {number(record['weight_N'])} N",
         "Predicted": f"{motion}: d/u_max {said['advance_over_u_max']:.2f}, "
         f"{said['turn_deg']:z.1f}° to the left a cycle, u_max {number(record['u_max_mm'])} mm",
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; see below",
     }
     show_facts(record, found, 12)
     named = {q.name: q for q in PREDICTED}
@@ -99,7 +101,7 @@ def convergence(record: dict[str, Any]) -> None:
     )
     show_lines(
         "",
-        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a",
+        "Forces off: of samples, root mean square against the last row. Jumps: steps in which a "
         "force of the floor changes by more than a fifth.",
     )
 
@@ -115,6 +117,8 @@ def walk(record: dict[str, Any]) -> None:
         "Transport": record["cost_of_transport"] is not None
         and f"{number(record['cost_of_transport'], 3)} of work over weight and distance",
         "Stopped": record["stopped"].removeprefix("Stopped "),
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; {_LISTED}",
     }
     show_facts(record, found, 12)
     _gaits(record["legs"])
@@ -125,7 +129,6 @@ def walk(record: dict[str, Any]) -> None:
         [Quantity("cycle", head="cycle"), *CYCLES],
         [{"cycle": k} | cycle for k, cycle in enumerate(cycles, 1)],
     )
-    _sources(record["parameters"])
 
 
 def _mean(record: dict[str, Any]) -> str:
@@ -135,7 +138,7 @@ def _mean(record: dict[str, Any]) -> str:
     after = " after the first" if record["cycles"] > 1 else ""
     return (
         f"d/u_max {record['mean_advance_over_u_max'] + 0.0:.3f} and "
-        f"{record['mean_turn_deg']:z.2f}° to the left{after}"
+        f"{record['mean_turn_deg']:z.1f}° to the left{after}"
     )
 
 
@@ -179,12 +182,14 @@ def maze(record: dict[str, Any]) -> None:
     touched = sum(one["time_s"] is not None for one in record["touched"])
     x, y = record["end_mm"] or (None, None)
     found = {
-        "Arena": record["arena"],
         "Outcome": f"{Outcome[record['outcome'].upper()]} after {number(record['duration_s'])} s",
+        "Arena": record["arena"],
         "Touched": record["touched"] and f"{touched} of {len(record['touched'])} obstacles",
         "Antennas": _antennas(record["antennas"]),
         "Ended at": x is not None and f"({number(x)}, {number(y)}) mm",
         "Stopped": record["stopped"].removeprefix("Stopped "),
+        "Assumed": _assumed(record["parameters"])
+        and f"{_assumed(record['parameters'])}; {_LISTED}",
     }
     show_facts(record, found, 12)
     show_records("Obstacles", TOUCHED, record["touched"], most=None)
@@ -195,7 +200,6 @@ def maze(record: dict[str, Any]) -> None:
     show_records(
         "Changes of gait", [Column("from [s] on", time.cell, True), *gaits], record["changes"]
     )
-    _sources(record["parameters"])
 
 
 def _antennas(antennas: list[dict[str, Any]]) -> str:
@@ -207,32 +211,12 @@ def _antennas(antennas: list[dict[str, Any]]) -> str:
     return f"{len(antennas)}, the levers of {', '.join(off)} taken off"
 
 
-def _sources(parameters: list[dict[str, Any]]) -> None:
-    """Print which numbers are known, and from where, and which are assumed, with their values."""
-    known = [one for one in parameters if one["source"] != "assumed"]
-    assumed = [one for one in parameters if one["source"] == "assumed"]
-    for source in dict.fromkeys(one["source"] for one in known):
-        keys = [one["key"] for one in known if one["source"] == source]
-        show_lines("", f"From {_origin(source)}", *_wrapped(keys))
-    if assumed:
-        values = [f"{one['key']} = {_numbers(one)}" for one in assumed]
-        show_lines("", "Assumed, and the results depend on it", *_wrapped(values))
+def _assumed(parameters: list[dict[str, Any]]) -> str:
+    """How many numbers nobody has measured."""
+    assumed = sum(one["source"] == "assumed" for one in parameters)
+    return f"{assumed} of its {len(parameters)} numbers" if assumed else ""
 
 
 def _numbers(parameter: Any) -> str:
     # Its key names the unit.
     return ", ".join(f"{value:.6g}" for value in parameter["values"])
-
-
-def _origin(source: str) -> str:
-    return {"measured": "measurements"}.get(source, f"the {source}")
-
-
-_WHOLE: Any = {"break_on_hyphens": False, "break_long_words": False}
-
-
-def _wrapped(items: list[str]) -> list[str]:
-    """The items one after another, never broken within."""
-    text = "; ".join(item.replace(" ", "\0") for item in items)
-    lines = wrap(text, 96, initial_indent="  ", subsequent_indent="  ", **_WHOLE)
-    return [line.replace("\0", " ") for line in lines]

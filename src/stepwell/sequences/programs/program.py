@@ -42,9 +42,9 @@ class ProgramMethod(StrEnum):
 def turn_schema(unit: str) -> Schema:
     """What is told of a turning point; `unit` is that in which drives are told."""
     return (
-        Quantity("drive", unit, "at", form=6),
-        Quantity("low", unit, "from", form=6),
-        Quantity("high", unit, "to", form=6),
+        Quantity("drive", unit, "at"),
+        Quantity("low", unit, "from"),
+        Quantity("high", unit, "to"),
         Quantity("branch", head="can go back to"),
     )
 

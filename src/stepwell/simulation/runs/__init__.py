@@ -3,5 +3,5 @@
 from stepwell.simulation.runs.convergence import Convergence, Resolution, convergence
 from stepwell.simulation.runs.maze import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.runs.sweep import TRIAL, Sweep, Trial, sweep
-from stepwell.simulation.runs.video import VideoError, video
+from stepwell.simulation.runs.video import VideoError, drawing_system, video
 from stepwell.simulation.runs.walk import LOADED, Walk, walk

@@ -137,15 +137,34 @@ def _drawn(
         )
 
 
+def drawing_system() -> str | None:
+    """By what frames are drawn off screen here, tried in the order of videos; None by nothing."""
+    for system in SYSTEMS:
+        try:
+            tried = subprocess.run(
+                [sys.executable, "-c", "import mujoco; mujoco.GLContext(8, 8).make_current()"],
+                env=_environment(system),
+                capture_output=True,
+                timeout=PATIENCE,
+            )
+        except subprocess.TimeoutExpired:
+            continue
+        if tried.returncode == 0:
+            return system or "the system's own"
+    return None
+
+
+def _environment(system: str) -> dict[str, str]:
+    given = {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system} if system else {}
+    return os.environ | given
+
+
 def _start(system: str, model: Path, run: Path) -> subprocess.Popen[bytes]:
-    environment = dict(os.environ)
-    if system:
-        environment |= {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system}
     return subprocess.Popen(
         [sys.executable, "-m", "stepwell.simulation.runs.render", str(model), str(run)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env=environment,
+        env=_environment(system),
     )
 
 

@@ -1,0 +1,79 @@
+"""`stepwell doctor`: what is installed, kept and missing."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from stepwell.cli import doctor
+from stepwell.kernels import store
+from stepwell.results.json_schema import violations
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_it_says_what_is_here_and_ends_with_0(stepwell):
+    result = stepwell("doctor")
+    assert result.exit_code == 0
+    assert "all that Stepwell needs is here" in result.stdout
+    for name in (*doctor.NEEDED, *doctor.EXTRAS, "H.264 encoder", "OpenGL"):
+        assert re.search(rf"^{re.escape(name)} ", result.stdout, re.M), name
+
+
+def test_the_json_says_all_that_the_screen_says(stepwell):
+    record = json.loads(stepwell("doctor", "--json").stdout)
+    assert violations(record) == []
+    shown = " ".join(stepwell("doctor").stdout.split())
+    for one in record["packages"]:
+        assert f"{one['name']} {one['version']}" in shown
+    assert f"{record['kernels']['compiled']} compiled" in shown
+    assert record["ok"] is True
+
+
+def test_it_knows_the_packages_and_extras_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    bare = [re.split(r"[><=\[]", text)[0] for text in project["dependencies"]]
+    assert sorted(doctor.NEEDED) == sorted(bare)
+    extras = project["optional-dependencies"]
+    assert extras.keys() - {"docs", "dev"} == doctor.EXTRAS.keys()
+    for name, (packages, _) in doctor.EXTRAS.items():
+        assert [re.split(r"[><=\[]", text)[0] for text in extras[name]] == list(packages)
+
+
+def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypatch):
+    known = doctor._version
+    monkeypatch.setattr(doctor, "_version", lambda name: None if name == "av" else known(name))
+    result = stepwell("doctor")
+    assert result.exit_code == 0
+    assert "pip install 'stepwell[video]'" in result.stdout
+    assert re.search(r"^H\.264 encoder .* no$", result.stdout, re.M)
+
+
+def test_a_missing_package_is_named_and_ends_with_1(stepwell, monkeypatch):
+    known = doctor._version
+    monkeypatch.setattr(doctor, "_version", lambda name: None if name == "scipy" else known(name))
+    result = stepwell("doctor")
+    assert result.exit_code == 1
+    assert re.search(r"^Missing +scipy$", result.stdout, re.M)
+    assert "pip install" in result.stdout
+
+
+@pytest.mark.parametrize("writable", [True, False])
+def test_it_says_whether_compiled_kernels_can_be_kept(tmp_path, monkeypatch, writable):
+    place = tmp_path / "cache"
+    if not writable:
+        place.write_text("a file where a folder should be", "utf-8")
+    monkeypatch.setattr(store, "_GIVEN", [])
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(place))
+    store.folder.cache_clear()
+    try:
+        if writable:
+            store.write("advance-1-2", b"machine code")
+        found = store.kept()
+    finally:
+        store.folder.cache_clear()
+    assert found.folder == place / "stepwell"
+    assert (found.writable, found.compiled) == (writable, int(writable))
+    assert (found.size > 0) == writable

@@ -1,0 +1,105 @@
+"""No screen is wider than the terminal, and none loses a number for it."""
+
+import random
+import re
+import sys
+
+import pytest
+
+from golden.running import FROZEN
+from stepwell.cli.screen import fold, show
+
+# What the pages and a pipe have; narrower and wider terminals.
+USUAL = 80
+WIDTHS = (40, 60, 72, 80, 100)
+# What is there to be copied is printed as it is.
+_TOML = re.compile(r"For a design file:")
+
+
+def screens() -> list[tuple[str, str]]:
+    """Every line that a golden case shows, by its case; JSON, TOML and messages apart."""
+    found: list[tuple[str, str]] = []
+    for file in sorted(FROZEN.rglob("*.txt")):
+        shown = False
+        for line in file.read_text("utf-8").split("\n"):
+            if line.startswith(("$ stepwell", "--- ", "(JSON")) or _TOML.match(line):
+                shown = line == "--- shown"
+            elif shown:
+                found.append((file.relative_to(FROZEN).as_posix(), line))
+    return found
+
+
+def test_no_line_of_any_screen_is_longer_than_80_letters():
+    """The golden cases are what the commands show; a single word, such as a path, may be longer."""
+    lines = screens()
+    assert len(lines) > 2000
+    long = [(name, line) for name, line in lines if len(line) > USUAL and " " in line.strip()]
+    assert long == []
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run", "preset:three-wave"),
+        ("program", "preset:paper-forward", "--to", "01"),
+        ("map", "preset:paper-forward", "--x", "0:20:3", "--y", "-15:15:3"),
+        ("robot", "show", "robot-left"),
+        ("presets",),
+        ("doctor",),
+    ],
+)
+def test_a_screen_fits_the_terminal_and_tells_the_same_numbers(stepwell, monkeypatch, command):
+    told = {}
+    for width in WIDTHS[1:]:
+        monkeypatch.setenv("COLUMNS", str(width))
+        told[width] = stepwell(*command).stdout
+        lines = told[width].split("\n")
+        assert [line for line in lines if len(line) > width and " " in line.strip()] == []
+    # In a table of several blocks the first columns are there again.
+    numbers = [set(re.findall(r"\d+\.\d+", text)) for text in told.values()]
+    assert all(found == numbers[0] for found in numbers)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_table_of_any_shape_fits_and_keeps_every_word(monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    draw = random.Random(width)
+    words = ["snap", "0.3898", "-1.2e-05", "20 → 17.23,", "00>10>11>01>00", "by +66.17 %", "outer"]
+    for _ in range(300):
+        columns, rows = draw.randint(1, 9), draw.randint(1, 5)
+        table = [
+            [" ".join(draw.choices(words, k=draw.randint(0, 4))) for _ in range(columns)]
+            for _ in range(rows)
+        ]
+        head = [" ".join(draw.choices(words, k=draw.randint(1, 2))) for _ in range(columns)]
+        found = fold.blocks(head, table, {k for k in range(columns) if draw.random() < 0.5})
+        lines = [line for block in found for line in (*block.head, *block.rows)]
+        assert max(map(len, lines)) <= width
+        bare = "".join("".join(lines).split())
+        assert len(bare) >= sum(len("".join(text.split())) for row in table for text in row)
+
+
+def test_what_follows_a_name_stands_under_the_words_and_not_under_the_name(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    lines = fold.folded("Margin      8.002 mm of an anchor or 39.82 % of a stiffness")
+    assert lines == ["Margin      8.002 mm of an anchor or", "            39.82 % of a stiffness"]
+
+
+def test_a_sequence_is_folded_between_states_and_a_number_stays_with_its_unit(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    states = ">".join(["01010"] * 12)
+    parts = fold.folded(f"Sequence  {states}")
+    assert all(len(part) <= 40 and part.endswith((">", "01010")) for part in parts)
+    assert "".join(part.replace("Sequence", "").strip() for part in parts) == states
+    assert "12 mm" in " | ".join(fold.folded("this is quite a long sentence up to 12 mm long."))
+
+
+def test_a_message_is_one_line_in_a_log_and_folded_at_a_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "40")
+    message = "file.toml: chain.cell[1].q_mmm: unknown key. Did you mean q_mm?"
+    show.warn(message)
+    assert capsys.readouterr().err == f"{message}\n"
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    show.warn(message)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 2 and max(map(len, lines)) <= 40
