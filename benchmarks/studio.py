@@ -30,7 +30,14 @@ if __name__ == "__main__":
 # Painted: the frame after the answer has been drawn and handed on.
 WATCH = """
 window.moved = 0; window.taken = [];
+window.released = 0; window.repainted = [];
 addEventListener("pointermove", (event) => { window.moved = event.timeStamp; }, true);
+addEventListener("pointerup", (event) => { window.released = event.timeStamp; }, true);
+const painted = (then) => requestAnimationFrame(() => {
+  const { port1, port2 } = new MessageChannel();
+  port1.onmessage = then;
+  port2.postMessage(0);
+});
 const Plain = WebSocket;
 window.WebSocket = class extends Plain {
   constructor(...given) {
@@ -38,14 +45,16 @@ window.WebSocket = class extends Plain {
     this.began = new Map();
     this.addEventListener("message", ({ data }) => {
       const length = new DataView(data).getUint32(0, true);
-      const { type, seq } = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-      const began = this.began.get(seq);
-      if (type !== "evaluate" || !began) return;
-      requestAnimationFrame(() => {
-        const { port1, port2 } = new MessageChannel();
-        port1.onmessage = () => window.taken.push(performance.now() - began);
-        port2.postMessage(0);
-      });
+      const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+      const fine = header.blocks.some(({ name, shape }) => name === "image" && shape[0] === 200);
+      if (header.type === "map" && fine && window.released) {
+        const began = window.released;
+        window.released = 0;
+        painted(() => window.repainted.push(performance.now() - began));
+      }
+      const began = this.began.get(header.seq);
+      if (header.type !== "evaluate" || !began) return;
+      painted(() => window.taken.push(performance.now() - began));
     });
   }
   send(text) {
@@ -57,8 +66,8 @@ window.WebSocket = class extends Plain {
 """
 # The page's own rules forbid what Playwright would wait with.
 ANSWERED = """
-(k) => new Promise((done) => {
-  const look = () => (window.taken.length > k ? done() : setTimeout(look, 3));
+([k, name]) => new Promise((done) => {
+  const look = () => (window[name].length > k ? done() : setTimeout(look, 3));
   look();
 })
 """
@@ -92,12 +101,17 @@ def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
     if chromium is None:
         return [("studio", "there is no chromium here", "")]
     pair, frames = measured(chromium, "paper-forward", "outer")
-    five, _ = measured(chromium, "metachronal-wave", None)
+    five, _ = measured(chromium, "finger-selector", "little")
+    six, _ = measured(chromium, "metachronal-wave", None)
+    maps, space = repainted(chromium), turned(chromium)
     paint, server, page = grown(chromium, moves)
     return [
         ("studio: pointer move to painted frame, a pair", told(pair), "p50 28 ms, p95 45 ms"),
-        ("studio: the same, metachronal-wave", told(five), "p95 60 ms for five cells"),
+        ("studio: the same, five cells", told(five), "p95 60 ms"),
+        ("studio: the same, six cells", told(six), ""),
+        ("studio: release to a map of 200 x 200 repainted", told(maps), "80 ms"),
         ("studio: frames a second of play", f"{frames:.0f}", "60"),
+        ("studio: frames a second of a robot in space, drawn by the processor", space, ""),
         ("studio: first paint", f"{paint:.0f} ms", "1000 ms"),
         (
             f"studio: memory after {moves} moves",
@@ -120,13 +134,42 @@ def measured(chromium: str, preset: str, cell: str | None) -> tuple[list[float],
         x, y = held(page, f"q of {cell}" if cell else "q of ")
         for k in range(MOVES):
             page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
-            page.evaluate(ANSWERED, k)
+            page.evaluate(ANSWERED, [k, "taken"])
             page.wait_for_timeout(7 + k % 13)
         page.mouse.up()
         taken = page.evaluate("window.taken")
         page.get_by_role("button", name="Play").click()
         frames = page.evaluate(FRAMES)
     return taken[20:], frames
+
+
+def repainted(chromium: str) -> list[float]:
+    """Times from a release of the pointer to a fine map of other parameters painted [ms]."""
+    with opened(chromium, "paper-forward", WATCH) as (page, _):
+        page.set_viewport_size({"width": 1280, "height": 1700})  # anchor and map both in view
+        page.get_by_role("tab", name="Map").click()
+        page.wait_for_timeout(3000)
+        for k in range(24):
+            x, y = held(page, "q of inner")
+            page.mouse.move(x + (3 if k % 2 else -3), y, steps=3)
+            page.wait_for_timeout(60)
+            page.mouse.up()
+            page.evaluate(ANSWERED, [k, "repainted"])
+            page.wait_for_timeout(50)
+        return page.evaluate("window.repainted")[4:]
+
+
+def turned(chromium: str) -> str:
+    """Frames a second while a walk is played in the plane and in space."""
+    with opened(chromium, "robot-forward") as (page, _):
+        page.get_by_role("spinbutton", name="Cycles to walk").fill("3")
+        page.get_by_role("spinbutton", name="Cycles to walk").press("Enter")
+        page.get_by_role("button", name="Walk", exact=True).click()
+        page.get_by_role("status", name="advance").wait_for(timeout=120_000)
+        page.get_by_role("slider", name="Time in the run").fill("0")
+        page.get_by_role("button", name="Play the run").click()
+        seen = page.locator("canvas[data-ready]").count()
+        return f"{page.evaluate(FRAMES):.0f}" if seen else "there is no WebGL here"
 
 
 def grown(chromium: str, moves: int) -> tuple[float, float, float]:
@@ -157,7 +200,9 @@ def resident(process: int) -> float:
 
 def held(page: "Page", name: str) -> tuple[float, float]:
     """Where an anchor is, the pointer having taken hold of it."""
-    box = page.get_by_role("button", name=name).locator(".dot").last.bounding_box()
+    dot = page.get_by_role("button", name=name).locator(".dot").last
+    dot.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
+    box = dot.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
