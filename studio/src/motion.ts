@@ -92,11 +92,11 @@ export function nearest(view: View, at: number, stroke: number): number {
   return best;
 }
 
-/** The sample after some time of play. */
-export function played(view: View, at: number, ms: number): number {
+/** The sample after some time of play, in which a snap takes `snapMs`. */
+export function played(view: View, at: number, ms: number, snapMs = SNAP_MS): number {
   const last = view.blocks.drive.length - 1;
   const k = Math.floor(at);
-  const rate = snaps(view, k) ? 1 / SNAP_MS : last / CYCLE_MS;
+  const rate = snaps(view, k) ? 1 / snapMs : last / CYCLE_MS;
   const next = at + rate * ms;
   if (next >= last) return 0;
   // A step ends where the next interval begins, which may be passed at another speed.

@@ -9,16 +9,25 @@ from typing import Any
 from stepwell import files
 from stepwell.studio.wire import Ask, Design, View
 
+# The groups in the order of the page.
+_GROUPS = ("paper", "further", "elements", "robots")
+
 
 def answer(_design: Design, ask: Ask) -> View:
-    """Names and titles, chains first."""
+    """Names, titles and groups, in the order of the page."""
     ask.close()
     return View({"designs": _designs()})
 
 
+def names() -> list[str]:
+    """The names of all designs in the order of the page."""
+    return [one["name"] for one in _designs()]
+
+
 @cache
 def _designs() -> list[dict[str, Any]]:
-    return [_told(name, title) for name, title in files.presets().items()]
+    told = [_told(name, title) for name, title in files.presets().items()]
+    return sorted(told, key=lambda one: _GROUPS.index(one["group"]))
 
 
 def _told(name: str, title: str) -> dict[str, Any]:
@@ -27,4 +36,14 @@ def _told(name: str, title: str) -> dict[str, Any]:
     own = legs[0].get("chain", {}) if legs else {}
     cells = own.get("cell") or tables["chain"]["cell"]
     kind = "robot" if legs else "chain"
-    return {"name": name, "title": title, "kind": kind, "cells": len(cells)}
+    group = _group(name, kind, cells)
+    return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
+
+
+def _group(name: str, kind: str, cells: list[dict[str, Any]]) -> str:
+    if kind == "robot":
+        return "robots"
+    # Cells of levers have bands, and bands have anchors.
+    if not all("p_mm" in cell or "bands" in cell for cell in cells):
+        return "elements"
+    return "paper" if name.startswith("paper-") else "further"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence as Sized
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -165,15 +165,19 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
-def _samples_at(events: Sized[Event], path: Path) -> list[int]:
+def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
     """The sample at which each event begins, in order."""
     found: list[int] = []
+    snaps = iter(np.flatnonzero(path.snap_after))
+    # The last bits of a sample's drive may be others than those of its event.
+    near = 1e-12 * np.ptp(path.drive)
     at = 0
     for event in events:
-        here = (path.drive[at:] == event.drive) & (path.direction[at:] == event.direction)
         if event.kind is EventKind.SNAP:
-            here &= path.snap_after[at:]
-        if here.any():
+            at = int(next(snaps))
+        else:
+            here = np.abs(path.drive[at:] - event.drive) <= near
+            here &= path.direction[at:] == event.direction
             at += int(np.argmax(here))
         found.append(at)
         at += event.kind is EventKind.SNAP

@@ -1,0 +1,166 @@
+"""The small motions of the gallery are Python's own, and every design has one."""
+
+import builtins
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from stepwell.base import ExtraError, told_in
+from stepwell.files import loads_tables, preset_text, presets, tables_in
+from stepwell.mechanism import Chain
+from stepwell.robot import Robot
+from stepwell.statics import EventKind
+from stepwell.studio.answering import answered
+from stepwell.studio.panels.motions.evaluate import arrays_of, cells_of, drawn
+from stepwell.studio.wire import Ask, Design, Message, View, part
+from stepwell.studio.wire.message import unpacked
+from studio.pages import Answer
+
+CHAINS = [name for name in presets() if not name.startswith("robot-")]
+ROBOTS = [name for name in presets() if name.startswith("robot-")]
+
+
+def listed() -> list[dict[str, Any]]:
+    return unpacked(answered(Message("gallery", 1)))[0]["designs"]
+
+
+def told() -> tuple[list[Answer], Answer]:
+    """Every motion as the page reads it, and the last answer."""
+    found: list[Answer] = []
+
+    def show(view: View) -> None:
+        found.append(Answer(*unpacked(part("thumbnails", 1, view))))
+
+    last = answered(Message("thumbnails", 1), Ask({}, lambda _done, _total: None, show))
+    return found, Answer(*unpacked(last))
+
+
+@cache
+def motions() -> dict[str, Answer]:
+    return {one.header["name"]: one for one in told()[0]}
+
+
+def test_the_gallery_is_in_groups_by_what_designs_are():
+    groups = [one["group"] for one in listed()]
+    assert list(dict.fromkeys(groups)) == ["paper", "further", "elements", "robots"]
+    assert groups == sorted(groups, key=["paper", "further", "elements", "robots"].index)
+    for one in listed():
+        design = sw.preset(one["name"])
+        assert (one["group"] == "robots") == isinstance(design, Robot)
+        if isinstance(design, Chain):
+            assert (one["group"] == "elements") == bool(design.elements)
+            assert (one["group"] == "paper") == one["name"].startswith("paper-")
+
+
+def test_there_is_one_motion_a_design_in_the_order_of_the_gallery():
+    found, last = told()
+    assert [one.header["name"] for one in found] == [one["name"] for one in listed()]
+    assert all(one.header["part"] for one in found)
+    assert last.header["count"] == len(presets())
+
+
+def test_all_motions_together_are_small():
+    assert sum(block.nbytes for one in motions().values() for block in one.blocks.values()) < 350e3
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_every_sample_of_a_small_motion_is_on_the_path(name: str):
+    chain, written = loads_tables(tables_in(preset_text(name)))
+    assert isinstance(chain, Chain)
+    result = chain.cycle() if written is None else written.on(chain)
+    header, blocks = motions()[name]
+    arrays = arrays_of(drawn(result.path))
+    whole = np.column_stack([arrays["drive"], arrays["direction"], arrays["travel"]])
+    few = np.column_stack([blocks["drive"], blocks["direction"], blocks["travel"]])
+    rows = _in_order(few, whole)
+    np.testing.assert_array_equal(whole[rows], few)
+    np.testing.assert_array_equal(arrays["angle"][rows], blocks["angle"])
+    np.testing.assert_array_equal(arrays["segment"][rows], blocks["segment"])
+    assert (rows[0], rows[-1]) == (0, len(whole) - 1)
+    assert header["sequence"] == str(result.sequence)
+    assert header["cells"] == cells_of(chain)
+
+
+def _in_order(few: np.ndarray[Any, Any], whole: np.ndarray[Any, Any]) -> list[int]:
+    """The rows of the whole that are the few, one after another."""
+    rows, at = list[int](), 0
+    for one in few[:-1]:
+        at += int(np.argmax((whole[at:] == one).all(axis=1)))
+        rows.append(at)
+    return [*rows, len(whole) - 1]
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_between_two_samples_there_is_a_snap_or_a_small_step(name: str):
+    header, blocks = motions()[name]
+    snaps = {event["sample"] for event in header["events"]}
+    full = [cell["full_travel_mm"] for cell in header["cells"]]
+    steps = np.abs(np.diff(blocks["travel"], axis=0) / full).max(axis=1)
+    for k, step in enumerate(steps):
+        if k in snaps:
+            assert blocks["segment"][k] != blocks["segment"][k + 1]
+        else:
+            assert step < 0.25
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_every_snap_of_the_path_is_seen(name: str):
+    chain, written = loads_tables(tables_in(preset_text(name)))
+    assert isinstance(chain, Chain)
+    path = (chain.cycle() if written is None else written.on(chain)).path
+    header, blocks = motions()[name]
+    snaps = [event for event in path.events if event.kind is EventKind.SNAP]
+    assert len(header["events"]) == len(snaps)
+    unit = told_in(chain.measure.travel_unit)[1]
+    for one, snap in zip(header["events"], snaps, strict=True):
+        for k, travels in ((one["sample"], snap.before), (one["sample"] + 1, snap.after)):
+            found = blocks["travel"][k, list(snap.cells)]
+            np.testing.assert_allclose(found, np.array(travels) * unit, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_walks_as_its_simulation_does(name: str):
+    pytest.importorskip("mujoco")
+    from stepwell.simulation import walk
+    from stepwell.studio.panels.robots._scene import Scene
+
+    robot = sw.preset(name)
+    assert isinstance(robot, Robot)
+    scene, found = Scene(robot), walk(robot, 2.0)
+    header, blocks = motions()[name]
+    assert (header["parts"], header["lines"]) == (scene.parts(), scene.lines())
+    whole = scene.placed(found.positions)
+    for k, place in enumerate(blocks["place"]):
+        (row,) = np.flatnonzero((whole["place"] == place).all(axis=(1, 2)))
+        np.testing.assert_array_equal(whole["turn"][row], blocks["turn"][k])
+        assert found.time[row] >= found.time[-1] - robot.drive.period
+    for leg in robot.legs:
+        assert str(leg.chain.cycle().sequence) in header["sequence"]
+
+
+def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.MonkeyPatch):
+    from stepwell.studio.panels.designs import thumbnails
+
+    imported = builtins.__import__
+
+    def none_of_it(name: str, *rest: Any, **more: Any) -> Any:
+        if name == "stepwell.simulation":
+            raise ExtraError("not installed", name="mujoco")
+        return imported(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", none_of_it)
+    found: list[View] = []
+    monkeypatch.setattr(thumbnails, "names", lambda: ["robot-forward"])
+    thumbnails.answer(Design(None), Ask({}, lambda _done, _total: None, found.append))
+    robot = sw.preset("robot-forward")
+    assert isinstance(robot, Robot)
+    assert found[0].header["cells"] == cells_of(robot.legs[0].chain)
+    assert found[0].blocks["travel"].shape[1] == len(robot.legs[0].chain)
+
+
+def test_thumbnails_take_no_question():
+    problem = unpacked(answered(Message("thumbnails", 1, None, {"name": "x"})))[0]["problems"][0]
+    assert "unknown key" in problem["text"]

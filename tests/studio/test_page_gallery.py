@@ -1,0 +1,205 @@
+"""The gallery in a browser: groups, a field to find by, and designs that move."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+import pytest
+
+from stepwell.files import loads_tables, preset_text, presets, tables_in
+from stepwell.mechanism import Chain
+from studio.browser import Opened, output
+from studio.test_access import nothing_found
+
+from playwright.sync_api import Browser, Locator, Page, expect  # isort: skip
+
+# A process of its own has to start first.
+PATIENT = 120_000
+
+
+@pytest.fixture
+def listed(opened: Opened, empty_address: str) -> Page:
+    """Without waiting for anything to move."""
+    opened.page.goto(empty_address)
+    expect(cards(opened.page)).to_have_count(len(presets()))
+    return opened.page
+
+
+@pytest.fixture
+def gallery(opened: Opened, empty_address: str) -> Page:
+    return shown(opened.page, empty_address)
+
+
+@pytest.fixture
+def calm(browser: Browser, empty_address: str) -> Iterator[Page]:
+    """The gallery for somebody who wants nothing to move."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+    yield shown(context.new_page(), empty_address)
+    context.close()
+
+
+def shown(page: Page, address: str) -> Page:
+    """With all motions come."""
+    page.goto(address)
+    expect(cards(page)).to_have_count(len(presets()))
+    expect(sequence(page, "robot-right")).to_contain_text("left", timeout=PATIENT)
+    return page
+
+
+def cards(page: Page) -> Locator:
+    return page.locator(".card[data-name]")
+
+
+def card(page: Page, name: str) -> Locator:
+    return page.locator(f'.card[data-name="{name}"]')
+
+
+def sequence(page: Page, name: str) -> Locator:
+    return card(page, name).locator(".sequence")
+
+
+def outermost(page: Page, name: str) -> Locator:
+    """The block that moves farthest."""
+    return card(page, name).locator("rect.block").last
+
+
+def height(page: Page, name: str) -> str:
+    found = outermost(page, name).get_attribute("y")
+    assert found is not None
+    return found
+
+
+def names(page: Page) -> list[str | None]:
+    return [one.get_attribute("data-name") for one in cards(page).all()]
+
+
+def pictures(page: Page) -> list[str]:
+    return [one.inner_html() for one in page.locator(".thumbnail").all()]
+
+
+def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
+    headings = gallery.locator(".gallery h2")
+    expect(headings).to_have_count(4)
+    for heading, first in (
+        ("The paper's", "paper-backward"),
+        ("Further chains", "antenna-leg"),
+        ("Other elements than levers", "balloon"),
+        ("Robots", "robot-15"),
+    ):
+        group = gallery.get_by_role("group", name=heading, exact=True)
+        expect(group.locator(".card").first).to_have_attribute("data-name", first)
+    for name in ("three-wave", "combination-lock", "dome"):
+        chain, written = loads_tables(tables_in(preset_text(name)))
+        assert isinstance(chain, Chain)
+        result = chain.cycle() if written is None else written.on(chain)
+        told = str(result.sequence).replace(">", " → ")
+        expect(sequence(gallery, name)).to_have_text(told)
+        named = gallery.get_by_role("button", name=f"{presets()[name]} {len(chain)} cells")
+        expect(named).to_have_attribute("data-name", name)
+
+
+def test_what_is_in_view_moves(gallery: Page):
+    before = height(gallery, "paper-forward")
+    expect(outermost(gallery, "paper-forward")).not_to_have_attribute("y", before)
+
+
+def test_what_is_out_of_view_waits(gallery: Page):
+    robot = card(gallery, "robot-forward").locator("svg")
+    before = robot.get_attribute("viewBox")
+    assert before is not None
+    gallery.wait_for_timeout(500)
+    expect(robot).to_have_attribute("viewBox", before)
+    robot.scroll_into_view_if_needed()
+    expect(robot).not_to_have_attribute("viewBox", before)
+    above = height(gallery, "paper-forward")
+    gallery.wait_for_timeout(500)
+    assert height(gallery, "paper-forward") == above
+
+
+def test_all_hold_still_when_they_are_told_to(gallery: Page):
+    hold = gallery.get_by_role("button", name="Hold still")
+    hold.click()
+    expect(hold).to_have_attribute("aria-pressed", "true")
+    gallery.wait_for_timeout(200)
+    before = pictures(gallery)
+    gallery.wait_for_timeout(500)
+    assert pictures(gallery) == before
+    hold.click()
+    expect(outermost(gallery, "paper-forward")).not_to_have_attribute(
+        "y", height(gallery, "paper-forward")
+    )
+
+
+def test_nothing_moves_for_those_who_want_no_motion(calm: Page):
+    before = pictures(calm)
+    assert all("block" in one or "robot" in one for one in before)
+    calm.wait_for_timeout(800)
+    assert pictures(calm) == before
+    expect(calm.get_by_role("button", name="Hold still")).to_have_count(0)
+
+
+def test_designs_are_found_by_name_title_and_cells(listed: Page):
+    words = listed.get_by_role("searchbox", name="Find a design")
+    for text, found in (
+        ("three", ["countdown", "three-stack", "three-wave", "curved-beam", "trilinear"]),
+        ("3 cells", ["three-stack", "three-wave", "curved-beam", "trilinear"]),
+        ("3 cells wave", ["three-wave"]),
+        ("KRES", ["kresling"]),
+        ("robot turns", ["robot-left", "robot-right"]),
+        ("nothing of that name", []),
+    ):
+        words.fill(text)
+        told = f"{len(found)} of {len(presets())} designs"
+        expect(output(listed, "designs found")).to_have_text(told)
+        assert names(listed) == found
+    listed.get_by_role("button", name="Show all").click()
+    expect(cards(listed)).to_have_count(len(presets()))
+
+
+def test_arrow_keys_go_from_card_to_card(listed: Page):
+    own = names(listed)
+    here = listed.locator(".card:focus")
+    card(listed, "paper-backward").focus()
+    for key, at in (
+        ("ArrowRight", 1),
+        ("ArrowRight", 2),
+        ("ArrowLeft", 1),
+        ("End", -1),
+        ("Home", 0),
+    ):
+        listed.keyboard.press(key)
+        expect(here).to_have_attribute("data-name", str(own[at]))
+    first = here.bounding_box()
+    listed.keyboard.press("ArrowDown")
+    below = here.bounding_box()
+    assert first is not None and below is not None
+    assert below["x"] == first["x"] and below["y"] > first["y"]
+    listed.keyboard.press("ArrowUp")
+    expect(here).to_have_attribute("data-name", str(own[0]))
+    listed.keyboard.press("Enter")
+    expect(output(listed, "sequence")).to_have_attribute("data-value", "00>01>11>10>00")
+
+
+def test_the_gallery_that_was_left_goes_on_and_what_was_open_comes_first(
+    opened: Opened, empty_address: str
+):
+    page = opened.page
+    page.goto(empty_address)
+    card(page, "three-wave").click()
+    expect(output(page, "sequence")).to_have_attribute("data-value", "000>100>110>111>011>001>000")
+    page.get_by_role("button", name="Gallery").click()
+    expect(sequence(page, "robot-right")).to_contain_text("left", timeout=PATIENT)
+    page.goto("about:blank")
+    page.goto(empty_address)
+    expect(cards(page)).to_have_count(len(presets()))
+    expect(page.locator(".card").first).to_contain_text("Go on where you were")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_motions_keep_nobody_out_and_are_no_wider_than_a_phone(
+    browser: Browser, empty_address: str, axe: str, scheme: Literal["light", "dark"]
+):
+    page = browser.new_page(viewport={"width": 390, "height": 844}, color_scheme=scheme)
+    shown(page, empty_address)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    nothing_found(page, axe)
+    page.close()
