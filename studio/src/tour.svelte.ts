@@ -39,7 +39,11 @@ export class Hand {
   /** Writes into a field, or chooses from a menu. */
   async write(name: string, text: string): Promise<void> {
     const field = (await this.over(await this.find(name))) as HTMLInputElement;
-    field.value = text;
+    // What a menu offers may have to come from the server first.
+    await this.tour.until(() => {
+      field.value = text;
+      return field.value === text;
+    }, name);
     field.dispatchEvent(new Event("input", { bubbles: true }));
     field.dispatchEvent(new Event("change", { bubbles: true }));
   }
