@@ -9,9 +9,10 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.robot import Arena, Robot
 from stepwell.simulation import spec
-from stepwell.simulation.model import mujoco, obstacle_names
+from stepwell.simulation.model import HEIGHT, mujoco, obstacle_names
 
 _MM = 1e3
+WALL_MM = HEIGHT * _MM
 _SHAPES = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "ball",

@@ -7,9 +7,6 @@ import math
 from stepwell.studio.panels.robots._arena import arena_of
 from stepwell.studio.wire import Ask, Design, View
 
-# As high as the simulation has walls [mm].
-_WALL_MM = 100.0
-
 
 def answer(design: Design, ask: Ask) -> View:
     """Parts and lines of the robot, their places, and what its antennas do."""
@@ -17,14 +14,14 @@ def answer(design: Design, ask: Ask) -> View:
     ask.close()
     robot = design.robot
     # Numbers of a robot can be wrong, and said so, where it cannot be simulated.
-    from stepwell.studio.panels.robots._scene import Scene
+    from stepwell.studio.panels.robots._scene import WALL_MM, Scene
 
     scene = Scene(robot, arena)
     return View(
         {
             "parts": scene.parts(),
             "lines": scene.lines(),
-            "wall_mm": _WALL_MM,
+            "wall_mm": WALL_MM,
             "legs": [{"name": leg.name, "cells": list(leg.chain.names)} for leg in robot.legs],
             "antennas": [
                 {
