@@ -14,14 +14,13 @@ from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import Path
 from stepwell.studio.panels.designs.gallery import names
-from stepwell.studio.panels.motions.evaluate import arrays_of, cells_of, drawn, events_of
+from stepwell.studio.panels.motions import arrays_of, cells_of, drawn, events_of
+from stepwell.studio.panels.robots import walking
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
 # So many samples of a motion look smooth in a small picture, beside the ends of its branches.
 _SAMPLES = 60
-# A robot has many parts; it is at its pace in its second cycle.
-_POSES, _CYCLES = 30, 2.0
 _BLOCKS = ("drive", "travel", "angle", "segment", "direction")
 
 
@@ -84,22 +83,9 @@ def _few(path: Path) -> Ints:
 
 
 def _robot(name: str, robot: Robot) -> View:
-    # Without MuJoCo there is none of these modules.
-    from stepwell.simulation import walk
-    from stepwell.studio.panels.robots._scene import Scene
-
-    scene, found = Scene(robot), walk(robot, _CYCLES)
-    last = np.flatnonzero(found.time >= found.time[-1] - robot.drive.period)
-    rows = last[np.linspace(0, len(last) - 1, _POSES).astype(int)]
+    moving = walking(robot)
     sequences = {leg.name: str(leg.chain.cycle().sequence) for leg in robot.legs}
     told = [f"{leg} {sequence}" for leg, sequence in sequences.items()]
     alike = len(set(sequences.values())) == 1
-    return View(
-        {
-            "name": name,
-            "sequence": sequences[robot.legs[0].name] if alike else ", ".join(told),
-            "parts": scene.parts(),
-            "lines": scene.lines(),
-        },
-        scene.placed(found.positions[rows]),
-    )
+    sequence = sequences[robot.legs[0].name] if alike else ", ".join(told)
+    return View({"name": name, "sequence": sequence, **moving.header}, moving.blocks)
