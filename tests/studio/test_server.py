@@ -240,13 +240,15 @@ def test_a_page_that_leaves_takes_its_work_along(studio: Studio):
 
 
 def _children(studio: Studio) -> int:
-    """Processes that work for the studio."""
+    """Processes that work for the studio: its own, or those of the one that starts them."""
     listing = subprocess.run(
-        ["ps", "-ww", "-o", "args=", "--ppid", str(studio.process.pid)],
-        capture_output=True,
-        text=True,
+        ["ps", "-ww", "-e", "-o", "pid=,ppid=,args="], capture_output=True, text=True
     )
-    return listing.stdout.count("spawn_main")
+    rows = [line.split(maxsplit=2) for line in listing.stdout.splitlines()]
+    below = {int(pid): args for pid, parent, args in rows if int(parent) == studio.process.pid}
+    starters = {pid for pid, args in below.items() if "multiprocessing.forkserver" in args}
+    started = sum(int(parent) in starters for _, parent, _ in rows)
+    return started + sum("spawn_main" in args for args in below.values())
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")

@@ -11,10 +11,13 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from time import monotonic
+from typing import Any
 
 from stepwell.studio.answering import answered
 from stepwell.studio.wire import Ask, Message, View, part, step
 
+# What long answers need, imported once for all of them.
+_USED = "stepwell.design", "stepwell.results", "scipy.stats", "scipy.optimize", "xarray", "numba"
 # So often it is said how far the work is [s].
 _EVERY = 0.1
 
@@ -53,14 +56,36 @@ class Aside:
             process.join()
 
     def _started(self) -> Connection:
-        if self._process is None or not self._process.is_alive() or self._pipe is None:
-            # A fork would take the threads' locks along.
-            apart = multiprocessing.get_context("spawn")
-            self._pipe, theirs = apart.Pipe()
-            self._process = apart.Process(target=work, args=(theirs,), daemon=True)
-            self._process.start()
-            theirs.close()
-        return self._pipe
+        if self._process is not None and self._process.is_alive() and self._pipe is not None:
+            return self._pipe
+        apart = _apart()
+        ours, theirs = apart.Pipe()
+        process: BaseProcess = apart.Process(target=work, args=(theirs,), daemon=True)
+        process.start()
+        self._process, self._pipe = process, ours
+        theirs.close()
+        return ours
+
+
+def prepare() -> None:
+    """Have what long work starts from begin to import what it needs."""
+    if "forkserver" in multiprocessing.get_all_start_methods():
+        _apart()
+        from multiprocessing import forkserver
+
+        forkserver.ensure_running()
+
+
+def _apart() -> Any:
+    """How a process starts: from one that has all imported and no threads, where that can be had.
+
+    A fork of this process would take the locks of its threads along.
+    """
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    apart = multiprocessing.get_context("forkserver")
+    apart.set_forkserver_preload([__name__, *_USED])
+    return apart
 
 
 def work(pipe: Connection) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
 from stepwell.studio.answering import answered
-from stepwell.studio.aside import Aside
+from stepwell.studio.aside import Aside, prepare
 from stepwell.studio.panels import is_long, types
 from stepwell.studio.wire import (
     Message,
@@ -162,7 +162,8 @@ def warm() -> None:
 
 @cache
 def hasten() -> None:
-    """Go over to machine code, so that the first drag meets it."""
+    """Go over to machine code, so that the first drag meets it, and prepare for long work."""
+    prepare()
     stay()
     warm()
 
