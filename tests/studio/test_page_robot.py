@@ -183,6 +183,7 @@ def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
 def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
     page = robot_page
     page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
+    expect(button(page, "Through the arena")).to_be_enabled()
     page.get_by_text("Numbers of the arena").click()
     button(page, "Add a cylinder").click()
     typed(page, "cylinder 1, x in mm", "0")
