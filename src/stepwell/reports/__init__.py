@@ -25,11 +25,10 @@ from stepwell.reports.measured import (
     write_comparison,
     write_readings,
 )
-from stepwell.reports.page import assumptions, report
+from stepwell.reports.page import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 
 __all__ = [
-    "assumptions",
     "checked_suffix",
     "report",
     "write_band",

@@ -4,6 +4,7 @@ Every `…_record` takes a result and returns what JSON can hold of it, as docs/
 it. `design` is the text of its design file, for the hash of it; written anew by default.
 """
 
+from stepwell.results.assumptions import assumptions
 from stepwell.results.design import (
     SENSITIVITY,
     built_schema,
@@ -50,6 +51,7 @@ from stepwell.results.run import (
 )
 
 __all__ = [
+    "assumptions",
     "convergence_record",
     "design_record",
     "force_scale",

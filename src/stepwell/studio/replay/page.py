@@ -59,6 +59,22 @@ def replay(
     )
 
 
+def embedded(page: str, title: str) -> str:
+    """A page that is complete in itself as part of another one, kept apart from it.
+
+    Args:
+        page: HTML text, as of `replay`.
+        title: what it shows, for those who do not see it.
+
+    Returns:
+        An `iframe` element: its scripts run, but reach neither what is around it nor any address.
+    """
+    return (
+        f'<iframe class="replay" title="{escape(title)}" sandbox="allow-scripts" loading="lazy" '
+        f'srcdoc="{escape(page)}"></iframe>'
+    )
+
+
 def _built(name: str) -> str:
     return (files("stepwell.studio") / "page" / name).read_text("utf-8").strip()
 

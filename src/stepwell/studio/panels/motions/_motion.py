@@ -8,7 +8,7 @@ from typing import Any
 from stepwell.base import __version__, told_in
 from stepwell.design import margin
 from stepwell.mechanism import Chain
-from stepwell.reports import assumptions
+from stepwell.results import assumptions
 from stepwell.sequences import Program
 from stepwell.statics import Path
 from stepwell.studio.panels.motions.evaluate import (
