@@ -12,7 +12,7 @@ EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
 def test_simulating_a_robot_brings_no_encoder():
     assert [name.partition(">")[0] for name in EXTRAS["robot"]] == ["mujoco"]
     assert [name.partition(">")[0] for name in EXTRAS["video"]] == ["av"]
-    assert "stepwell[docs,robot,studio,video]" in EXTRAS["dev"]
+    assert "stepwell[all,docs]" in EXTRAS["dev"]
 
 
 def test_the_pages_say_what_the_encoder_is_and_whose_licence_it_has():

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.base.advised import Advised
+from stepwell.base import Advised
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.design import Impossible, design, reprogram
 from stepwell.files import DesignError, loads

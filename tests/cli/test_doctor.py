@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from stepwell.base import EXTRAS
 from stepwell.cli import doctor
 from stepwell.kernels import store
 from stepwell.results.json_schema import violations
@@ -18,7 +19,7 @@ def test_it_says_what_is_here_and_ends_with_0(stepwell):
     result = stepwell("doctor")
     assert result.exit_code == 0
     assert "all that Stepwell needs is here" in result.stdout
-    for name in (*doctor.NEEDED, *doctor.EXTRAS, "H.264 encoder", "OpenGL"):
+    for name in (*doctor.NEEDED, *EXTRAS, "H.264 encoder", "OpenGL"):
         assert re.search(rf"^{re.escape(name)} ", result.stdout, re.M), name
 
 
@@ -37,9 +38,11 @@ def test_it_knows_the_packages_and_extras_of_the_project():
     bare = [re.split(r"[><=\[]", text)[0] for text in project["dependencies"]]
     assert sorted(doctor.NEEDED) == sorted(bare)
     extras = project["optional-dependencies"]
-    assert extras.keys() - {"docs", "dev"} == doctor.EXTRAS.keys()
-    for name, (packages, _) in doctor.EXTRAS.items():
-        assert [re.split(r"[><=\[]", text)[0] for text in extras[name]] == list(packages)
+    assert extras.keys() - {"all", "docs", "dev"} == EXTRAS.keys()
+    for name, extra in EXTRAS.items():
+        own = [text for text in extras[name] if not text.startswith("stepwell[")]
+        assert [re.split(r"[><=\[]", text)[0] for text in own] == list(extra.packages)
+    assert extras["all"] == [f"stepwell[{','.join(sorted(EXTRAS))}]"]
 
 
 def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypatch):

@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import check, limits, usual
-from stepwell.base.advised import Advised
 from stepwell.base.bisect import bisected
 from stepwell.base.check import Vec2, finite, short
 from stepwell.base.errors import ExtraError, InputError, SettingError, StepwellError
+from stepwell.base.extras import EXTRAS, Extra, have, missing, need
 from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
     Column,
@@ -26,7 +26,7 @@ from stepwell.base.quantities import (
     variables,
     write_csv,
 )
-from stepwell.base.text import nearest_word, printable
+from stepwell.base.text import Advised, nearest_word, printable
 from stepwell.base.usual import ONE_BY_ONE, QUICKLY, REACH
 from stepwell.base.value import ByValue, ReadOnly, same
 from stepwell.base.version import __version__, versions

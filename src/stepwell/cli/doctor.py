@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from stepwell.base import Column, Quantity, Schema, __version__
+from stepwell.base import EXTRAS, Column, Extra, Quantity, Schema, __version__
 from stepwell.cli.options import Json
 from stepwell.cli.screen import (
     FAILED,
@@ -22,16 +22,10 @@ from stepwell.cli.screen import (
 )
 
 # As pyproject.toml has them, of which a test makes sure; a checkout that is not installed knows
-# nothing of it.
+# nothing of it. What extras bring is in `base`.
 NEEDED = (
-    "matplotlib", "networkx", "numba", "numpy", "pillow", "platformdirs", "pydantic", "rich",
-    "scipy", "tomli-w", "typer", "xarray",
+    "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy", "tomli-w", "typer",
 )  # fmt: skip
-EXTRAS = {
-    "robot": (("mujoco",), "walk, maze, view, export"),
-    "video": (("av",), "videos as MP4"),
-    "studio": (("starlette", "uvicorn", "websockets"), "the page of `stepwell studio`"),
-}
 _PACKAGE: Schema = (
     Quantity("name", head="package"),
     Quantity("version", head="version", none="missing"),
@@ -66,7 +60,7 @@ def examined() -> dict[str, Any]:
     """What `stepwell doctor --json` prints."""
     packages = [{"name": name, "version": _version(name)} for name in NEEDED]
     whole = all(one["version"] for one in packages)
-    extras = [_extra(name, *rest) for name, rest in EXTRAS.items()]
+    extras = [_extra(name, one) for name, one in EXTRAS.items()]
     return {
         "schema": "stepwell.doctor/1",
         "stepwell": __version__,
@@ -88,11 +82,11 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _extra(name: str, packages: tuple[str, ...], used_for: str) -> dict[str, Any]:
-    found = {package: _version(package) for package in packages}
+def _extra(name: str, extra: Extra) -> dict[str, Any]:
+    found = {package: _version(package) for package in extra.packages}
     return {
         "name": name,
-        "used_for": used_for,
+        "used_for": extra.used_for,
         "present": all(found.values()),
         "versions": {package: told for package, told in found.items() if told},
         "install": f"pip install 'stepwell[{name}]'",

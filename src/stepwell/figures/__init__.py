@@ -1,5 +1,10 @@
 """Every plot, one function each: results in, a matplotlib Figure out."""
 
+from stepwell.base import have, missing
+
+if not have("figures"):
+    raise missing("figures")
+
 from stepwell.figures.cells import (
     element_curve,
     element_curves,

@@ -34,7 +34,7 @@ from stepwell.files.folder import (
     manifest,
     staged_folder,
 )
-from stepwell.files.outputs import OUTPUTS, pictures
+from stepwell.files.outputs import OUTPUTS, extras_of, pictures
 from stepwell.files.parameters import Given, parameters, provenance, vary
 from stepwell.files.schema import slips_text
 from stepwell.files.tables import WrittenProgram
@@ -54,6 +54,7 @@ __all__ = [
     "check_folder",
     "digest",
     "dumps",
+    "extras_of",
     "load",
     "load_arena",
     "load_chain",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import MappingProxyType
 
 
@@ -30,9 +31,17 @@ _OF_COMMANDS = {
     "lab compare": ("compare.json curves.csv", "forces energies pairs"),
     "lab calibrate": ("band.toml calibration.json calibration.nc", "calibration"),
 }
+# What writes a file, by the end of its name. An MP4 is left out where its encoder is not there.
+_EXTRAS = {".png": "figures", ".svg": "figures", ".gif": "figures", ".nc": "tables"}
 OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
         command: (*files.split(), *pictures(*figures.split()))
         for command, (files, figures) in _OF_COMMANDS.items()
     }
 )
+
+
+def extras_of(command: str) -> tuple[str, ...]:
+    """The extras without which a command's files cannot be written, such as "figures"."""
+    ends = [Path(name).suffix for name in OUTPUTS[command]]
+    return tuple(dict.fromkeys(_EXTRAS[end] for end in sorted(ends) if end in _EXTRAS))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.util import find_spec
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from stepwell import figures
 from stepwell.design import boundaries, transition_map
@@ -19,6 +19,9 @@ from stepwell.paper.mechanisms import (
     six_cells,
 )
 from stepwell.sequences import Cycle, Pathway
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def force() -> Figure:

@@ -9,6 +9,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from stepwell import files
+from stepwell.base import need
 from stepwell.paper.claims import Claim, Verdict
 from stepwell.paper.mechanisms import (
     CELLS,
@@ -117,9 +118,12 @@ def run(
         LabError: a folder of data without a recording.
         OverwriteError: a file in `out` is not one that this function wrote.
         OSError: the folder cannot be written.
+        ExtraError: xarray is not installed, or Matplotlib for figures.
 
     Source: Kamp et al. 2024.
     """
+    # The claims about the map take a labelled table.
+    need("tables") if out is None else need("figures", "tables")
     asked = claims(data, everything=everything)
     drawn: dict[str, Callable[[], Figure]] = {}
     names = outputs(everything) if out is not None else ()

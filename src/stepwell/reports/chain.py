@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base import InputError, Measure, write_atomic
+from stepwell.base import InputError, Measure, need, write_atomic
 from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
 from stepwell.reports.page import report
@@ -143,6 +143,7 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
 
     Raises:
         ValueError: an end that means nothing.
+        ExtraError: a figure, and Matplotlib is not installed.
     """
     suffix = Path(file).suffix.lower()
     if suffix not in (*FIGURES, *EXPORTS):
@@ -150,6 +151,8 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
             f"{os.fspath(file)}: must end in {', '.join(FIGURES)} for a figure, or in "
             f"{', '.join(EXPORTS)} for other programs."
         )
+    if suffix in FIGURES:
+        need("figures")
     return suffix
 
 

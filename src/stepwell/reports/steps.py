@@ -50,11 +50,11 @@ def bundle(
         OverwriteError: a file there is not one that this command wrote; nothing has changed.
         OSError: the folder cannot be written.
     """
-    from stepwell import figures
-
     record = next(one for one in contents.values() if isinstance(one, dict))
     files = dict(contents)
     for name, figure in (drawn or {}).items():
+        from stepwell import figures
+
         files |= {f"{name}{suffix}": partial(figures.save, figure) for suffix in (".png", ".svg")}
     with staged_folder(folder, command, record, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):

@@ -21,6 +21,7 @@ from stepwell.base import (
     Schema,
     check,
     in_measure,
+    need,
     told_in,
     variables,
     write_csv,
@@ -381,6 +382,7 @@ class Path(ByValue):
 
         Its variables have the names that they have here, whatever travel and force are.
         """
+        need("tables")
         import xarray
 
         schema = [replace(q, name=q.attribute) for q in self._schema]

@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.resources import files
 from typing import Any
 
-from stepwell.base import ExtraError
+from stepwell.base import need
 from stepwell.studio.guard import App, Guard
 from stepwell.studio.session import Session, warm
 from stepwell.studio.wire import LONGEST_MESSAGE
@@ -175,11 +175,5 @@ async def _talked(websocket: Any, session: Session) -> None:
 
 def _needed(name: str) -> Any:
     """A module of the extra, or one line that says how to get it."""
-    try:
-        return import_module(name)
-    except ModuleNotFoundError as error:
-        raise ExtraError(
-            "The studio needs Starlette, uvicorn and websockets, which are not all installed "
-            "here. Install them with: pip install 'stepwell[studio]'",
-            name=error.name,
-        ) from None
+    need("studio")
+    return import_module(name)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stepwell.base import need
 from stepwell.cli.options import completing
 
 if TYPE_CHECKING:
@@ -74,6 +75,9 @@ MobilityRatio = Annotated[
 NoVideo = Annotated[bool, typer.Option("--no-video", help="Write the figures alone.")]
 
 
+WITHOUT = "Without --out the result is shown, and --json prints all of it."
+
+
 def read_chain(design: str) -> tuple[str, Chain]:
     """The text of a design file, and the chain that it describes."""
     from stepwell import files
@@ -93,17 +97,21 @@ def read_robot(robot: str) -> tuple[str, values.Robot]:
 
 
 def free(out: Path | None, command: str, force: bool, **texts: str) -> None:
-    """Refuse a folder where results would replace others' work, or cannot be written.
+    """Refuse a folder where results would replace others' work, or cannot be written here.
 
     Args:
         out: what --out says.
         command: whose results they are.
         force: what --force says.
         texts: of files whose content is known, by their names without .toml.
+
+    Raises:
+        ExtraError: what writes them is not installed.
     """
     from stepwell import files
 
     if out is not None:
+        need(*files.extras_of(command), note=WITHOUT)
         known = {f"{name}.toml": text for name, text in texts.items()}
         files.check_folder(out, command, force=force, texts=known)
 

@@ -18,7 +18,6 @@ from stepwell.results import (
     TOUCHED,
 )
 from stepwell.robot import Motion
-from stepwell.simulation import TRIAL, Outcome
 
 MOST_ROWS = 40
 _LISTED = "`stepwell robot show` lists them all"
@@ -78,6 +77,8 @@ def _range(flip: Any) -> str:
 
 def sweep(record: dict[str, Any]) -> None:
     """Print what `results.sweep_record` returns."""
+    from stepwell.simulation import TRIAL
+
     trials = record["trials"]
     varied = [
         Column(key, lambda trial, k=k: number(trial["values"][k], 6), True)
@@ -179,6 +180,8 @@ def _runs(gaits: list[str]) -> list[tuple[str, str]]:
 
 def maze(record: dict[str, Any]) -> None:
     """Print what `results.maze_record` returns."""
+    from stepwell.simulation import Outcome
+
     touched = sum(one["time_s"] is not None for one in record["touched"])
     x, y = record["end_mm"] or (None, None)
     found = {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stepwell.base import Floats, InputError, __version__, require
+from stepwell.base import Floats, InputError, __version__, need, require
 from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
@@ -51,6 +51,7 @@ def transition_map(
 
     Raises:
         ValueError: no such cell, axes that do not rise, or more places than the limit.
+        ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024, Fig. 2C; closed form: theory page, "Two cells".
     """
@@ -90,9 +91,11 @@ def parameter_map(
     Raises:
         ValueError: no such parameter, values that do not rise or that it cannot have, or more
             places than the limit.
+        ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
+    need("tables")
     (first, xs), (second, ys) = both(chain, x, y, 1)
     require_places(len(xs), len(ys))
     outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))

@@ -17,6 +17,7 @@ from stepwell.base import (
     Quantity,
     Schema,
     Vec2,
+    need,
     told_in,
     variables,
     write_csv,
@@ -159,6 +160,7 @@ class Reprogramming(ByValue):
 
     def to_xarray(self) -> xarray.Dataset:
         """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
+        need("tables")
         import xarray
 
         return xarray.Dataset(

@@ -19,6 +19,7 @@ from stepwell.base import (
     ReadOnly,
     __version__,
     check,
+    need,
     require,
     write_csv,
 )
@@ -157,6 +158,7 @@ class Yield(Counted):
 
     def to_xarray(self) -> xr.Dataset:
         """Counts over "outcome", the wanted one first, and indices over "parameter"."""
+        need("tables")
         import xarray as xr
 
         counts = self._counts

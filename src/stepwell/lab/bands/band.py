@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Floats, need
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -206,8 +206,21 @@ def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArr
     Returns:
         k [N/m] over "start" and "end" of the window [m]; NaN where end - start < 2 steps.
     """
+    need("tables")
     import xarray as xr
 
+    edges, grid = stiffness_grid(test, step)
+    return xr.DataArray(
+        grid,
+        {"start": edges, "end": edges},
+        ("start", "end"),
+        "stiffness",
+        {"units": "N/m", "long_name": "stiffness of the line between start and end of stroke"},
+    )
+
+
+def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, Floats]:
+    """The edges of the windows [m], and k [N/m] from each to each, as `stiffness_by_window`."""
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
     if step is None:
         step = float(f"{reach / 9:.0e}")
@@ -218,13 +231,7 @@ def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArr
             if j >= i + 2:
                 inside = (test.samples_of(s, (low, high)) for s in test.samples)
                 grid[i, j] = np.mean([_slope(*samples) for samples in inside])
-    return xr.DataArray(
-        grid,
-        {"start": edges, "end": edges},
-        ("start", "end"),
-        "stiffness",
-        {"units": "N/m", "long_name": "stiffness of the line between start and end of stroke"},
-    )
+    return np.asarray(edges, float), grid
 
 
 def hysteresis(test: BandTest) -> xr.DataArray:
@@ -236,13 +243,10 @@ def hysteresis(test: BandTest) -> xr.DataArray:
     Returns:
         Loss [1] over "sample" and "cycle"; NaN where there is no such cycle.
     """
+    need("tables")
     import xarray as xr
 
-    samples = sorted({loop.sample for loop in test.loops})
-    cycles = sorted({loop.cycle for loop in test.loops})
-    grid = np.full((len(samples), len(cycles)), np.nan)
-    for loop in test.loops:
-        grid[samples.index(loop.sample), cycles.index(loop.cycle)] = loop.loss
+    samples, cycles, grid = loss_grid(test)
     return xr.DataArray(
         grid,
         {"sample": samples, "cycle": cycles},
@@ -250,6 +254,16 @@ def hysteresis(test: BandTest) -> xr.DataArray:
         "loss",
         {"units": "1", "long_name": "share of the loading work that is lost"},
     )
+
+
+def loss_grid(test: BandTest) -> tuple[list[int], list[int], Floats]:
+    """The samples, their cycles, and the share lost in each, as `hysteresis`."""
+    samples = sorted({loop.sample for loop in test.loops})
+    cycles = sorted({loop.cycle for loop in test.loops})
+    grid = np.full((len(samples), len(cycles)), np.nan)
+    for loop in test.loops:
+        grid[samples.index(loop.sample), cycles.index(loop.cycle)] = loop.loss
+    return samples, cycles, grid
 
 
 def _sample_and_cycle(

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator
+from itertools import product
+from typing import Any
 
-from stepwell.base import Quantity, Schema, __version__, plain, record, versions
-from stepwell.lab.bands.band import BandTest, hysteresis, stiffness, stiffness_by_window
+from stepwell.base import Floats, Quantity, Schema, __version__, plain, record, versions
+from stepwell.lab.bands.band import BandTest, loss_grid, stiffness, stiffness_grid
 from stepwell.lab.bands.choice import Choice
 from stepwell.lab.bands.spread import Estimate, of_samples
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ESTIMATE: Schema = tuple(
     map(Quantity, ("value", "low", "high", "next_low", "next_high", "spread", "each"))
@@ -39,6 +37,7 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     Returns:
         Names as docs/commands.md describes them.
     """
+    edges, windows = stiffness_grid(test)
     return {
         "schema": "stepwell.lab.band/1",
         "stepwell": __version__,
@@ -50,11 +49,11 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "stiffness_N_per_m": _estimate(stiffness(test)),
         "windows": [
             {"from_mm": 1e3 * low, "to_mm": 1e3 * high, "k_N_per_m": k}
-            for low, high, k in _known(stiffness_by_window(test))
+            for low, high, k in _known(edges, edges, windows)
         ],
         "loss": [
             {"sample": sample, "cycle": cycle, "loss": loss}
-            for sample, cycle, loss in _known(hysteresis(test))
+            for sample, cycle, loss in _known(*loss_grid(test))
         ],
         "loss_used": _loss_used(test),
         "laws": [record(LAW, candidate) for candidate in choice.candidates],
@@ -68,9 +67,11 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
     }
 
 
-def _known(grid: xr.DataArray) -> Iterable[tuple[Any, ...]]:
+def _known(down: Iterable[Any], across: Iterable[Any], grid: Floats) -> Iterator[tuple[Any, ...]]:
     """The places of a grid that hold a number, with the number."""
-    return grid.to_series().dropna().reset_index().itertuples(index=False, name=None)
+    for (one, other), value in zip(product(down, across), grid.flat, strict=True):
+        if not math.isnan(value):
+            yield one, other, float(value)
 
 
 def _loss_used(test: BandTest) -> dict[str, Any] | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, record
+from stepwell.base import ByValue, Floats, need, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
@@ -147,6 +147,7 @@ class Calibration(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """Errors over "series" and correlations over "parameter" and "other"."""
+        need("tables")
         import xarray as xr
 
         names = list(self.values)

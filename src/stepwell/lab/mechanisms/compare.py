@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Quantity, __version__, versions, write_csv
+from stepwell.base import ByValue, Quantity, __version__, need, versions, write_csv
 from stepwell.lab.mechanisms.cell_test import CellTest, cell_test
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
@@ -49,13 +49,10 @@ class Comparison(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """Measured and model force over "row", a row for every stroke of every series."""
+        need("tables")
         import xarray as xr
 
-        rows = [_rows(test) for test in self.tests]
-        series = np.concatenate([np.full(len(u), k) for k, (u, _, _, _) in enumerate(rows)])
-        stroke, force, model, inside = (
-            np.concatenate(column) for column in zip(*rows, strict=True)
-        )
+        series, (stroke, force, model, inside) = self._columns()
         return xr.Dataset(
             {
                 "of": ("row", series, {"units": "1", "long_name": "number of the series"}),
@@ -70,16 +67,22 @@ class Comparison(ByValue):
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
         """Write the same rows as CSV, units in the column names (mm, N)."""
-        data = self.to_xarray()
-        series = data["series"].values[data["of"].values].tolist()
+        series, (stroke, force, model, inside) = self._columns()
+        names = [test.series.name for test in self.tests]
         columns = [
-            (Quantity("series"), series),
-            (Quantity("stroke", "mm"), data["stroke"].values),
-            (Quantity("measured", "N"), data["force"].values),
-            (Quantity("model", "N"), data["model"].values),
-            (Quantity("judged"), data["judged"].values.astype(int)),
+            (Quantity("series"), [names[number] for number in series]),
+            (Quantity("stroke", "mm"), stroke),
+            (Quantity("measured", "N"), force),
+            (Quantity("model", "N"), model),
+            (Quantity("judged"), inside.astype(int)),
         ]
         write_csv(file, columns, 6)
+
+    def _columns(self) -> tuple[Any, list[Any]]:
+        """A row for every stroke of every series: the number of its series, and `_rows`."""
+        rows = [_rows(test) for test in self.tests]
+        series = np.concatenate([np.full(len(u), k) for k, (u, _, _, _) in enumerate(rows)])
+        return series, [np.concatenate(column) for column in zip(*rows, strict=True)]
 
     def __repr__(self):
         return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs)"

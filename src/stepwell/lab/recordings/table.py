@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Quantity, Schema, __version__, record, write_csv
+from stepwell.base import Ints, Quantity, Schema, __version__, need, record, write_csv
 from stepwell.lab.recordings.oddities import batch_oddities, oddities
 from stepwell.lab.recordings.recording import Recording
 
@@ -51,8 +51,22 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
         direction (+1 loading, -1 unloading), time [s], stroke [m], force [N]; and over
         "recording" the coordinate source.
     """
+    need("tables")
     import xarray as xr
 
+    of, columns = _rows(recordings)
+    data = {q.name: ("row", column, {"units": q.si}) for q, column in columns.items()}
+    numbered = {"units": "1", "long_name": "number of the recording"}
+    data["of"] = "row", of, numbered
+    return xr.Dataset(
+        data,
+        {"recording": [recording.source for recording in recordings]},
+        {"title": "recordings", "source": f"stepwell {__version__}, lab.table"},
+    )
+
+
+def _rows(recordings: Sequence[Recording]) -> tuple[Ints, dict[Quantity, Any]]:
+    """Every sample of every recording: the number of its recording, and its columns in SI."""
     parts = [np.zeros((6, 0))]
     for number, recording in enumerate(recordings):
         # A turning point belongs to the half that it ends.
@@ -61,25 +75,16 @@ def table(recordings: Sequence[Recording]) -> xr.Dataset:
         rows = np.full(len(recording), number), half, np.array(ways)[half]
         parts.append(np.array([*rows, recording.time, recording.stroke, recording.force]))
     of, *columns = np.concatenate(parts, axis=1)
-    data = {
-        q.name: ("row", column.astype(float if q.unit else np.int64), {"units": q.si})
-        for q, column in zip(SAMPLE, columns, strict=True)
-    }
-    numbered = {"units": "1", "long_name": "number of the recording"}
-    data["of"] = "row", of.astype(np.int64), numbered
-    return xr.Dataset(
-        data,
-        {"recording": [recording.source for recording in recordings]},
-        {"title": "recordings", "source": f"stepwell {__version__}, lab.table"},
-    )
+    named = zip(SAMPLE, columns, strict=True)
+    typed = {q: column.astype(float if q.unit else np.int64) for q, column in named}
+    return of.astype(np.int64), typed
 
 
 def to_csv(recordings: Sequence[Recording], file: str | os.PathLike[str]) -> None:
     """Write the same rows as CSV, units in the column names (s, mm, N)."""
-    data = table(recordings)
-    names = [recordings[of].name for of in data["of"].values]
-    columns = ((q, data[q.name].values) for q in SAMPLE)
-    write_csv(file, [(Quantity("recording"), names), *columns], 10)
+    of, columns = _rows(recordings)
+    names = [recordings[number].name for number in of]
+    write_csv(file, [(Quantity("recording"), names), *columns.items()], 10)
 
 
 def summary(recordings: Sequence[Recording]) -> list[dict[str, Any]]:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell import files
-from stepwell.figures import Effect, Sensitivity
 from stepwell.paper.robots.robot import BACKWARD, FORWARD, STANDS_STILL, TURN_DEG, robot
 from stepwell.robot import Robot
 
 if TYPE_CHECKING:
+    from stepwell.figures import Sensitivity
     from stepwell.simulation import Trial
 
 CYCLES = 4
@@ -96,6 +96,7 @@ def _changed(design: Robot, variation: Variation, value: float) -> Robot:
 @cache
 def sensitivities() -> tuple[Sensitivity, ...]:
     """Each result with every assumed number, and every number of the simulation, changed alone."""
+    from stepwell.figures import Effect, Sensitivity
     from stepwell.simulation import Integrator, Settings, sweep
 
     coarse = Settings(time_step=2e-3, contact_time=4e-3)

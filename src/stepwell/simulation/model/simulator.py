@@ -8,21 +8,15 @@ from importlib import import_module
 from threading import Lock
 from typing import Any, TypeAlias
 
-from stepwell.base import ExtraError
+from stepwell.base import need
 
 # What type checkers can see of MuJoCo's compiled modules is not enough to check against.
 Model: TypeAlias = Any  # mujoco.MjModel
 Spec: TypeAlias = Any  # mujoco.MjSpec
 
-try:
-    mujoco: Any = import_module("mujoco")
-    rollout: Any = import_module("mujoco.rollout")
-except ModuleNotFoundError as error:
-    raise ExtraError(
-        "The robot's simulation needs MuJoCo, which is not installed here. "
-        "Install it with: pip install 'stepwell[robot]'",
-        name=error.name,
-    ) from None
+need("robot")
+mujoco: Any = import_module("mujoco")
+rollout: Any = import_module("mujoco.rollout")
 
 __all__ = ["Model", "Spec", "mujoco", "quietly", "rollout"]
 

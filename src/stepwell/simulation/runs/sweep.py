@@ -18,6 +18,7 @@ from stepwell.base import (
     Quantity,
     Schema,
     __version__,
+    need,
     require,
     write_atomic,
     write_csv,
@@ -94,6 +95,7 @@ class Sweep(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """One row a trial, with units."""
+        need("tables")
         import xarray as xr
 
         columns: dict[str, xr.Variable] = {

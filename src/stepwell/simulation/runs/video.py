@@ -12,16 +12,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
-from stepwell.base import ExtraError, Floats, InputError, StepwellError, most, problem, write_atomic
+from stepwell.base import Floats, InputError, StepwellError, most, need, problem, write_atomic
 from stepwell.simulation.model import mujoco, spec
 from stepwell.simulation.runs import render
 from stepwell.simulation.runs.maze import Maze
 from stepwell.simulation.runs.walk import Walk
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
 
 Frame = NDArray[np.uint8]
 
@@ -64,6 +67,7 @@ def video(
 
     Raises:
         ValueError: a file that is neither .mp4 nor .gif, an odd size or a speed of nothing.
+        ExtraError: PyAV for MP4, or Pillow for GIF, is not installed.
         VideoError: neither EGL nor OSMesa works here, or more frames than the limit.
     """
     targets = tuple(Path(file) for file in files)
@@ -223,15 +227,9 @@ class _Mp4:
     """Frames as H.264, encoded as they come."""
 
     def __init__(self, width: int, height: int, fps: int):
-        try:
-            import av
-        except ModuleNotFoundError as error:
-            raise ExtraError(
-                "MP4 files need PyAV, which is not installed here. Install it with: pip install "
-                "'stepwell[video]'. Its wheel bundles the encoder that writes them, libx264, "
-                "which is under the GPL; GIF files need neither.",
-                name=error.name,
-            ) from None
+        need("video")
+        import av
+
         self._out = io.BytesIO()
         self._container = av.open(self._out, "w", format="mp4")
         self._stream = self._container.add_stream("libx264", rate=Fraction(fps))
@@ -254,28 +252,32 @@ class _Gif:
     """Fewer and smaller frames in one palette."""
 
     def __init__(self, width: int, height: int, fps: int):
+        need("figures")
+        from PIL import Image
+
+        self._image = Image
         # A GIF tells times in hundredths of a second, and viewers slow down what is shorter
         # than two of them.
         self._every = max(1, round(fps / 12.5))
         self._duration = round(100 * self._every / fps) * 10
         self._size = (min(GIF_WIDTH, width), round(height * min(GIF_WIDTH, width) / width))
-        self._pictures: list[Image.Image] = []
+        self._pictures: list[Picture] = []
         self._seen = 0
 
     def add(self, frame: Frame) -> None:
         if self._seen % self._every == 0:
-            self._pictures.append(Image.fromarray(frame).resize(self._size))
+            self._pictures.append(self._image.fromarray(frame).resize(self._size))
         self._seen += 1
 
     def finish(self) -> bytes:
         # What a later frame alone shows, a path left behind, must be in the palette too.
         first, *_, last = self._pictures * 2
-        both = Image.new("RGB", (self._size[0], 2 * self._size[1]))
+        both = self._image.new("RGB", (self._size[0], 2 * self._size[1]))
         both.paste(first, (0, 0))
         both.paste(last, (0, self._size[1]))
-        palette = both.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE)
+        palette = both.quantize(GIF_COLOURS, self._image.Quantize.MAXCOVERAGE)
         pictures = [
-            picture.quantize(palette=palette, dither=Image.Dither.NONE)
+            picture.quantize(palette=palette, dither=self._image.Dither.NONE)
             for picture in self._pictures
         ]
         out = io.BytesIO()

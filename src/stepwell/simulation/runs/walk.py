@@ -16,6 +16,7 @@ from stepwell.base import (
     Quantity,
     Schema,
     __version__,
+    need,
     variables,
     write_netcdf,
 )
@@ -205,6 +206,7 @@ class Walk(ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """The samples with their units, for xarray, NetCDF or Zarr."""
+        need("tables")
         import xarray as xr
 
         coordinates = {

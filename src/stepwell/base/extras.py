@@ -1,0 +1,104 @@
+"""Packages that not everybody needs: what each extra brings, and how to get it."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from types import MappingProxyType
+from typing import NamedTuple
+
+from stepwell.base.errors import ExtraError
+
+
+class Extra(NamedTuple):
+    """What `pip install 'stepwell[NAME]'` adds.
+
+    Attributes:
+        packages: as they are installed, each with the module that is imported of it.
+        used_for: what one can do with them, in a few words.
+        needs: a sentence that says what needs what.
+        note: what else one should know before installing them.
+    """
+
+    packages: dict[str, str]
+    used_for: str
+    needs: str
+    note: str = ""
+
+
+# As pyproject.toml has them, of which a test makes sure.
+EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
+    {
+        "figures": Extra(
+            {"matplotlib": "matplotlib", "pillow": "PIL"},
+            "figures, GIFs, folders of --out",
+            "Figures and GIFs need Matplotlib and Pillow",
+        ),
+        "tables": Extra(
+            {"xarray": "xarray"},
+            "maps, NetCDF, to_xarray",
+            "Maps and labelled tables need xarray",
+        ),
+        "robot": Extra(
+            {"mujoco": "mujoco"},
+            "walk, maze, view, export",
+            "The robot's simulation needs MuJoCo",
+        ),
+        "video": Extra(
+            {"av": "av"},
+            "videos as MP4",
+            "MP4 files need PyAV",
+            "Its wheel bundles the encoder that writes them, libx264, which is under the GPL; GIF "
+            "files need neither.",
+        ),
+        "studio": Extra(
+            {"starlette": "starlette", "uvicorn": "uvicorn", "websockets": "websockets"},
+            "the page of `stepwell studio`",
+            "The studio needs Starlette, uvicorn and websockets",
+        ),
+    }
+)
+
+
+def have(*names: str) -> bool:
+    """Whether all packages of these extras are installed; none of them is imported."""
+    return not _lacking(names)
+
+
+def missing(*names: str, note: str = "") -> ExtraError:
+    """The error that says which of these extras are not installed, how to get them, and a note."""
+    lacking = _lacking(names)
+    told = [EXTRAS[name] for name in lacking]
+    sentences = ", and ".join(
+        one.needs[0].lower() + one.needs[1:] if k else one.needs for k, one in enumerate(told)
+    )
+    one_package = sum(len(one.packages) for one in told) == 1
+    are, them = ("is not", "it") if one_package else ("are not all", "them")
+    advice = (
+        f"{sentences}, which {are} installed here. "
+        f"Install {them} with: pip install 'stepwell[{','.join(lacking)}]'"
+    )
+    notes = " ".join(filter(None, [*(one.note for one in told), note]))
+    return ExtraError(f"{advice}. {notes}" if notes else advice, name=next(iter(lacking.values())))
+
+
+def need(*names: str, note: str = "") -> None:
+    """Say before work begins that it takes an extra that is not installed.
+
+    Args:
+        names: of the extras, such as "figures".
+        note: what one can do without them, a sentence.
+
+    Raises:
+        ExtraError: one of them is not all installed; the text has the command that adds it.
+    """
+    if not have(*names):
+        raise missing(*names, note=note)
+
+
+def _lacking(names: tuple[str, ...]) -> dict[str, str]:
+    """The extras that are not all installed, each with the first module that is not there."""
+    absent = {
+        name: [module for module in EXTRAS[name].packages.values() if find_spec(module) is None]
+        for name in names
+    }
+    return {name: modules[0] for name, modules in absent.items() if modules}
