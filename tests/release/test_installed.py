@@ -1,0 +1,38 @@
+"""The wheel in a fresh environment: the core alone, what it says it lacks, and all of it."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from release import trying
+
+REQUIRED = os.environ.get("STEPWELL_REQUIRE_INSTALL")
+
+
+@pytest.mark.slow
+def test_the_core_is_small_and_says_what_it_lacks_and_extras_can_be_added(
+    built: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    # One environment, as a user has it: first the core, then everything on top of it.
+    # `make release` tries each extra alone, on every Python that is here.
+    env = trying.Fresh.made(tmp_path / "env")
+    try:
+        env.install(str(built[0]))
+    except trying.CannotInstall as why:
+        if REQUIRED:
+            raise
+        pytest.skip(f"SKIPPED, pip cannot fetch packages here: {why}")
+    sizes = env.sizes()
+    with capsys.disabled():
+        print(f"\nThe core takes {trying.told(sizes)}")
+    assert sum(sizes.values()) <= trying.MOST_MB, trying.told(sizes)
+    assert not sizes.keys() & {"matplotlib", "pil", "pillow", "pandas", "xarray", "mujoco"}
+    trying.core(env)
+    trying.without(env, *trying.CHECKS)
+
+    env.install(f"{built[0]}[all]")
+    with capsys.disabled():
+        print(f"With all extras {trying.told(env.sizes())}")
+    for check in (*trying.CHECKS.values(), trying.everything):
+        check(env)

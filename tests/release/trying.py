@@ -1,0 +1,254 @@
+"""Wheel and sdist built, installed into fresh environments, and used there as a user would."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import urllib.request
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# What pip and venv bring is no part of what Stepwell asks for.
+NOT_OURS = ("pip", "setuptools", "pkg_resources", "_distutils_hack", "distutils-precedence.pth")
+# The compiled core, llvmlite, Numba, NumPy and SciPy, takes nine tenths of it.
+MOST_MB = 500
+
+
+class CannotInstall(Exception):
+    """pip could not fetch packages here; the text is what it said."""
+
+
+def build(folder: Path) -> tuple[Path, Path]:
+    """Build wheel and sdist with the pinned builder, with no network and no isolation."""
+    told = subprocess.run(
+        [sys.executable, "-m", "hatchling", "build", "-d", str(folder)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert told.returncode == 0, told.stderr
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    return wheel, sdist
+
+
+def locked() -> str:
+    """The lock's versions as constraints: without hashes, which would be asked of the wheel too."""
+    lines = (ROOT / "requirements.lock").read_text("utf-8").splitlines()
+    pinned = (re.match(r"([a-z0-9][\w.-]*==\S+(?: ;[^\\]*)?)", line) for line in lines)
+    return "\n".join(found[1].strip() for found in pinned if found) + "\n"
+
+
+@dataclass(frozen=True)
+class Fresh:
+    """A virtual environment of its own."""
+
+    folder: Path
+
+    @classmethod
+    def made(cls, folder: Path, python: str = sys.executable) -> Fresh:
+        """Make it with an interpreter."""
+        subprocess.run([python, "-m", "venv", str(folder)], check=True, capture_output=True)
+        return cls(folder)
+
+    @property
+    def python(self) -> Path:
+        return self.folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """Nothing of this checkout, and nothing compiled before."""
+        own = {"NUMBA_CACHE_DIR": str(self.folder / "kernels"), "COLUMNS": "250"}
+        kept = {name: text for name, text in os.environ.items() if not _of_tests(name)}
+        return kept | own
+
+    def install(self, what: str) -> None:
+        """Install it with what it needs, in the versions of the lock."""
+        limits = self.folder / "constraints.txt"
+        limits.write_text(locked(), "utf-8")
+        pip = [str(self.python), "-m", "pip", "install", "--disable-pip-version-check", "--quiet"]
+        told = subprocess.run(
+            [*pip, "--only-binary", ":all:", "--constraint", str(limits), what],
+            capture_output=True,
+            text=True,
+            env=self.environment,
+            cwd=self.folder,
+        )
+        if told.returncode:
+            raise CannotInstall(told.stderr.strip().splitlines()[-1])
+
+    def run(self, *words: str, code: int = 0) -> str:
+        """What a command prints on both streams; it must end with this code."""
+        told = subprocess.run(
+            [str(self.python), *words],
+            capture_output=True,
+            text=True,
+            env=self.environment,
+            cwd=self.folder,
+        )
+        said = told.stdout + told.stderr
+        assert told.returncode == code, f"{' '.join(words)} ended with {told.returncode}:\n{said}"
+        assert "Traceback" not in said, said
+        return said
+
+    def stepwell(self, *words: str, code: int = 0) -> str:
+        """What the command `stepwell` prints."""
+        return self.run("-m", "stepwell", *words, code=code)
+
+    def sizes(self) -> dict[str, float]:
+        """What each package takes on the disk [MB], the largest first, compiled files included."""
+        (packages,) = self.folder.glob("lib*/python*/site-packages")
+        found: dict[str, int] = {}
+        for file in packages.rglob("*"):
+            name = file.relative_to(packages).parts[0]
+            if file.is_file() and not name.startswith(NOT_OURS):
+                # numpy.libs is NumPy's, and so is numpy-2.4.dist-info.
+                own = re.split(r"[.-]", name)[0].lower()
+                found[own] = found.get(own, 0) + file.stat().st_size
+        return {name: found[name] / 1e6 for name in sorted(found, key=lambda one: -found[one])}
+
+
+def _of_tests(name: str) -> bool:
+    return name.startswith(("STEPWELL_", "PYTEST_", "COV_")) or name in (
+        "PYTHONPATH",
+        "VIRTUAL_ENV",
+    )
+
+
+def told(sizes: dict[str, float], most: int = 8) -> str:
+    """Sizes in a line."""
+    parts = [f"{name} {size:.0f}" for name, size in list(sizes.items())[:most]]
+    rest = sum(list(sizes.values())[most:])
+    return f"{sum(sizes.values()):.0f} MB: {', '.join(parts)}, the rest {rest:.0f}"
+
+
+def core(env: Fresh) -> None:
+    """All that returns values or stands on the screen; what is missing comes with its command."""
+    assert "00>10>11>01>00" in env.stepwell("run", "preset:paper-forward")
+    assert '"sequence"' in env.stepwell("run", "preset:paper-forward", "--json")
+    assert "return-point memory" in env.stepwell("graph", "preset:paper-forward")
+    env.stepwell("graph", "preset:paper-forward", "--out", "graph.graphml")
+    assert "As it was given." in env.stepwell("program", "preset:finger-selector")
+    assert "100000" in env.stepwell("design", "00>10>11>01>00")
+    assert "%" in env.stepwell("yield", "preset:paper-forward", "--samples", "1000")
+    assert "u_max" in env.stepwell("robot", "show", "robot-forward")
+    env.stepwell("replay", "preset:paper-forward")
+    env.run(
+        "-c",
+        "import stepwell as sw\ncycle = sw.preset('paper-forward').cycle()\n"
+        "cycle.path.to_csv('path.csv')\nassert 'stroke_mm' in open('path.csv').readline()",
+    )
+
+
+# What says that it is missing, and by which extra it comes.
+LACKS = {
+    "figures": [
+        ("run", "preset:paper-forward", "--out", "forward"),
+        ("graph", "preset:paper-forward", "--out", "graph.svg"),
+        ("animate", "preset:paper-forward"),
+    ],
+    "tables": [("map", "preset:paper-forward"), ("paper",)],
+    "robot": [("walk", "robot-forward")],
+    "studio": [("studio", "--no-open")],
+    "video": [],
+}
+
+
+def without(env: Fresh, *extras: str) -> None:
+    """Every command that lacks an extra ends in one line that says which; `doctor` lists them."""
+    listed = env.stepwell("doctor")
+    for extra in extras:
+        assert f"pip install 'stepwell[{extra}]'" in listed
+        for words in LACKS[extra]:
+            said = env.stepwell(*words, code=1)
+            assert len(said.splitlines()) == 1, said
+            assert f"pip install 'stepwell[{extra}]'" in said
+    assert not (env.folder / "forward").exists()
+
+
+def figures(env: Fresh) -> None:
+    """Folders of figures, drawings and GIFs."""
+    env.stepwell("run", "preset:paper-forward", "--out", "run")
+    assert (env.folder / "run" / "force-stroke.png").stat().st_size > 1000
+    env.stepwell("graph", "preset:paper-forward", "--out", "graph.svg", "--force")
+    env.stepwell("animate", "preset:paper-forward", "--seconds", "1", "--fps", "5")
+    assert (env.folder / "cycle.gif").read_bytes()[:4] == b"GIF8"
+
+
+def tables(env: Fresh) -> None:
+    """Maps, and what is called to_xarray."""
+    places = "--x", "0:20:20", "--y", "-15:15:20"
+    assert "clockwise" in env.stepwell("map", "preset:paper-forward", *places)
+    env.run(
+        "-c",
+        "import stepwell as sw\npath = sw.preset('paper-forward').path([0.04])\n"
+        "assert path.to_xarray().sizes['cell'] == 2",
+    )
+
+
+def robot(env: Fresh) -> None:
+    """A walk on the screen."""
+    assert "u_max" in env.stepwell("walk", "robot-forward", "--cycles", "1")
+
+
+def video(env: Fresh) -> None:
+    """The encoder is found; what is drawn needs a robot too."""
+    assert re.search(r"^H\.264 encoder .*libx264", env.stepwell("doctor"), re.M)
+
+
+def studio(env: Fresh) -> None:
+    """The page is served, and Ctrl-C ends it."""
+    words = [str(env.python), "-u", "-m", "stepwell", "studio", "--no-open"]
+    process = subprocess.Popen(
+        words, stdout=subprocess.PIPE, text=True, env=env.environment, cwd=env.folder
+    )
+    try:
+        assert process.stdout is not None
+        lines = iter(process.stdout.readline, "")
+        address = next(found[0] for line in lines if (found := re.search(r"http://\S+", line)))
+        with urllib.request.urlopen(address, timeout=60) as answer:
+            assert b"<html" in answer.read()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+
+
+def everything(env: Fresh) -> None:
+    """A map and a walk in folders of their own."""
+    places = "--x", "0:20:20", "--y", "-15:15:20"
+    env.stepwell("map", "preset:paper-forward", *places, "--out", "map")
+    assert (env.folder / "map" / "map.nc").is_file()
+    env.stepwell("walk", "robot-forward", "--cycles", "1", "--no-video", "--out", "walk")
+    assert (env.folder / "walk" / "walk.nc").is_file()
+
+
+# What each installation must be able to do, besides what the core does.
+CHECKS: dict[str, Callable[[Fresh], None]] = {
+    "figures": figures,
+    "tables": tables,
+    "robot": robot,
+    "video": video,
+    "studio": studio,
+}
+
+
+def tried(wheel: Path, extra: str, python: str) -> str:
+    """Install the core, one extra or all into a fresh environment and use it; its size in a line."""
+    with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
+        env = Fresh.made(Path(folder), python)
+        env.install(f"{wheel}[{extra}]" if extra else str(wheel))
+        size = told(env.sizes())
+        core(env)
+        if not extra:
+            without(env, *CHECKS)
+        for name, check in CHECKS.items():
+            if extra in (name, "all"):
+                check(env)
+        if extra == "all":
+            everything(env)
+        return size
