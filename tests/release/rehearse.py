@@ -60,9 +60,8 @@ def main() -> int:
                     print(f"{label}: FAILED", flush=True)
         folder.mkdir(parents=True, exist_ok=True)
         kept = [Path(shutil.copy(file, folder)) for file in files]
-    untried += [
-        f"Python {version}: not on this machine" for version in SUPPORTED if version not in here
-    ]
+    absent = [version for version in SUPPORTED if version not in here]
+    untried += [f"Python {version}: not on this machine" for version in absent]
     untried += [f"{system}: this is {sys.platform}" for system in _other_systems()]
     print("\nCould not be tried:", *untried, sep="\n  ")
     for file in kept:

@@ -102,7 +102,8 @@ class Fresh:
 
     def sizes(self) -> dict[str, float]:
         """What each package takes on the disk [MB], the largest first, compiled files included."""
-        (packages,) = self.folder.glob("lib*/python*/site-packages")
+        where = "import sysconfig; print(sysconfig.get_path('purelib'))"
+        packages = Path(self.run("-c", where).strip())
         found: dict[str, int] = {}
         for file in packages.rglob("*"):
             name = file.relative_to(packages).parts[0]
@@ -114,10 +115,7 @@ class Fresh:
 
 
 def _of_tests(name: str) -> bool:
-    return name.startswith(("STEPWELL_", "PYTEST_", "COV_")) or name in (
-        "PYTHONPATH",
-        "VIRTUAL_ENV",
-    )
+    return name.startswith(("STEPWELL_", "PYTEST_", "COV_", "PYTHONPATH", "VIRTUAL_ENV"))
 
 
 def told(sizes: dict[str, float], most: int = 8) -> str:
@@ -238,7 +236,7 @@ CHECKS: dict[str, Callable[[Fresh], None]] = {
 
 
 def tried(wheel: Path, extra: str, python: str) -> str:
-    """Install the core, one extra or all into a fresh environment and use it; its size in a line."""
+    """Install the core, an extra or all into a fresh environment, and use it; its size."""
     with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
         env = Fresh.made(Path(folder), python)
         env.install(f"{wheel}[{extra}]" if extra else str(wheel))
