@@ -10,7 +10,7 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo test types style pages page test-lowest coverage bench docs lock clean
+.PHONY: help venv demo test types style pages page test-lowest coverage bench docs release lock clean
 
 help:
 	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
@@ -20,6 +20,7 @@ help:
 	@echo "make bench        print speed ratios against named peers"
 	@echo "make page         build the studio's page from studio/ (needs Node 20.19 or newer)"
 	@echo "make docs         build the documentation into site/"
+	@echo "make release      rehearse a release: build it, install it on every Python here; uploads nothing"
 	@echo "make venv         only set up .venv/"
 	@echo "make lock         pin the dependencies again (UPGRADE=--upgrade takes newer ones)"
 	@echo "make clean        remove everything that is made here"
@@ -102,3 +103,7 @@ clean:
 	rm -rf .venv .venv-lowest .venv-lock .coverage .hypothesis .import_linter_cache .pytest_cache \
 	  .ruff_cache build dist out site
 	find src tests examples benchmarks -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+# Nothing leaves this machine: docs/releasing.md says what a person does then.
+release: .venv/.ready
+	PYTHONPATH=tests .venv/bin/python tests/release/rehearse.py dist

@@ -1,10 +1,13 @@
 """Every example runs and comes to its number."""
 
+import re
 import runpy
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
+from docs.example_pictures import DRAWN, PICTURES
 from stepwell.simulation import Outcome
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -73,3 +76,30 @@ def test_every_example_has_its_number_and_opens_with_its_idea():
         first = (EXAMPLES / f"{name}.py").read_text("utf-8").splitlines()[0]
         assert first.startswith('"""')
         assert first.endswith('."""') or name.startswith("00")
+
+
+def test_the_index_shows_every_example_with_its_picture_its_time_and_what_it_needs():
+    text = (EXAMPLES / "README.md").read_text("utf-8")
+    told = re.findall(
+        r"^### (.+)\n\n\[(\w+)\.py\]\(\2\.py\): (.+?) Takes (.+?)(?:; needs `(\w+)`)?\.\n\n"
+        r'<img src="\.\./docs/img/examples/\2\.png" alt="\1" width="\d+">$',
+        text,
+        re.M,
+    )
+    assert sorted(name for _, name, *_ in told) == [*NUMBERS] == [*DRAWN]
+    assert len(told) == text.count("### ") == text.count("<img ")
+    assert {picture.stem for picture in PICTURES.iterdir()} == {*NUMBERS}
+    for _, name, _, _, extra in told:
+        source = (EXAMPLES / f"{name}.py").read_text("utf-8")
+        walks = re.search(r"\.(walk|maze)\(", source)
+        labels = "transition_map(" in source
+        assert extra == ("robot" if walks else "tables" if labels else ""), name
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_pictures_are_small_and_not_empty(name):
+    file = PICTURES / f"{name}.png"
+    assert file.stat().st_size < 200_000
+    with Image.open(file) as picture:
+        assert 300 <= picture.width <= 1200
+        assert len(picture.convert("L").getcolors() or []) > 20
