@@ -13,6 +13,7 @@ from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
     Sensitivity,
+    margins,
     tornado,
     transition_map,
     yield_bars,
@@ -62,6 +63,7 @@ __all__ = [
     "gait",
     "landscape",
     "landscapes",
+    "margins",
     "maze",
     "maze_timeline",
     "measured_energies",
