@@ -14,7 +14,7 @@ def pictures(*names: str) -> tuple[str, ...]:
 _OF_COMMANDS = {
     "run": (
         "design.toml path.csv result.json report.html",
-        "mechanism landscape force-stroke travel-stroke element-curves",
+        "mechanism landscape force-stroke travel-stroke element-curves margins around yield",
     ),
     "map": ("map.nc map.json boundaries.csv", "map"),
     "program": ("design.toml program.csv program.json", "program"),

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 _MOST, _SPELLED = 8, 12
 # A bar, a line of text, and what a row has around them [mm].
 _BAR, _LINE, _GAP = 2.6, 3.1, 2.0
-_HEAD, _FOOT, _BETWEEN, _LEFT, _RIGHT = 6.0, 9.0, 5.0, 4.0, 5.0
+_FOOT, _BETWEEN, _LEFT, _RIGHT = 9.0, 5.0, 4.0, 5.0
 # Characters that a line above a bar has room for, and how many such lines there may be.
 _ROOM, _MOST_LINES = 48, 2
 _CHANGED = {
@@ -48,30 +48,36 @@ _CHANGED = {
     "travel_scale": "all its {travel}s",
     "friction": "friction",
 }
+# The tolerance that says how far each is off.
+_OFF_BY = {
+    "anchor": "anchor",
+    "stiffness": "stiffness",
+    "force_scale": "stiffness",
+    "travel_scale": "travel",
+    "friction": "friction",
+}
+_OFF = pale(SKY, 0.55)
 
 
 class _Panel(NamedTuple):
-    """Changes in one unit.
-
-    Attributes:
-        changes: nearest first.
-        factor: that of the unit.
-        label: of the axis.
-        usual: how far parts usually are off, in the unit.
-    """
+    """Changes in one unit: nearest first, its factor, and the label of the axis."""
 
     changes: list[Change]
     factor: float
     label: str
-    usual: float
 
 
 class _Row(NamedTuple):
-    """A change: what is written above its bar, how long that is, and whether it is near."""
+    """A change: what is written above its bar, how long that is, and how far parts are off."""
 
     lines: list[str]
-    far: float
-    colour: str
+    far: float = math.inf
+    off: float = 0.0
+
+    @property
+    def near(self) -> bool:
+        """Whether parts as they usually are go past it."""
+        return self.far < self.off
 
 
 @styled
@@ -80,8 +86,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
 
     Args:
         margin: what `design.margin` returns.
-        tolerances: how far parts are off when it is built, shaded; by default the usual ones. A
-            bar that ends in the shade is red.
+        tolerances: how far parts are off when it is built, shaded; by default the usual ones.
 
     Returns:
         A figure of one column's width: a bar for every anchor [mm], and one for every other number
@@ -89,65 +94,63 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     """
     from stepwell.design import USUAL
 
-    panels = _panels(margin, USUAL if tolerances is None else tolerances)
-    drawn = [(panel, _rows(margin, panel)) for panel in panels]
+    given = USUAL if tolerances is None else tolerances
+    drawn = [(panel, _rows(margin, panel, given)) for panel in _panels(margin)]
+    handles = [legends.shade("another sequence past its end", _pale(GREEN))]
+    if any(row.off for _, rows in drawn for row in rows):
+        handles.append(legends.shade("parts are off by", _OFF))
+    if any(row.near for _, rows in drawn for row in rows):
+        handles.insert(1, legends.shade("the same, nearer than parts are off", _pale(VERMILLION)))
+    keys = 1 if len(handles) <= 2 else len(handles)
+    head = 2.0 + 4.0 * keys
     tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
-    height = _HEAD + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
+    height = head + sum(tall) + len(drawn) * _FOOT + (len(drawn) - 1) * _BETWEEN
     figure = blank(COLUMN, height)
-    top = height - _HEAD
+    top = height - head
     for (panel, rows), high in zip(drawn, tall, strict=True):
         ax = place(figure, _LEFT, top - high, COLUMN - _LEFT - _RIGHT, high)
         _draw(ax, panel, rows)
         top -= high + _FOOT + _BETWEEN
-    handles = [legends.shade("another sequence past its end", pale(GREEN, 0.3))]
-    if any(row.colour == VERMILLION for _, rows in drawn for row in rows):
-        handles = [
-            legends.shade("far", pale(GREEN, 0.3)),
-            legends.shade("near", pale(VERMILLION, 0.3)),
-        ]
-    handles.append(legends.shade("usually off by", pale(SKY, 0.55)))
-    legends.on_top(figure, handles, _LEFT)
+    legends.on_top(figure, handles, _LEFT, columns=2 if len(handles) == 2 else 1)
     return figure
 
 
-def _panels(margin: Margin, tolerances: Tolerances) -> list[_Panel]:
+def _panels(margin: Margin) -> list[_Panel]:
     """The anchors, then all that is told as a share."""
     near = sorted(margin.changes, key=lambda change: change.distance)
     anchors = [change for change in near if change.parameter == "anchor"]
     others = [change for change in near if change.parameter != "anchor"]
     found = [
-        _Panel(anchors, MM, "The anchor moved by [mm]", tolerances.anchor),
-        _Panel(others, 100.0, "The number changed by [%]", tolerances.stiffness),
+        _Panel(anchors, MM, "The anchor moved by [mm]"),
+        _Panel(others, 100.0, "The number changed by [%]"),
     ]
     return [panel for panel in found if panel.changes]
 
 
-def _rows(margin: Margin, panel: _Panel) -> list[_Row]:
+def _rows(margin: Margin, panel: _Panel, tolerances: Tolerances) -> list[_Row]:
     chain, shown = margin.chain, panel.changes[:_MOST]
+    words = {"force": chain.measure.force, "travel": chain.measure.travel}
     found: list[_Row] = []
     for change in shown:
-        words = {"force": chain.measure.force, "travel": chain.measure.travel}
         what = f"{chain.names[change.cell]}: {_CHANGED[change.parameter].format(**words)}"
+        off = getattr(tolerances, _OFF_BY[change.parameter]) * panel.factor
         if math.isinf(change.distance):
             reach = f" within {number(margin.reach * MM)} mm" if panel.factor == MM else ""
-            lines = [*_lines(what), f"nothing else{reach}"]
-            found.append(_Row(lines, 0.0, FAINT))
+            found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
             continue
-        near = change.distance < panel.usual
         lines = _lines(f"{what} {_by(change)}")
         becomes = change.becomes if len(chain) <= _SPELLED else ""
         if becomes:
             lines += _lines(f"then {sequence_words(becomes, _ROOM - 5)}", _MOST_LINES)
-        far = change.distance * panel.factor
-        found.append(_Row(lines, far, VERMILLION if near else GREEN))
+        found.append(_Row(lines, change.distance * panel.factor, off))
     left = len(panel.changes) - len(shown)
-    if left:
-        found.append(_Row([f"and {left} more, no nearer"], 0.0, FAINT))
-    return found
+    return found + [_Row([f"and {left} more, no nearer"])] * bool(left)
 
 
 def _by(change: Change) -> str:
-    """How far, and which way: of an anchor both components are in the tables."""
+    """How far; of a number which way too."""
+    if change.distance * MM < 1e-6:
+        return "by next to nothing"
     if isinstance(change.move, tuple):
         return f"{number(change.distance * MM)} mm"
     return minus(f"{signed(change.move * 100)} %")
@@ -158,23 +161,29 @@ def _lines(text: str, most: int = 1) -> list[str]:
 
 
 def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
-    far = max((row.far for row in rows), default=0.0)
-    most = 1.06 * max(far, 2.0 * panel.usual * panel.factor) or 1.0
-    ax.set_xlim(0.0, most)
+    ends = [row.far for row in rows if math.isfinite(row.far)] + [2.0 * row.off for row in rows]
+    ax.set_xlim(0.0, 1.06 * max(ends) or 1.0)
     ax.set_ylim(size_of(root(ax))[1] * ax.get_position().height, 0.0)
-    usual = panel.usual * panel.factor
-    ax.axvspan(0.0, usual, color=pale(SKY, 0.55), linewidth=0, zorder=0, gid="usual")
     y = 0.0
     for row in rows:
+        tall = _LINE * len(row.lines) + _BAR
+        ax.barh(y + tall / 2, row.off, tall, color=_OFF, linewidth=0, zorder=0, gid="off")
+        known = math.isfinite(row.far)
         for k, line in enumerate(row.lines):
-            look: dict[str, Any] = {"fontweight": "bold" if k == 0 and row.far else "normal"}
+            look: dict[str, Any] = {"fontweight": "bold" if k == 0 and known else "normal"}
             ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline", zorder=3, **look)
             y += _LINE
-        colour = pale(row.colour, 0.3)
-        ax.barh(y + _BAR / 2, row.far, _BAR, color=colour, linewidth=0, zorder=2, gid="margins")
+        if known:
+            colour = _pale(VERMILLION if row.near else GREEN)
+            look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
+            ax.barh(y + _BAR / 2, row.far, _BAR, **look)
         y += _BAR + _GAP
     ax.set_yticks([])
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.spines.bottom.set_color(FAINT)
     ax.axvline(0.0, color=INK, linewidth=0.8, zorder=2)
     ax.set_xlabel(panel.label)
+
+
+def _pale(colour: str) -> tuple[float, float, float]:
+    return pale(colour, 0.3)
