@@ -10,10 +10,10 @@ def pictures(*names: str) -> tuple[str, ...]:
     return tuple(f"{name}{suffix}" for name in names for suffix in (".png", ".svg"))
 
 
-# By command: files, and figures by their names.
+# By command: files beside its report.html, and figures by their names.
 _OF_COMMANDS = {
     "run": (
-        "design.toml path.csv result.json report.html",
+        "design.toml path.csv result.json",
         "mechanism landscape force-stroke travel-stroke element-curves margins around yield",
     ),
     "map": ("map.nc map.json boundaries.csv", "map"),
@@ -32,7 +32,7 @@ _OF_COMMANDS = {
 }
 OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
-        command: (*files.split(), *pictures(*figures.split()))
+        command: (*files.split(), "report.html", *pictures(*figures.split()))
         for command, (files, figures) in _OF_COMMANDS.items()
     }
 )

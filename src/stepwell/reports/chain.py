@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,8 @@ from stepwell.base import InputError, Measure, StepwellError, write_atomic
 from stepwell.design import boundaries, transition_map, yields
 from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
-from stepwell.reports.pages import report
+from stepwell.mechanism import Cell, Chain
+from stepwell.reports.pages import map_page, program_page, report
 from stepwell.reports.steps import Folder, Progress, bundle, netcdf
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
 from stepwell.studio.replay import replay
@@ -24,13 +26,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stepwell.design import Boundary, Margin, Yield
-    from stepwell.mechanism import Chain
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Landing
 
 # The longest chain that is built by chance, and plays, in a report; how many are built by the
-# engine, and in closed form; nodes along a map; the width of a figure that fills a phone [mm].
-_MOST_BUILT, _FEW, _MANY, _NODES, _PHONE = 12, 100, 20_000, 41, 85.0
+# engine, and in closed form; the width of a figure that fills a phone [mm].
+_MOST_BUILT, _FEW, _MANY, _PHONE = 12, 100, 20_000, 85.0
+# Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
+_NODES, _BEYOND = 41, 1.35
 
 FIGURES = (".svg", ".png", ".pdf")
 # What writes a graph for other programs, by the end of the file's name.
@@ -75,7 +78,7 @@ def write_run(
         margins=shown(of_margin),
         built=built,
         built_as=shown(of_yield),
-        replay=_replay(chain, source),
+        replay=_replay(chain, chain.title or source or ""),
     )
     contents = {
         "design.toml": text,
@@ -106,25 +109,26 @@ def _of_margin(margin: Margin) -> dict[str, Figure]:
     anchors = [change for change in margin.changes if change.parameter == "anchor"]
     nearest = min(anchors, key=lambda change: change.distance, default=None)
     # By the engine a map takes seconds; and of long chains it has too many regions.
-    known = nearest is not None and 0.0 < nearest.distance < math.inf
-    if nearest is None or not known or margin.method != "exact" or len(chain) > _MOST_BUILT:
+    if nearest is None or margin.method != "exact" or len(chain) > _MOST_BUILT:
         return drawn
-    x, y = chain.cells[nearest.cell].bands[0].q
-    far = 1.35 * nearest.distance
-    place = {"cell": nearest.cell, "x": np.linspace(x - far, x + far, _NODES)}
-    place["y"] = np.linspace(y - far, y + far, _NODES)
-    curves = boundaries(chain, **place | {"x": (x - far, x + far), "y": (y - far, y + far)})
-    dots = {"this design": (x, y)}
-    around = transition_map(chain, **place)
+    cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
+    # Of maps, the core alone knows nothing.
+    if not isinstance(cell, Cell) or not 0.0 < far < math.inf or find_spec("xarray") is None:
+        return drawn
+    here = cell.bands[0].q
+    x, y = (np.linspace(at - far, at + far, _NODES) for at in here)
+    around = transition_map(chain, nearest.cell, x=x, y=y)
+    curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
+    dots = {"this design": here}
     return drawn | {"around": figures.transition_map(around, curves, dots, width=_PHONE)}
 
 
-def _replay(chain: Chain, source: str | None) -> str:
+def _replay(result: Chain | Program, title: str) -> str:
     """The motion as a page; nothing where it would be too heavy to look at."""
-    if len(chain) > _MOST_BUILT:
+    if len(result if isinstance(result, Chain) else result.chain) > _MOST_BUILT:
         return ""
     try:
-        return replay(chain, title=chain.title or source or "")
+        return replay(result, title=title)
     except StepwellError:
         return ""
 
@@ -166,7 +170,8 @@ def write_map(
         force: replace files that others wrote or changed too.
 
     Returns:
-        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+        The names of the files: map.nc, map.json, boundaries.csv, report.html, map.png and
+        map.svg.
 
     Raises:
         OverwriteError: a file there is not one that this function wrote; nothing has changed.
@@ -183,6 +188,8 @@ def write_map(
         "boundaries.csv": boundary_rows(boundaries),
     }
     drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
+    narrow = figures.transition_map(dataset, boundaries, inside, width=_PHONE)
+    contents["report.html"] = map_page(record, drawn["map"], narrow)
     return bundle(folder, "map", contents, drawn, progress=progress, force=force)
 
 
@@ -200,7 +207,10 @@ def write_program(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a stroke program: program.csv, program.json, program, and design.toml that has it."""
+    """Write a stroke program: program.csv, program.json, program, and design.toml that has it.
+
+    report.html tells it.
+    """
     from stepwell import figures
 
     kept = WrittenProgram.of(program)
@@ -210,6 +220,9 @@ def write_program(
         "program.json": program_record(program, design=design),
     }
     drawn = {"program": figures.stroke_program(program)}
+    contents["report.html"] = program_page(
+        program, drawn["program"], _replay(program, program.chain.title)
+    )
     return bundle(folder, "program", contents, drawn, progress=progress, force=force)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
@@ -28,7 +28,8 @@ def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
         By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
         travel_stroke (up to 60 cells); element_curves of up to 12 elements.
     """
-    chain, wide = cycle.chain, {} if width is None else {"width": width}
+    chain = cycle.chain
+    wide: dict[str, Any] = {} if width is None else {"width": width}
     found: dict[str, Figure] = {}
     if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
         found["mechanism"] = mechanism(chain, cycle.sequence, **wide)

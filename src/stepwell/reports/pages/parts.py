@@ -100,6 +100,12 @@ def figures(*drawn: str) -> str:
     return f'<div class="figures">\n{shown}\n</div>' if shown else ""
 
 
+def pictures(drawn: Mapping[str, Figure] | None, narrow: Mapping[str, Figure] | None = None) -> str:
+    """Figures by caption, those that a phone shows in another form by the same in `narrow`."""
+    small = narrow or {}
+    return figures(*(figure(text, one, small.get(text)) for text, one in (drawn or {}).items()))
+
+
 def figure(caption: str, drawn: Figure, narrow: Figure | None = None) -> str:
     """A figure under which stands what it is.
 
@@ -185,7 +191,8 @@ def _numbers(numbers: Mapping[str, str]) -> str:
 
 def _scrolled(content: str, about: str) -> str:
     """What may be wider than a phone: it is moved sideways by itself, with keys too."""
-    return f'<div class="scroll" role="region" tabindex="0" aria-label="{escape(about)}">{content}</div>'
+    region = f'class="scroll" role="region" tabindex="0" aria-label="{escape(about)}"'
+    return f"<div {region}>{content}</div>"
 
 
 def _data(drawn: Figure) -> tuple[str, int, int]:

@@ -85,20 +85,20 @@ def report(
         [
             parts.part(
                 "How nearly it does something else",
-                _pictures(margins),
+                parts.pictures(margins),
                 _margin(chain, margin, record["margin"]),
             ),
             parts.part(
                 "How many of those built do it",
                 parts.paragraph(words.built(built) if built else _NOT_BUILT),
-                _pictures(built_as),
+                parts.pictures(built_as),
                 parts.paragraph(parts.sentence(built.assumptions) if built else "", "quiet"),
             ),
             parts.part(
                 "See it move",
                 parts.motion(replay, title) if replay else parts.paragraph(_NOT_PLAYED),
             ),
-            parts.part("Figures", _pictures(figures, narrow)),
+            parts.part("Figures", parts.pictures(figures, narrow)),
             parts.part("Cells", _cells(chain, record["cells"])),
             parts.part(
                 "Switches and snaps",
@@ -111,13 +111,6 @@ def report(
             "The model cannot tell which of these happens; a real mechanism will decide.",
             record["ties"],
         ),
-    )
-
-
-def _pictures(figures: Mapping[str, Figure] | None, narrow: Mapping[str, Figure] | None = None) -> str:
-    small = narrow or {}
-    return parts.figures(
-        *(parts.figure(text, drawn, small.get(text)) for text, drawn in (figures or {}).items())
     )
 
 

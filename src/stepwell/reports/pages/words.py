@@ -11,7 +11,7 @@ from stepwell.reports.pages.parts import percent
 from stepwell.statics import EventKind
 
 if TYPE_CHECKING:
-    from stepwell.design import Change, Margin, Yield
+    from stepwell.design import Change, Margin, Survival, Yield
     from stepwell.sequences import Cycle
 
 # More names than these are not read, nor the sequences of longer chains.
@@ -41,7 +41,9 @@ def motion(cycle: Cycle) -> str:
     often = _TIMES.get(snaps, f"snaps {snaps} times")
     orders = ""
     if len(chain) > 1:
-        out, back = (_order(one, chain.names) for one in (cycle.loading_order, cycle.unloading_order))
+        out, back = (
+            _order(one, chain.names) for one in (cycle.loading_order, cycle.unloading_order)
+        )
         orders = f" On the way out {out}; on the way back {back}."
     return f"{way}.{orders} It {often}, and a cycle loses {lost}."
 
@@ -98,17 +100,17 @@ def _changed(change: Change, name: str) -> str:
     return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
 
 
-def built(found: Yield) -> str:
-    """How many of those built do what is wanted."""
+def built(found: Yield | Survival, what: str = "do this") -> str:
+    """How many of those built do what is wanted, which `what` tells."""
     low, high = map(percent, found.interval)
     count = f"{found.n:,}".replace(",", "\N{THIN SPACE}")
     return (
-        f"Built {count} times by chance within {_tolerances(found)}, {percent(found.share)} do "
-        f"this (with 95 % confidence {low} to {high})."
+        f"Built {count} times by chance within {_tolerances(found)}, {percent(found.share)} "
+        f"{what} (with 95 % confidence {low} to {high})."
     )
 
 
-def _tolerances(found: Yield) -> str:
+def _tolerances(found: Yield | Survival) -> str:
     given, chain = found.tolerances, found.chain
     levers = len(chain.elements) < len(chain)
     what = "bands" if levers else f"{chain.measure.force}s"
