@@ -18,6 +18,7 @@ from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
     Sensitivity,
+    margins,
     tornado,
     transition_map,
     yield_bars,
@@ -67,6 +68,7 @@ __all__ = [
     "gait",
     "landscape",
     "landscapes",
+    "margins",
     "maze",
     "maze_timeline",
     "measured_energies",

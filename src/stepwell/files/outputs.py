@@ -11,11 +11,11 @@ def pictures(*names: str) -> tuple[str, ...]:
     return tuple(f"{name}{suffix}" for name in names for suffix in (".png", ".svg"))
 
 
-# By command: files, and figures by their names.
+# By command: files beside its report.html, and figures by their names.
 _OF_COMMANDS = {
     "run": (
-        "design.toml path.csv result.json report.html",
-        "mechanism landscape force-stroke travel-stroke element-curves",
+        "design.toml path.csv result.json",
+        "mechanism landscape force-stroke travel-stroke element-curves margins around yield",
     ),
     "map": ("map.nc map.json boundaries.csv", "map"),
     "program": ("design.toml program.csv program.json", "program"),
@@ -35,7 +35,7 @@ _OF_COMMANDS = {
 _EXTRAS = {".png": "figures", ".svg": "figures", ".gif": "figures", ".nc": "tables"}
 OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
-        command: (*files.split(), *pictures(*figures.split()))
+        command: (*files.split(), "report.html", *pictures(*figures.split()))
         for command, (files, figures) in _OF_COMMANDS.items()
     }
 )

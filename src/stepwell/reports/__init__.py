@@ -25,7 +25,7 @@ from stepwell.reports.measured import (
     write_comparison,
     write_readings,
 )
-from stepwell.reports.page import report
+from stepwell.reports.pages import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 
 __all__ = [

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepwell.base import InputError, Measure, need, write_atomic
+import numpy as np
+
+from stepwell.base import InputError, Measure, StepwellError, have, need, write_atomic
+from stepwell.design import boundaries, transition_map, yields
 from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
-from stepwell.reports.page import report
+from stepwell.mechanism import Cell, Chain
+from stepwell.reports.pages import map_page, program_page, report
 from stepwell.reports.steps import Folder, Progress, bundle, netcdf
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
+from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
-    from stepwell.design import Boundary, Margin
+    from stepwell.design import Boundary, Margin, Yield
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Landing
+
+# The longest chain that is built by chance, and plays, in a report; how many are built by the
+# engine, and in closed form; the width of a figure that fills a phone [mm].
+_MOST_BUILT, _FEW, _MANY, _PHONE = 12, 100, 20_000, 85.0
+# Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
+_NODES, _BEYOND = 41, 1.35
 
 FIGURES = (".svg", ".png", ".pdf")
 # What writes a graph for other programs, by the end of the file's name.
@@ -44,17 +57,79 @@ def write_run(
     from stepwell import figures
 
     landings = checked(cycle.path) if landings is None else landings
-    text, drawn = design or dumps(cycle.chain), figures.standard(cycle)
-    captions = _captions(cycle.chain.measure)
-    shown = {captions[name]: figure for name, figure in drawn.items()}
+    chain, text = cycle.chain, design or dumps(cycle.chain)
+    built = _built(chain)
+    drawn = figures.standard(cycle)
+    of_margin = _of_margin(margin)
+    of_yield = {} if built is None else {"yield": figures.yield_bars(built)}
+    captions = _captions(chain.measure)
+
+    def shown(of: Mapping[str, Figure]) -> dict[str, Figure]:
+        return {captions[name]: figure for name, figure in of.items()}
+
+    page = report(
+        cycle,
+        margin,
+        shown(drawn),
+        source,
+        landings,
+        narrow=shown(figures.standard(cycle, width=_PHONE)),
+        margins=shown(of_margin),
+        built=built,
+        built_as=shown(of_yield),
+        replay=_replay(chain, chain.title or source or ""),
+    )
     contents = {
         "design.toml": text,
         "path.csv": cycle.path.to_csv,
         "result.json": run_record(cycle, margin, landings, design=text),
-        "report.html": report(cycle, margin, shown, source, landings),
+        "report.html": page,
     }
-    drawn = {name.replace("_", "-"): figure for name, figure in drawn.items()}
+    drawn = {
+        name.replace("_", "-"): figure for name, figure in (drawn | of_margin | of_yield).items()
+    }
     return bundle(folder, "run", contents, drawn, progress=progress, force=force)
+
+
+def _built(chain: Chain) -> Yield | None:
+    """How many of those built do what the drawing does, as far as that is soon known."""
+    if len(chain) > _MOST_BUILT:
+        return None
+    few = yields(chain, n=_FEW)
+    # In closed form many take no longer than these.
+    return few if few.by_engine else yields(chain, n=_MANY)
+
+
+def _of_margin(margin: Margin) -> dict[str, Figure]:
+    """The margin, and a map round the anchor that is nearest to something else."""
+    from stepwell import figures
+
+    chain, drawn = margin.chain, {"margins": figures.margins(margin)}
+    anchors = [change for change in margin.changes if change.parameter == "anchor"]
+    nearest = min(anchors, key=lambda change: change.distance, default=None)
+    # By the engine a map takes seconds; and of long chains it has too many regions.
+    if nearest is None or margin.method != "exact" or len(chain) > _MOST_BUILT:
+        return drawn
+    cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
+    # Of maps, the core alone knows nothing.
+    if not isinstance(cell, Cell) or not 0.0 < far < math.inf or not have("tables"):
+        return drawn
+    here = cell.bands[0].q
+    x, y = (np.linspace(at - far, at + far, _NODES) for at in here)
+    around = transition_map(chain, nearest.cell, x=x, y=y)
+    curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
+    dots = {"this design": here}
+    return drawn | {"around": figures.transition_map(around, curves, dots, width=_PHONE)}
+
+
+def _replay(result: Chain | Program, title: str) -> str:
+    """The motion as a page; nothing where it would be too heavy to look at."""
+    if len(result if isinstance(result, Chain) else result.chain) > _MOST_BUILT:
+        return ""
+    try:
+        return replay(result, title=title)
+    except StepwellError:
+        return ""
 
 
 def _captions(measure: Measure) -> dict[str, str]:
@@ -65,6 +140,9 @@ def _captions(measure: Measure) -> dict[str, str]:
         "force_stroke": f"Actuator {measure.force} against {measure.stroke}",
         "travel_stroke": f"{travel} of each cell against {measure.stroke}",
         "element_curves": "What every element resists with, and where it leaves its phases",
+        "margins": "How far each thing may be changed before it does something else",
+        "around": "What it does with the most sensitive anchor elsewhere",
+        "yield": "What those built do",
     }
 
 
@@ -91,7 +169,8 @@ def write_map(
         force: replace files that others wrote or changed too.
 
     Returns:
-        The names of the files: map.nc, map.json, boundaries.csv, map.png and map.svg.
+        The names of the files: map.nc, map.json, boundaries.csv, report.html, map.png and
+        map.svg.
 
     Raises:
         OverwriteError: a file there is not one that this function wrote; nothing has changed.
@@ -108,6 +187,8 @@ def write_map(
         "boundaries.csv": boundary_rows(boundaries),
     }
     drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
+    narrow = figures.transition_map(dataset, boundaries, inside, width=_PHONE)
+    contents["report.html"] = map_page(record, drawn["map"], narrow)
     return bundle(folder, "map", contents, drawn, progress=progress, force=force)
 
 
@@ -125,7 +206,10 @@ def write_program(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a stroke program: program.csv, program.json, program, and design.toml that has it."""
+    """Write a stroke program: program.csv, program.json, program, and design.toml that has it.
+
+    report.html tells it.
+    """
     from stepwell import figures
 
     kept = WrittenProgram.of(program)
@@ -135,6 +219,9 @@ def write_program(
         "program.json": program_record(program, design=design),
     }
     drawn = {"program": figures.stroke_program(program)}
+    contents["report.html"] = program_page(
+        program, drawn["program"], _replay(program, program.chain.title)
+    )
     return bundle(folder, "program", contents, drawn, progress=progress, force=force)
 
 

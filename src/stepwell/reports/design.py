@@ -7,6 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepwell.files import dumps
+from stepwell.reports.pages import (
+    design_page,
+    reprogramming_page,
+    survival_page,
+    yield_page,
+)
 from stepwell.reports.steps import Folder, Progress, bundle
 from stepwell.results import design_record, reprogram_record, survival_record, yield_record
 
@@ -17,12 +23,14 @@ if TYPE_CHECKING:
 
 # Mechanisms that are drawn around the drawing, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
+_PLANE = "The forces at which each cell lets go, as drawn and as built"
+_CAPTIONS = {"yield": "What those built do", "force-plane": _PLANE}
 
 
 def write_design(
     found: Design, folder: Folder, *, progress: Progress | None = None, force: bool = False
 ) -> tuple[str, ...]:
-    """Write a design that was found: design.toml, design.json, yield.csv and force-plane."""
+    """Write a design that was found: report.html, design.toml and .json, yield.csv, force-plane."""
     from stepwell import figures
 
     drilled = found.holes is not None
@@ -40,6 +48,7 @@ def write_design(
         "design.toml": dumps(found.chain),
         "design.json": design_record(found),
         "yield.csv": found.yield_.to_csv,
+        "report.html": design_page(found, {_PLANE: plane}),
     }
     drawn = {"force-plane": plane}
     return bundle(folder, "design", contents, drawn, progress=progress, force=force)
@@ -55,7 +64,7 @@ def write_yield(
 ) -> tuple[str, ...]:
     """Write how many mechanisms do what is wanted: design.toml, yield.json, yield.csv and yield.
 
-    For up to 16 cells the force-plane is drawn too.
+    For up to 16 cells the force-plane is drawn too; report.html tells it.
     """
     from stepwell import figures
 
@@ -67,6 +76,7 @@ def write_yield(
         "design.toml": text,
         "yield.json": yield_record(found, design=text),
         "yield.csv": found.to_csv,
+        "report.html": yield_page(found, {_CAPTIONS[name]: one for name, one in drawn.items()}),
     }
     return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
 
@@ -79,9 +89,10 @@ def write_survival(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write how many mechanisms a program works on: design.toml and survival.json."""
+    """Write how many mechanisms a program works on: design.toml, survival.json, report.html."""
     text = design or dumps(found.chain)
     contents = {"design.toml": text, "survival.json": survival_record(found, design=text)}
+    contents["report.html"] = survival_page(found)
     return bundle(folder, "yield", contents, progress=progress, force=force)
 
 
@@ -93,12 +104,15 @@ def write_reprogramming(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write the smallest displacement of an anchor: reprogram.json.
+    """Write the smallest displacement of an anchor: reprogram.json, report.html.
 
     Where something was found, also design.toml, the design just past the change, and of an anchor
     way.csv.
     """
-    contents: dict[str, object] = {"reprogram.json": reprogram_record(found, design=design)}
+    contents: dict[str, object] = {
+        "reprogram.json": reprogram_record(found, design=design),
+        "report.html": reprogramming_page(found),
+    }
     if found.chain_after is not None:
         contents["design.toml"] = dumps(found.chain_after)
         if isinstance(found.displacement, tuple):

@@ -5,12 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import shown
+from stepwell.reports.pages import (
+    band_page,
+    calibration_page,
+    comparison_page,
+    readings_page,
+)
 from stepwell.reports.steps import Folder, Progress, bundle, netcdf
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stepwell.lab import BandTest, Calibration, Choice, Comparison, Recording
+
+_CAPTIONS = {
+    "forces": "Forces of unit cells, measured and modelled",
+    "energies": "Energies of unit cells, measured and modelled",
+    "pairs": "Forces of pairs, measured and modelled",
+}
 
 
 def write_readings(
@@ -21,13 +34,15 @@ def write_readings(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write recordings as one tidy table: recordings.csv, recordings.nc and recordings.json."""
+    """Write recordings as one tidy table: recordings.csv, .nc and .json, report.html."""
     from stepwell.lab import table, to_csv
+    from stepwell.lab.recordings import SUMMARY
 
     contents = {
         "recordings.csv": lambda file: to_csv(recordings, file),
         "recordings.nc": netcdf(table(recordings)),
         "recordings.json": record,
+        "report.html": readings_page(record, shown(SUMMARY)),
     }
     return bundle(folder, "lab read", contents, progress=progress, force=force)
 
@@ -44,8 +59,9 @@ def write_band(
     """Write tension tests, their laws and what `lab.band_record` returns: band and laws."""
     from stepwell import figures
 
-    contents = {"band.toml": record["table"], "band.json": record}
     drawn = {"laws": figures.band_laws(test, choice)}
+    page = band_page(record, {"Force against stroke, and the laws": drawn["laws"]})
+    contents = {"band.toml": record["table"], "band.json": record, "report.html": page}
     return bundle(folder, "lab band", contents, drawn, progress=progress, force=force)
 
 
@@ -62,6 +78,7 @@ def write_comparison(
     The figures are forces and energies of unit cells, and pairs.
     """
     from stepwell import figures
+    from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
 
     drawn: dict[str, Figure] = {}
     if comparison.cells:
@@ -69,7 +86,12 @@ def write_comparison(
         drawn["energies"] = figures.measured_energies(comparison.cells)
     if comparison.pairs:
         drawn["pairs"] = figures.measured_pairs(comparison.pairs)
-    contents = {"compare.json": record, "curves.csv": comparison.to_csv}
+    captioned = {_CAPTIONS[name]: figure for name, figure in drawn.items()}
+    contents = {
+        "compare.json": record,
+        "curves.csv": comparison.to_csv,
+        "report.html": comparison_page(record, shown(CELL_TEST), shown(PAIR_TEST), captioned),
+    }
     return bundle(folder, "lab compare", contents, drawn, progress=progress, force=force)
 
 
@@ -83,11 +105,14 @@ def write_calibration(
 ) -> tuple[str, ...]:
     """Write a calibration and its record: band.toml, calibration.json and .nc, calibration."""
     from stepwell import figures
+    from stepwell.lab.mechanisms import ERROR, PARAMETER
 
+    drawn = {"calibration": figures.calibration(calibration)}
+    captioned = {"Fitted and measured forces": drawn["calibration"]}
     contents = {
         "band.toml": record["table"],
         "calibration.json": record,
         "calibration.nc": netcdf(calibration.to_xarray()),
+        "report.html": calibration_page(record, shown(PARAMETER), shown(ERROR), captioned),
     }
-    drawn = {"calibration": figures.calibration(calibration)}
     return bundle(folder, "lab calibrate", contents, drawn, progress=progress, force=force)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from stepwell.files import dumps
+from stepwell.reports.pages import maze_page, robot_page, sweep_page, walk_page
 from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 
@@ -13,6 +15,17 @@ if TYPE_CHECKING:
 
     from stepwell.robot import Prediction, Robot
     from stepwell.simulation import Maze, Sweep, Walk
+
+_CAPTIONS = {
+    "robot": "The robot from the side and from above",
+    "prediction": "The gait that statics predicts",
+    "trajectory": "Its path from above, and what each cycle did",
+    "gait": "What the cells of every leg did",
+    "contacts": "What carried it, and what the actuator did",
+    "maze": "Its way from above",
+    "timeline": "What it did when",
+    "sweep": "What each of them did",
+}
 
 
 def write_robot(
@@ -24,7 +37,7 @@ def write_robot(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write what a robot is: robot.toml, robot.json, and robot and prediction drawn."""
+    """Write what a robot is: robot.toml, robot.json, report.html, robot and prediction drawn."""
     from stepwell import figures
 
     drawn = {
@@ -32,7 +45,12 @@ def write_robot(
         "prediction": figures.prediction(prediction),
     }
     text = design or dumps(robot)
-    contents = {"robot.toml": text, "robot.json": robot_record(robot, prediction, design=text)}
+    record = robot_record(robot, prediction, design=text)
+    contents = {
+        "robot.toml": text,
+        "robot.json": record,
+        "report.html": robot_page(record, prediction.motion.value, _captioned(drawn)),
+    }
     return bundle(folder, "robot show", contents, drawn, progress=progress, force=force)
 
 
@@ -47,7 +65,7 @@ def write_walk(
 ) -> tuple[str, ...]:
     """Write a walk, one that ended early too: robot.toml, walk.json, walk.nc, what `film` adds.
 
-    The figures are gait, trajectory and contacts.
+    report.html tells it. The figures are gait, trajectory and contacts.
     """
     from stepwell import figures
 
@@ -59,10 +77,12 @@ def write_walk(
             "contacts": figures.contacts(walk),
         }
     text = design or dumps(walk.robot)
+    record = walk_record(walk, design=text)
     contents = {
         "robot.toml": text,
-        "walk.json": walk_record(walk, design=text),
+        "walk.json": record,
         "walk.nc": walk.to_netcdf,
+        "report.html": walk_page(record, _captioned(drawn)),
     }
     return bundle(folder, "walk", contents, drawn, film=film, progress=progress, force=force)
 
@@ -80,7 +100,8 @@ def write_maze(
 ) -> tuple[str, ...]:
     """Write a way through an arena: robot.toml, arena.toml, maze.json, walk.nc, what `film` adds.
 
-    The figures are maze and timeline; the seeds are those of start and obstacles, if drawn.
+    report.html tells it. The figures are maze and timeline; the seeds are those of start and
+    obstacles, if drawn.
     """
     from stepwell import figures
 
@@ -94,6 +115,7 @@ def write_maze(
         "arena.toml": dumps(maze.arena),
         "maze.json": record,
         "walk.nc": maze.walk.to_netcdf,
+        "report.html": maze_page(record, str(maze.outcome), _captioned(drawn)),
     }
     return bundle(folder, "maze", contents, drawn, film=film, progress=progress, force=force)
 
@@ -107,13 +129,23 @@ def write_sweep(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write what many robots did: sweep.csv, sweep.nc, sweep.json and sweep; `seed` drew them."""
-    from stepwell import figures
+    """Write what many robots did: sweep.csv, sweep.nc, sweep.json and sweep; `seed` drew them.
 
+    report.html tells it.
+    """
+    from stepwell import figures
+    from stepwell.simulation import TRIAL
+
+    drawn = {"sweep": figures.sweep(sweep)}
+    record = sweep_record(sweep, design=design, seed=seed)
     contents = {
         "sweep.csv": sweep.to_csv,
         "sweep.nc": netcdf(sweep.to_xarray()),
-        "sweep.json": sweep_record(sweep, design=design, seed=seed),
+        "sweep.json": record,
+        "report.html": sweep_page(record, TRIAL, _captioned(drawn)),
     }
-    drawn = {"sweep": figures.sweep(sweep)}
     return bundle(folder, "robot sweep", contents, drawn, progress=progress, force=force)
+
+
+def _captioned(drawn: Mapping[str, Figure]) -> dict[str, Figure]:
+    return {_CAPTIONS[name]: figure for name, figure in drawn.items()}

@@ -45,6 +45,8 @@ _SAMPLES = 241
 # What is shown past an open end and past a stop, as shares of the full travel.
 _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
+# Of axes beside each other, and of an entry of the key [mm].
+_LEAST_WIDTH, _ENTRY = 55.0, 26.0
 _DOTS = (0, (1, 1.6))
 _COLOUR = cell_colours(1)[0]
 _PALE = pale(_COLOUR)
@@ -97,24 +99,27 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
 
 
 @styled
-def element_curves(elements: Mapping[str, Element]) -> Figure:
+def element_curves(elements: Mapping[str, Element], *, width: float = PAGE) -> Figure:
     """The force curves of several elements, up to three in a row, each with axes of its own.
 
     Args:
         elements: what to show, by the name to write above it.
+        width: of the figure [mm]; two columns of a page by default, and one has a curve in a row.
 
     Returns:
-        A figure of two columns' width; all else as for `element_curve`.
+        A figure of that width; all else as for `element_curve`.
 
     Raises:
         ValueError: nothing to show.
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
-    across = min(3, len(elements))
-    wide, tall, foot = PAGE / across, 54.0, 7.0
+    across = max(1, min(3, len(elements), int(width / _LEAST_WIDTH)))
+    key = _key(elements.values())
+    abreast = min(len(key), max(1, int(width / _ENTRY)))
+    wide, tall, foot = width / across, 54.0, 3.2 + 3.8 * -(-len(key) // abreast)
     rows = -(-len(elements) // across)
-    figure = blank(PAGE, rows * tall + foot)
+    figure = blank(width, rows * tall + foot)
     for k, (name, element) in enumerate(elements.items()):
         row, column = divmod(k, across)
         left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + foot
@@ -125,8 +130,7 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
         ax.set(xlabel=drawn.travel.label, ylabel=drawn.force.label)
         drawn.name_fields()
         name_panel(ax, literal(name))
-    key = _key(elements.values())
-    legends.below(figure, key, len(key))
+    legends.below(figure, key, abreast)
     return figure
 
 

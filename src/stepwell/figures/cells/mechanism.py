@@ -36,8 +36,8 @@ MOST_STATES = 30
 
 # On the page [mm]: between two drawings, above and below each, and for the key under them all.
 _BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
-# Of the key: what a row holds, and the height of each row but the first [mm].
-_ENTRIES, _MORE = 7, 3.8
+# Of the key: what an entry takes, and the height of each row but the first [mm].
+_ENTRY, _MORE = 25.0, 3.8
 # The scale bar is no longer [mm].
 _BAR = 12.0
 _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
@@ -53,6 +53,7 @@ def mechanism(
     states: Iterable[State],
     *,
     columns: int | None = None,
+    width: float = PAGE,
     ax: Axes | None = None,
 ) -> Figure:
     """The chain in one state after another, with an arrow between and the stroke below each.
@@ -68,22 +69,23 @@ def mechanism(
         chain: up to 12 cells.
         states: up to 30, each as "010" or as (N,) travels [m]; `cycle.sequence` is one.
         columns: drawings side by side; by default as many as stay legible.
-        ax: axes to draw into; a new figure of two columns' width by default.
+        width: of the figure [mm]; two columns of a page by default.
+        ax: axes to draw into; a new figure of that width by default.
 
     Raises:
         ValueError: a state that is none of this chain, or more cells or states than can be seen.
 
     Source: Kamp et al. 2024, Figs. 1A and 2A.
     """
-    sheet = arrange(chain, states, columns=columns)
-    figure, ax = canvas(ax, (PAGE, sheet.height), (0.0, 0.0, 0.0, 0.0))
+    sheet = arrange(chain, states, columns=columns, width=width)
+    figure, ax = canvas(ax, (width, sheet.height), (0.0, 0.0, 0.0, 0.0))
     draw(ax, sheet)
     return figure
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Where each drawing goes on a page of this height [mm]."""
+    """Where each drawing goes on a page of this width and height [mm]."""
 
     linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
@@ -94,10 +96,13 @@ class Sheet:
     bounds: tuple[float, float, float, float]
     rest: float
     ways: list[int]
+    width: float
     height: float
 
 
-def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None) -> Sheet:
+def arrange(
+    chain: Chain, states: Iterable[State], *, columns: int | None = None, width: float = PAGE
+) -> Sheet:
     """Lay the drawings out in rows."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
@@ -119,14 +124,15 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
     # Cells, what a band's width means, and one that is slack.
-    key = _KEY + _MORE * ((len(chain) + 1) // _ENTRIES)
+    entries = _entries(width)
+    key = _KEY + _MORE * ((len(chain) + 1) // entries)
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
         """Places, room for arrows at the left and right, scale and height with c columns."""
         grid = _grid(ways, c)
         entered = {(way, column) for way, (_, column) in zip(ways, grid[1:], strict=True)}
         edges = (1, 0) in entered, (-1, c - 1) in entered
-        room = PAGE - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
+        room = width - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
         scale = min(_LARGEST, room / (c * wide))
         return grid, edges, scale, key + (grid[-1][0] + 1) * (high * scale + _ABOVE + _BELOW)
 
@@ -140,7 +146,7 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     grid, edges, scale, height = sized(columns)
     row = high * scale + _ABOVE + _BELOW
     step = wide * scale + _BETWEEN
-    first = (PAGE - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
+    first = (width - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
     origins = [
         (
             first + column * step - left * MM * scale,
@@ -158,6 +164,7 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
         (left, bottom, right, top),
         _at_rest(linkage, travels[0]),
         ways,
+        width,
         height,
     )
 
@@ -183,7 +190,7 @@ def _longest_run(ways: Sequence[int]) -> int:
 
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    plain(ax, (0.0, PAGE, 0.0, sheet.height))
+    plain(ax, (0.0, sheet.width, 0.0, sheet.height))
     per_metre = sheet.scale * MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -235,6 +242,11 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
         ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=INK, linewidth=0.5)
 
 
+def _entries(width: float) -> int:
+    """What a row of the key holds on a page of this width [mm]."""
+    return int(width / _ENTRY)
+
+
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     linkage = sheet.linkage
     handles = legends.cells(linkage.chain.names, 2.0)
@@ -244,12 +256,14 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     place_of_key = (0.02, 0.6 / sheet.height)
-    legends.above(ax, handles, min(len(handles), _ENTRIES), bbox_to_anchor=place_of_key)
+    legends.above(
+        ax, handles, min(len(handles), _entries(sheet.width)), bbox_to_anchor=place_of_key
+    )
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
     # A round length, so that no reader needs the design file.
     bar = round_length(_BAR / sheet.scale)
-    x = PAGE - 4.0
+    x = sheet.width - 4.0
     look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * sheet.scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")

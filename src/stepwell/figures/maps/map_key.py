@@ -1,4 +1,4 @@
-"""What the letters and the numbers on a map mean, in a column beside it."""
+"""What the letters and the numbers on a map mean, in a column beside it or below."""
 
 from __future__ import annotations
 
@@ -32,13 +32,14 @@ class Key:
     """Rows of a key, broken to a width [mm].
 
     Attributes:
-        height: of all rows [mm].
+        width, height: of all rows [mm].
     """
 
     def __init__(self, rows: list[Row], width: float):
         most = int((width - _SAMPLE - 1.0) / _CHARACTER)
         self._rows = [(row, wrapped(row.text, most)) for row in rows]
         lines = sum(len(text) for _, text in self._rows)
+        self.width = width
         self.height = 2 * _EDGE + _LINE * lines + _GAP * len(rows)
 
     def draw(self, ax: Axes) -> None:

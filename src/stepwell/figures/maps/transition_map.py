@@ -52,7 +52,8 @@ if TYPE_CHECKING:
     from stepwell.design import Boundary
 
 
-_SIDE = 70.0
+# Of the map, and of the key if it is to stand beside it [mm].
+_SIDE, _LEAST_KEY = 70.0, 50.0
 # Characters that a row of the key has room for.
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
@@ -117,17 +118,21 @@ def transition_map(
     dataset: Dataset,
     boundaries: Iterable[Boundary] = (),
     designs: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    width: float = PAGE,
 ) -> Figure:
-    """Sequences over two parameters, boundaries as curves, and beside them what they mean.
+    """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
 
     Args:
         dataset: what `design.transition_map` or `design.parameter_map` returns, in memory or read
             back from a file.
         boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         designs: the two parameters in SI of each design to be marked, by the name to write.
+        width: of the figure [mm]; two columns of a page by default, and in one the meanings are
+            below the map.
 
     Returns:
-        The figure, two columns wide: each region has a letter, or its name where it is one of the
+        The figure: each region has a letter, or its name where it is one of the
         four pathways of two cells, and each curve a number. Curves across which only the loading
         order changes are blue, only the unloading order vermillion and dashed, all others black;
         it is hatched where a cell whose parameter varies is stable in one state only, up to a
@@ -138,11 +143,14 @@ def transition_map(
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
-    key = Key(_rows(dataset, regions, curves), PAGE - _SIDE - 24.0)
-    tall = _SIDE * _aspect(dataset, x, y)
-    height = 12.0 + max(tall, key.height - 9.0) + 3.0
-    figure = blank(PAGE, height)
-    ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
+    side = min(_SIDE, width - 19.0)
+    beside_it = width - side - 24.0
+    below = beside_it < _LEAST_KEY
+    key = Key(_rows(dataset, regions, curves), width - 4.0 if below else beside_it)
+    tall = side * _aspect(dataset, x, y)
+    height = 15.0 + (tall + key.height if below else max(tall, key.height - 9.0))
+    figure = blank(width, height)
+    ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
     places = _places(x), _places(y)
     shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
@@ -171,7 +179,8 @@ def transition_map(
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
             inside = region.inside & free
             taken += name_regions(ax, *places, inside, forms, region.shade)
-    key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
+    corner = (2.0, 0.0) if below else (22.0 + side, 0.0)
+    key.draw(place(figure, *corner, key.width, key.height if below else height))
     return figure
 
 

@@ -33,13 +33,16 @@ _WIDTHS = (2.2, 1.2)
 
 
 @styled
-def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
+def force_stroke(
+    result: Cycle | Path, *, width: float | None = None, ax: Axes | None = None
+) -> Figure:
     """Actuator force against stroke, loading and unloading, snaps as dashed jumps.
 
     Args:
         result: a cycle, or a path over any turning points.
-        ax: axes to draw into; by default a new figure of one column's width, or of two for
-            more than four cells.
+        width: of a new figure [mm]; by default one column of a page, or two for more than four
+            cells.
+        ax: axes to draw into; a new figure by default.
 
     Returns:
         The figure: force [N] against stroke [mm], or what they are in the chain's measure, with
@@ -47,7 +50,8 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     """
     path = path_of(result)
     own = ax is None
-    width = COLUMN if len(path.chain) <= 4 else PAGE
+    if width is None:
+        width = COLUMN if len(path.chain) <= 4 else PAGE
     figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0))
     x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
     stroke, force = path.stroke * x.factor, path.force * y.factor

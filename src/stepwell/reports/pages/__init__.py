@@ -1,0 +1,18 @@
+"""Pages that tell results to people, one HTML file each that is complete in itself."""
+
+from stepwell.reports.pages.designs import (
+    design_page,
+    reprogramming_page,
+    survival_page,
+    yield_page,
+)
+from stepwell.reports.pages.maps import map_page
+from stepwell.reports.pages.measured import (
+    band_page,
+    calibration_page,
+    comparison_page,
+    readings_page,
+)
+from stepwell.reports.pages.programs import program_page
+from stepwell.reports.pages.robots import maze_page, robot_page, sweep_page, walk_page
+from stepwell.reports.pages.run import report

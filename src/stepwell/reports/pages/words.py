@@ -1,0 +1,126 @@
+"""What a chain does, and how nearly it does something else, in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from stepwell.base import Measure, number, told_in
+from stepwell.reports.pages.parts import percent
+from stepwell.statics import EventKind
+
+if TYPE_CHECKING:
+    from stepwell.design import Change, Margin, Survival, Yield
+    from stepwell.sequences import Cycle
+
+# More names than these are not read, nor the sequences of longer chains.
+_MOST_NAMES, MOST_SPELLED = 12, 12
+_DRIVEN = {
+    Measure.TRAVEL: "Pulled out and let back",
+    Measure.VOLUME: "Filled and emptied",
+    Measure.ANGLE: "Turned and let back",
+}
+_TIMES = {0: "never snaps", 1: "snaps once", 2: "snaps twice"}
+
+
+def arrows(sequence: str) -> str:
+    """A sequence of states as it is read."""
+    return sequence.replace(">", " → ")
+
+
+def motion(cycle: Cycle) -> str:
+    """What a chain does in a full cycle."""
+    chain, snaps = cycle.chain, sum(e.kind is EventKind.SNAP for e in cycle.events)
+    way = _DRIVEN[chain.measure]
+    if len(chain) <= MOST_SPELLED:
+        way += f", it goes {arrows(str(cycle.sequence))}"
+    else:
+        way += f", it goes through {len(cycle.sequence)} states"
+    lost = f"{number(cycle.dissipated * 1e3, 3)} mJ" if cycle.dissipated > 0 else "no energy"
+    often = _TIMES.get(snaps, f"snaps {snaps} times")
+    orders = ""
+    if len(chain) > 1:
+        out, back = (
+            _order(one, chain.names) for one in (cycle.loading_order, cycle.unloading_order)
+        )
+        orders = f" On the way out {out}; on the way back {back}."
+    return f"{way}.{orders} It {often}, and a cycle loses {lost}."
+
+
+def _order(cells: Sequence[int], names: Sequence[str]) -> str:
+    first, *others = [names[i] for i in cells[:_MOST_NAMES]] or ["nothing"]
+    more = " and so on" * (len(cells) > _MOST_NAMES)
+    return f"{first} moves first" + "".join(f", then {name}" for name in others) + more
+
+
+def otherwise(margin: Margin | None, *, tied: bool = False) -> str:
+    """What the smallest changes are after which a chain does something else.
+
+    Args:
+        margin: None where it was not computed.
+        tied: whether the chain stands on the border already.
+    """
+    if margin is None:
+        return ""
+    if tied and all(change.distance * 1e3 < 1e-6 for change in margin.changes):
+        return "It stands between two sequences: any change at all decides which it takes."
+    near = sorted(margin.changes, key=lambda change: change.distance)
+    near = [change for change in near if not math.isinf(change.distance)]
+    # An anchor and a number do not compare: the nearest of both is told.
+    kinds = {isinstance(change.move, tuple): change for change in reversed(near)}
+    nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
+    if not nearest:
+        anchors = any(change.parameter == "anchor" for change in margin.changes)
+        reach = f" of an anchor within {number(margin.reach * 1e3)} mm, and none" if anchors else ""
+        return f"No change{reach} of one number alone makes it do anything else."
+    told = [_instead(change) for change in nearest]
+    return f"It would go {', or '.join(told)}."
+
+
+def _instead(change: Change) -> str:
+    chain = change.chain
+    becomes = change.becomes if len(chain) <= MOST_SPELLED else ""
+    name = chain.names[change.cell]
+    what = arrows(becomes) if becomes and "no answer" not in becomes else "another way"
+    return f"{what} if {_changed(change, name)}"
+
+
+def _changed(change: Change, name: str) -> str:
+    if isinstance(change.move, tuple):
+        return f"the anchor q of {name} were moved by {number(change.distance * 1e3, 3)} mm"
+    words = change.chain.measure
+    share = f"{number(abs(change.move) * 100, 3)} %"
+    if change.parameter == "friction":
+        return f"{name} had friction of {share} of its largest {words.force} more"
+    more = change.move > 0
+    if change.parameter == "stiffness":
+        return f"the bands of {name} were {share} {'stiffer' if more else 'softer'}"
+    of = words.travel if change.parameter == "travel_scale" else words.force
+    return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
+
+
+def built(found: Yield | Survival, what: str = "do this") -> str:
+    """How many of those built do what is wanted, which `what` tells."""
+    low, high = map(percent, found.interval)
+    count = f"{found.n:,}".replace(",", "\N{THIN SPACE}")
+    return (
+        f"Built {count} times by chance within {_tolerances(found)}, {percent(found.share)} "
+        f"{what} (with 95 % confidence {low} to {high})."
+    )
+
+
+def _tolerances(found: Yield | Survival) -> str:
+    given, chain = found.tolerances, found.chain
+    levers = len(chain.elements) < len(chain)
+    what = "bands" if levers else f"{chain.measure.force}s"
+    told = [
+        f"anchors ±{number(given.anchor * 1e3)} mm" if given.anchor and levers else "",
+        f"{what} ±{number(given.stiffness * 100)} %" if given.stiffness else "",
+        f"levers ±{number(given.lever * 1e3)} mm" if given.lever and levers else "",
+        f"travels ±{number(given.travel * 100)} %" if given.travel and chain.elements else "",
+    ]
+    if given.friction:
+        unit, factor = told_in(chain.measure.force_unit)
+        told.append(f"friction up to {number(given.friction * factor)} {unit}")
+    return " and ".join(", ".join(filter(None, told)).rsplit(", ", 1)) or "no tolerance"
