@@ -1,7 +1,7 @@
 """What all commands do on the screen: tables, progress, errors."""
 
 from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered, stopped, usable
-from stepwell.cli.screen.progress import Interrupted, Progress, progress
+from stepwell.cli.screen.progress import WRITING, Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
     finish,
     has_display,
@@ -11,6 +11,7 @@ from stepwell.cli.screen.show import (
     show_records,
     show_table,
     show_text,
+    show_title,
     show_verbatim,
     styled,
     warn,

@@ -114,6 +114,12 @@ def show_text(*paragraphs: str) -> None:
         show_lines("", *wrapped(text))
 
 
+def show_title(text: str) -> None:
+    """Print a line that others stand under, after an empty one."""
+    show_lines("")
+    (_bold if styled() else _lines)(*folded(escaped(text)))
+
+
 def wrapped(text: str) -> list[str]:
     """A long sentence in lines, as a sentence begins."""
     return prose(text[:1].upper() + text[1:])
