@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import webbrowser
 from pathlib import Path
 from typing import Annotated
@@ -12,6 +11,7 @@ import typer
 from stepwell.cli.options import Force, free
 from stepwell.cli.screen import (
     WRITING,
+    at_terminal,
     has_display,
     progress,
     show_lines,
@@ -57,12 +57,13 @@ def demo(
         show_title(f"{len(told) + 1}  {telling.title}")
         with progress(telling.title) as tell:
             step = telling.make(tell)
-        show_lines(*(f"   {line}" for line in step.told))
+        orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
+        show_lines(*step.told, *orders)
         told.append((telling, step))
     with progress(WRITING) as tell:
         reports.write_story(told, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
     show_text("All of it, moving, on one page:")
     show_verbatim(str(page))
-    if not no_open and has_display() and sys.stdout.isatty():
+    if not no_open and has_display() and at_terminal():
         webbrowser.open(page.resolve().as_uri())

@@ -3,6 +3,7 @@
 from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered, stopped, usable
 from stepwell.cli.screen.progress import WRITING, Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
+    at_terminal,
     finish,
     has_display,
     show_facts,

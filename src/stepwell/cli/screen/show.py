@@ -15,8 +15,12 @@ from stepwell.cli.screen.progress import WRITING, progress
 
 def styled() -> bool:
     """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
-    at_terminal = sys.stdout is not None and sys.stdout.isatty()
-    return at_terminal and not os.environ.get("NO_COLOR")
+    return at_terminal() and not os.environ.get("NO_COLOR")
+
+
+def at_terminal() -> bool:
+    """Whether somebody reads what is shown as it comes."""
+    return sys.stdout is not None and sys.stdout.isatty()
 
 
 def has_display() -> bool:

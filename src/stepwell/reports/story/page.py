@@ -24,7 +24,7 @@ def write_story(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a story into a folder: index.html with all that moves, and the design files of its steps.
+    """Write a story into a folder: index.html with all that moves, and the design files.
 
     Args:
         told: the steps that were made, in their order.
@@ -83,9 +83,8 @@ def _figure(shown: Shown) -> str:
     states = shown.sequence.replace(">", "\N{ZERO WIDTH SPACE}→")
     order = f' <code class="order">{escape(states)}</code>' if states else ""
     kind = "" if shown.moves else ' class="still"'
-    return (
-        f"<figure{kind}><figcaption>{escape(shown.caption)}{order}</figcaption>{shown.html}</figure>"
-    )
+    caption = f"<figcaption>{escape(shown.caption)}{order}</figcaption>"
+    return f"<figure{kind}>{caption}{shown.html}</figure>"
 
 
 def _changed(lines: Sequence[str]) -> str:

@@ -79,7 +79,8 @@ def _picture(figure: Figure, caption: str) -> str:
     # An image, not inline markup: two SVGs on one page would share their ids.
     data = base64.b64encode(svg(figure).encode()).decode()
     width, height = (round(96 * inches) for inches in figure.get_size_inches())
+    name = escape(caption)
     return (
-        f'<img alt="{escape(caption)}" width="{width}" height="{height}" '
-        f'src="data:image/svg+xml;base64,{data}">'
+        f'<div tabindex="0" role="group" aria-label="{name}"><img alt="{name}" '
+        f'width="{width}" height="{height}" src="data:image/svg+xml;base64,{data}"></div>'
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace as with_
 from importlib.util import find_spec
 
@@ -19,7 +19,7 @@ from stepwell.files import (
     preset_text,
     with_program,
 )
-from stepwell.mechanism import Band, Chain
+from stepwell.mechanism import Band, Cell, Chain, Element
 from stepwell.reports.story.shown import Shown, map_of, moving, walking
 from stepwell.sequences import Cycle
 
@@ -83,7 +83,7 @@ def _pull(progress: Progress | None) -> Step:
     cycle = leg.cycle()
     snaps = len(cycle.snaps)
     return Step(
-        (f"{_order(cycle)} On the way it snaps {number(snaps)} times.",),
+        (f"{_order(cycle)} It snaps {number(snaps)} times on the way.",),
         (moving(leg, "The first leg", str(cycle.sequence), progress),),
         {"leg.toml": dumps(leg)},
         (),
@@ -96,8 +96,10 @@ def _move_an_anchor(progress: Progress | None) -> Step:
     far = amount(float(np.hypot(*np.subtract(_outer(before).q, _outer(after).q))), "m")
     cycle = after.cycle()
     return Step(
-        (f"The outer band is hooked {far} nearer. The same pull now makes another order. ",)
-        + (_order(cycle),),
+        (
+            f"The end of the outer band is hooked {far} nearer, and the same pull makes another "
+            f"order. {_order(cycle)}",
+        ),
         (
             moving(before, "As it was", str(before.cycle().sequence), progress),
             moving(after, "With that anchor moved", str(cycle.sequence), progress),
@@ -110,12 +112,9 @@ def _move_an_anchor(progress: Progress | None) -> Step:
 
 def _map(progress: Progress | None) -> Step:
     legs = _legs()
-    places = {
-        "x": np.linspace(0.0, 0.020, _PLACES),
-        "y": np.linspace(-0.015, 0.015, _PLACES),
-    }
-    dataset = transition_map(legs[0], 1, **places, progress=progress)
-    borders = boundaries(legs[0], 1, **places)
+    x, y = np.linspace(0.0, 0.020, _PLACES), np.linspace(-0.015, 0.015, _PLACES)
+    dataset = transition_map(legs[0], 1, x=x, y=y, progress=progress)
+    borders = boundaries(legs[0], 1, x=x, y=y, progress=progress)
     near, far = (amount(float(margin(leg).anchors[1]), "m") for leg in legs)
     marks = {leg.title.lower(): _outer(leg).q for leg in legs}
     return Step(
@@ -136,14 +135,15 @@ def _wish(progress: Progress | None) -> Step:
     made, built = with_(found.chain, title="Made to order"), found.yield_
     return Step(
         (
-            f"{_order(made.cycle())} Anchors that do it are found, and {built.n:,} are built on "
-            f"paper with anchors up to {amount(_ANCHOR, 'm')} off and bands that differ by "
-            f"{_STIFFNESS:.0%}: {built.successes:,} of them do it too.",
+            f"{_order(made.cycle())} Anchors for it are found. Of {built.n:,} built at "
+            f"random with anchors up to {amount(_ANCHOR, 'm')} off and bands that differ by "
+            f"{number(_STIFFNESS * 100)} %, {built.successes:,} do it too.",
         ),
         (moving(made, "Made to order", _WISH, progress),),
         {"wish.toml": dumps(made)},
         tuple(
-            f"q_mm = {_place(made.cells[k].bands[0])} # {name}" for k, name in enumerate(made.names)
+            f"q_mm = {_place(_band(cell))} # {name}"
+            for name, cell in zip(made.names, made.cells, strict=True)
         ),
         (
             f"stepwell design '{_WISH}' --anchor {number(_ANCHOR * 1e3)} "
@@ -162,9 +162,9 @@ def _finger(progress: Progress | None) -> Step:
     text = with_program(preset_text("finger-selector"), WrittenProgram.of(program))
     return Step(
         (
-            f"Five fingers, one motor. It goes to {', '.join(points[1:])} mm, and the {_FINGER} "
-            f"finger alone is up; it may turn {off} sooner or later. Each finger has a turn of "
-            "its own.",
+            f"Five fingers, one motor. It goes out to {points[1]} mm and back to {points[2]} "
+            f"mm, and the {_FINGER} finger alone is up. It may turn {off} sooner or later; every "
+            "finger has a turn of its own.",
         ),
         (moving(program, "Five fingers", str(program.sequence), progress),),
         {"fingers.toml": text},
@@ -180,8 +180,8 @@ def _walk(progress: Progress | None) -> Step:
     angle = number(float(np.degrees(turned.turn[1:].mean())), 3)
     return Step(
         (
-            f"{_CYCLES} strokes take it {amount(straight.distance, 'm', 3)} forward, and nothing "
-            f"else commands it. With one anchor of its left leg moved as before it turns "
+            f"After {_CYCLES} strokes it is {amount(straight.distance, 'm', 3)} ahead; the stroke "
+            f"is all that commands it. With one anchor of its left leg moved as before, it turns "
             f"{angle}° to the left with every stroke.",
         ),
         (
@@ -206,11 +206,11 @@ def _feel(progress: Progress | None) -> Step:
     return Step(
         (
             f"After {contact.begin:.0f} s its {contact.antenna} antenna touches a post and pushes "
-            f"an anchor of the {turned.leg} leg by {amount(contact.moved, 'm', 3)}. That leg's order "
-            f"turns round, and so does the robot: {abs(yaw):.0f}° to the "
-            f"{'left' if yaw > 0 else 'right'}. Then it walks on. No sensor, no computer.",
+            f"an anchor of the {turned.leg} leg by {amount(contact.moved, 'm', 3)}. That leg "
+            f"then moves as the second leg did, and the robot turns {abs(yaw):.0f}° to the "
+            f"{'left' if yaw > 0 else 'right'} and walks on.",
         ),
-        (walking(found, "Antennas meet a post", turned.after),),
+        (walking(found, "Antennas meet a post", ""),),
         {"robot-antennas.toml": preset_text("robot-antennas")},
         (),
         (
@@ -241,24 +241,30 @@ def _legs() -> tuple[Chain, Chain]:
 
 
 def _outer(chain: Chain) -> Band:
-    (band,) = chain.cells[-1].bands
+    return _band(chain.cells[-1])
+
+
+def _band(cell: Cell | Element) -> Band:
+    """The only band of a cell that has levers."""
+    assert isinstance(cell, Cell)
+    (band,) = cell.bands
     return band
 
 
 def _order(cycle: Cycle) -> str:
-    """The sequence of a cycle in words, and in digits."""
+    """In which order the cells of a cycle move, in words."""
     names = cycle.chain.names
     out, back = (
-        ", ".join(names[k] for k in cells)
+        " then ".join(names[k] for k in cells)
         for cells in (cycle.loading_order, cycle.unloading_order)
     )
-    return f"Out go {out}; back come {back}: {cycle.sequence}."
+    return f"Out: {out}. Back: {back}."
 
 
 def _moved(name: str, before: Chain, after: Chain) -> tuple[str, ...]:
     """The line of a design file in which two chains differ, as it was and as it is."""
     was, now = (_place(_outer(chain)) for chain in (before, after))
-    return (f"name = \"{name}\"", f"-q_mm = {was}", f"+q_mm = {now}")
+    return (f'name = "{name}"', f"-q_mm = {was}", f"+q_mm = {now}")
 
 
 def _place(band: Band) -> str:
