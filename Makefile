@@ -10,10 +10,11 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo test types style pages page test-lowest coverage bench docs release lock clean
+.PHONY: help venv demo paper test types style pages page test-lowest coverage bench docs release lock clean
 
 help:
-	@echo "make demo         recompute the paper's claims, walk a robot, run the three walls; into out/"
+	@echo "make demo         show in a minute what springs can be told to do, on one page in out/demo"
+	@echo "make paper        recompute the paper's claims, walk a robot, run the three walls; into out/"
 	@echo "make test         lint, type-check, check the room contract, build the docs, run all tests"
 	@echo "make test-lowest  run the tests on the oldest supported dependencies"
 	@echo "make coverage     run all tests and tell which lines they never reach"
@@ -28,6 +29,9 @@ help:
 venv: .venv/.ready
 
 demo: .venv/.ready
+	.venv/bin/stepwell demo --out out/demo
+
+paper: .venv/.ready
 	.venv/bin/stepwell paper --out out/paper
 	.venv/bin/stepwell walk robot-forward --cycles 4 --out out/walk
 	.venv/bin/stepwell maze robot-antennas three-walls --out out/maze

@@ -7,6 +7,7 @@ import pytest
 from stepwell import files
 
 EVERY = {
+    "demo": (),
     "run": ("forward.toml",),
     "map": ("forward.toml",),
     "program": ("forward.toml", "--to", "01"),

@@ -34,7 +34,7 @@ def short(record: dict[str, Any]) -> str:
         for verdict in ("agrees", "differs", "undetermined", "needs data")
     }
     lines = [
-        f"`make demo` computes {len(claims)} claims of the paper about cells, pairs and the robot "
+        f"`make paper` computes {len(claims)} claims of the paper about cells, pairs and the robot "
         f"anew: {count['agrees']} agree, {count['differs']} differ, {count['undetermined']} hang "
         f"on what the paper does not say, and {count['needs data']} need data that is not part of "
         f"Stepwell ([how they come out](docs/measured.md)). Some of the first and all of the "

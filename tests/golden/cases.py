@@ -267,6 +267,7 @@ ELEMENTS = [
 ]
 
 FILES = [
+    Case("demo", ("demo --out out",), within=SIMULATED, slow=True),
     Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case("presets", ("presets", "presets --json")),
     Case("schema", ("schema", "schema presets", "schema ru")),

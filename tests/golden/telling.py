@@ -269,7 +269,10 @@ class _Page(HTMLParser):
         self.lines.append(f"<!{decl}>")
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        told = "".join(f' {name}="{_image(value)}"' for name, value in attrs)
+        told = "".join(
+            f' {name}="{"<a page>" if name == "srcdoc" else _image(value)}"'
+            for name, value in attrs
+        )
         self._add(f"<{tag}{told}>", tag in self._BESIDE)
         self.beside = tag not in self._ALONE
         self.built = ("class", "built") in attrs

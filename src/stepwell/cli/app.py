@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import doctor, lab, paper, presets, schema, studio
+from stepwell.cli import demo, doctor, lab, paper, presets, schema, studio
 from stepwell.cli.chains import design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
@@ -23,6 +23,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (
+    demo.demo,
     motion.run,
     map.map_,
     motion.graph,

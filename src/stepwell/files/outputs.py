@@ -13,6 +13,11 @@ def pictures(*names: str) -> tuple[str, ...]:
 
 # By command: files beside its report.html, and figures by their names.
 _OF_COMMANDS = {
+    "demo": (
+        "index.html leg.toml leg-reversed.toml wish.toml fingers.toml robot.toml "
+        "robot-turning.toml robot-antennas.toml",
+        "",
+    ),
     "run": (
         "design.toml path.csv result.json",
         "mechanism landscape force-stroke travel-stroke element-curves margins around yield",

@@ -27,8 +27,13 @@ from stepwell.reports.measured import (
 )
 from stepwell.reports.pages import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
+from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
 
 __all__ = [
+    "OPENING",
+    "STEPS",
+    "Step",
+    "Telling",
     "checked_suffix",
     "report",
     "write_band",
@@ -43,6 +48,7 @@ __all__ = [
     "write_reprogramming",
     "write_robot",
     "write_run",
+    "write_story",
     "write_survival",
     "write_sweep",
     "write_walk",

@@ -1,8 +1,9 @@
 """What all commands do on the screen: tables, progress, errors."""
 
 from stepwell.cli.screen.outcomes import EXIT_CODES, FAILED, Commands, answered, stopped, usable
-from stepwell.cli.screen.progress import Interrupted, Progress, progress
+from stepwell.cli.screen.progress import WRITING, Interrupted, Progress, progress
 from stepwell.cli.screen.show import (
+    at_terminal,
     finish,
     has_display,
     show_facts,
@@ -11,6 +12,7 @@ from stepwell.cli.screen.show import (
     show_records,
     show_table,
     show_text,
+    show_title,
     show_verbatim,
     styled,
     warn,

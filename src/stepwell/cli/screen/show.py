@@ -15,8 +15,12 @@ from stepwell.cli.screen.progress import WRITING, progress
 
 def styled() -> bool:
     """Whether boxes and colours are welcome: at a terminal, unless NO_COLOR is set."""
-    at_terminal = sys.stdout is not None and sys.stdout.isatty()
-    return at_terminal and not os.environ.get("NO_COLOR")
+    return at_terminal() and not os.environ.get("NO_COLOR")
+
+
+def at_terminal() -> bool:
+    """Whether somebody reads what is shown as it comes."""
+    return sys.stdout is not None and sys.stdout.isatty()
 
 
 def has_display() -> bool:
@@ -112,6 +116,12 @@ def show_text(*paragraphs: str) -> None:
     """Print long sentences as paragraphs, each after an empty line."""
     for text in paragraphs:
         show_lines("", *wrapped(text))
+
+
+def show_title(text: str) -> None:
+    """Print a line that others stand under, after an empty one."""
+    show_lines("")
+    (_bold if styled() else _lines)(*folded(escaped(text)))
 
 
 def wrapped(text: str) -> list[str]:
