@@ -34,7 +34,6 @@ from stepwell.figures.common import (
     PURPLE,
     VERMILLION,
     YELLOW,
-    arrow,
     blank,
     pale,
     place,
@@ -78,7 +77,7 @@ def acts() -> tuple[sw.Chain, sw.Chain]:
 
 def moved(leg: sw.Chain, q: tuple[float, float]) -> sw.Chain:
     """The leg with the outer cell's anchor at q [m]."""
-    inner, outer = leg.cells
+    inner, outer = leg.levers
     return replace(leg, cells=(inner, outer.with_anchors(q=q)))
 
 
@@ -299,7 +298,7 @@ def draw_robot(ax: Any, robot: Robot, walk: Any, now: int) -> None:
     """The robot from above at a sample of its walk, in mm."""
     swings = walk.antenna[now]
     for antenna, swing in zip(walk.robot.antennas, swings, strict=True):
-        cell = robot.leg(antenna.leg).chain.cells[0]
+        cell = robot.leg(antenna.leg).chain.levers[0]
         p = np.array(cell.bands[0].p) + np.array(antenna.moves) * swing / antenna.swing
         robot = robot.with_anchors(antenna.leg, antenna.cell, p=tuple(p))
 
