@@ -31,6 +31,10 @@ def draw(folder: Path) -> None:
     loading = three_cells().path([0.0, 0.060])
     figures.save(figures.travel_stroke(loading), folder / "left-half-way.png", dpi=DPI)
 
+    # The drawings with the letters; the cell is the paper's with q = (10, -15) mm.
+    figures.save(figures.labelled_cell(), folder / "unit-cell.svg")
+    figures.save(figures.labelled_chain(leg), folder / "leg.svg")
+
     library = {name: entry.make() for name, entry in sw.elements.LIBRARY.items()}
     figures.save(figures.element_curves(library), folder / "elements.png", dpi=DPI)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import stepwell as sw
 from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
@@ -28,6 +29,9 @@ ROOMS = (
 def read(page: str) -> str:
     return (ROOT / page).read_text("utf-8")
 
+
+# What draws the pictures of the README and of the pages.
+DRAWN = ("00_figures_of_the_pages", "00_pictures_of_the_front_page")
 
 # The README's, and one of every kind, in the quick run.
 QUICK = ("README.md", "docs/index.md", "docs/theory.md", "docs/how-to/read-a-result.md")
@@ -101,26 +105,76 @@ def test_every_link_to_a_file_leads_somewhere(page):
             assert ((ROOT / page).parent / target).exists(), target
 
 
-def test_the_readmes_claims_are_those_of_the_claims_file():
+def test_the_readmes_count_of_claims_is_that_of_the_claims_file():
     claims = json.loads(read("docs/claims.json"))
     text = read("README.md")
     assert replaced(text, short(claims)) == text, "run `python tests/docs/short_claims.py`"
-    # Nothing that differs is left out.
-    for claim in claims["claims"]:
-        if claim["verdict"] == "differs":
-            assert claim["claim"] in text
 
 
 @pytest.mark.slow
 @pytest.mark.shown
 def test_the_pictures_are_those_of_the_model(tmp_path):
-    draw = runpy.run_path(str(ROOT / "examples" / "00_figures_of_the_pages.py"))["draw"]
-    draw(tmp_path)
+    home = ROOT / "docs" / "img"
+    for script in DRAWN:
+        runpy.run_path(str(ROOT / "examples" / f"{script}.py"))["draw"](tmp_path)
     drawn = sorted(file.name for file in tmp_path.iterdir())
-    assert drawn == sorted(file.name for file in (ROOT / "docs" / "img").glob("*.png"))
+    shown = [file.name for kind in ("*.png", "*.svg") for file in home.glob(kind)]
+    assert drawn == sorted(name for name in shown if name != "house.svg")
     for name in drawn:
-        apart = difference(tmp_path / name, ROOT / "docs" / "img" / name)
-        assert apart < 2.0, f"{name}: run `python examples/00_figures_of_the_pages.py`"
+        again = "run `python examples/{}.py`".format("` and `".join(DRAWN))
+        if name.endswith(".svg"):
+            assert (tmp_path / name).read_text("utf-8") == (home / name).read_text("utf-8"), again
+        else:
+            assert difference(tmp_path / name, home / name) < 2.0, f"{name}: {again}"
+
+
+def test_the_four_pictures_of_the_readme_are_of_one_size():
+    sizes = set()
+    for name in ("see", "want", "real", "build"):
+        with Image.open(ROOT / "docs" / "img" / f"{name}.png") as picture:
+            sizes.add(picture.size)
+    assert sizes == {(640, 400)}
+
+
+def test_the_moving_picture_repeats_and_is_small_enough_to_be_waited_for():
+    file = ROOT / "docs" / "img" / "stepwell.gif"
+    with Image.open(file) as movie:
+        assert movie.size == (800, 430)
+        assert movie.info["loop"] == 0
+        frames = getattr(movie, "n_frames", 1)
+        time = 0
+        for k in range(frames):
+            movie.seek(k)
+            time += movie.info["duration"]
+            assert movie.convert("RGB").getpixel((799, 429)) == (255, 255, 255)
+    assert 100 < frames < 200
+    assert 10_000 <= time <= 15_000
+    assert file.stat().st_size < 1_500_000
+
+
+def test_what_the_moving_picture_says_is_so():
+    told = runpy.run_path(str(ROOT / "examples" / "00_moving_picture.py"))
+    before, after = told["acts"]()
+    assert str(before.cycle().sequence) == "00>10>11>01>00"
+    assert str(after.cycle().sequence) == "00>01>11>10>00"
+    # "15 mm" stands beside the arrow.
+    moved = np.subtract(told["ANCHOR_AFTER"], told["ANCHOR_BEFORE"])
+    assert np.hypot(*moved) == pytest.approx(0.015)
+    maze = sw.preset(told["ROBOT"]).maze(told["arena"](), limit=told["UNTIL"])
+    walk = maze.walk
+    # "both legs step forward", then one antenna alone is pressed, that of the left leg.
+    assert {gaits[1] for gaits in walk.gaits.values()} == {"00>10>11>01>00"}
+    (contact,) = maze.contacts
+    (pressed,) = (one for one in walk.robot.antennas if one.name == contact.antenna)
+    assert pressed.leg == "left"
+    # "which steps backward: the robot turns", and the other leg goes on forward.
+    backward = [k for k, gait in enumerate(walk.gaits["left"]) if gait == told["REVERSED"]]
+    assert contact.begin < backward[0] * walk.robot.drive.period < contact.end
+    assert set(walk.gaits["right"]) == {"00>10>11>01>00"}
+    # "and, free again, walks on".
+    assert contact.end < told["UNTIL"] - walk.robot.drive.period
+    assert walk.gaits["left"][-1] == "00>10>11>01>00"
+    assert np.degrees(walk.yaw[-1]) > 45.0
 
 
 def test_the_house_on_its_page_is_the_house():

@@ -13,6 +13,7 @@ from stepwell.figures.common.dimension import (
     scale_bar,
 )
 from stepwell.figures.common.labels import Label, beside, inside
+from stepwell.figures.common.movie import write_gif
 from stepwell.figures.common.names import literal
 from stepwell.figures.common.reading import (
     curve,

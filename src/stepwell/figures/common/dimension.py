@@ -16,22 +16,40 @@ _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA"
 
 
 def along_x(
-    ax: Axes, left: float, right: float, y: float, text: str, *, feet: float, colour: str = INK
+    ax: Axes,
+    left: float,
+    right: float,
+    y: float,
+    text: str,
+    *,
+    feet: float,
+    colour: str = INK,
+    gid: str | None = None,
 ) -> None:
     """A dimension along x at height y, with thin lines to it from height `feet`; all in mm."""
+    look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for x in (left, right):
-        ax.plot([x, x], [feet, y + np.sign(y - feet)], color=colour, linewidth=0.4, zorder=2.5)
+        ax.plot([x, x], [feet, y + np.sign(y - feet)], **look)
     ax.annotate("", (right, y), (left, y), arrowprops=_BOTH | {"color": colour}, zorder=8)
     middle = (left + right) / 2
     ax.text(middle, y + 1.0, text, ha="center", va="bottom", zorder=9, bbox=on_white())
 
 
 def along_y(
-    ax: Axes, low: float, high: float, x: float, text: str, *, feet: float, colour: str = INK
+    ax: Axes,
+    low: float,
+    high: float,
+    x: float,
+    text: str,
+    *,
+    feet: float,
+    colour: str = INK,
+    gid: str | None = None,
 ) -> None:
     """A dimension along y at x, with thin lines to it from x = `feet`; all in mm."""
+    look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for y in (low, high):
-        ax.plot([feet, x + np.sign(x - feet)], [y, y], color=colour, linewidth=0.4, zorder=2.5)
+        ax.plot([feet, x + np.sign(x - feet)], [y, y], **look)
     ax.annotate("", (x, high), (x, low), arrowprops=_BOTH | {"color": colour}, zorder=8)
     ax.text(x - 1.2, (low + high) / 2, text, ha="right", va="center", rotation=90, zorder=9)
 

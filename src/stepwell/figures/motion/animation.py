@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from stepwell.base import Floats, InputError, require, write_atomic
+from stepwell.base import Floats, InputError, require
 from stepwell.figures.cells import MOST_CELLS, Drawing, LinkageDrawing, ground
 from stepwell.figures.common import (
     BLACK,
@@ -34,12 +33,13 @@ from stepwell.figures.common import (
     phases,
     place,
     plain,
-    snaps_of,
     styled,
     text_at,
     told,
+    write_gif,
 )
 from stepwell.figures.motion.force_stroke import force_stroke
+from stepwell.figures.motion.instants import Instant, instants
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.plan import Window, draw_plan, limits, plan_of, windows_of
 
@@ -50,11 +50,7 @@ if TYPE_CHECKING:
     from stepwell.statics import Path
 
 
-# A snap takes milliseconds; shown, it has to last long enough to be seen.
-_SNAP_SECONDS = 0.5
-_REST_SECONDS = 0.3
 _DPI = 110.0
-_COLOURS = 96
 # Height of the plan of strokes [mm].
 _PLAN = 38.0
 # A cell this near a stop or a phase is seen there, as a share of its full travel.
@@ -91,8 +87,6 @@ def animation(
         ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
             or a file name that does not end in .gif.
     """
-    from PIL import Image
-
     path = path_of(result)
     if len(path.chain) > MOST_CELLS:
         raise InputError(
@@ -107,75 +101,20 @@ def animation(
     require("frames", seconds * fps, f"{seconds:g} s are")
     hundredths = max(2, round(100 / fps))
     count = max(2, round(100 * seconds / hundredths))
-    frames = _timeline(path, seconds, count)
+    frames = instants(path, seconds, count)
     scene = _Scene(result, path)
 
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
     look += [frame for frame in frames if frame.snap][:1]
-    shared = _palette([scene.swatches(), *(scene.shoot(frame) for frame in look)])
 
     def pictures() -> Iterator[Picture]:
         for k, frame in enumerate(frames):
-            yield scene.shoot(frame).quantize(palette=shared, dither=Image.Dither.NONE)
+            yield scene.shoot(frame)
             if progress is not None:
                 progress(k + 1, count)
 
-    rest = pictures()
-    movie = io.BytesIO()
-    next(rest).save(
-        movie,
-        format="GIF",
-        save_all=True,
-        append_images=rest,
-        duration=10 * hundredths,
-        loop=0,
-        # Stores only the pixels that changed.
-        optimize=True,
-    )
-    write_atomic(File(file), movie.getvalue())
-    return File(file)
-
-
-class _Frame(NamedTuple):
-    travels: Floats
-    sheets: tuple[int, ...]
-    force: float
-    snap: bool
-    drive: float
-    way: float
-
-
-def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
-    """What to show in each of `count` frames."""
-    snaps = snaps_of(path)
-    plan = plan_of(path)
-    moving = np.diff(plan.way)
-    turns = np.flatnonzero(np.diff(np.sign(path.direction)))
-    # Snaps and rests never take more than half of the time.
-    pauses = _SNAP_SECONDS * len(snaps) + _REST_SECONDS * (len(turns) + 1)
-    shrink = min(1.0, 0.5 * seconds / pauses)
-    step = moving / max(float(moving.sum()), 1e-300) * (seconds - shrink * pauses)
-    jumps = {snap.before for snap in snaps}
-    for snap in snaps:
-        step[snap.before] += shrink * _SNAP_SECONDS
-    step[turns] += shrink * _REST_SECONDS
-    time = np.concatenate([[0.0], np.cumsum(step)])
-
-    frames: list[_Frame] = []
-    for at in np.linspace(0.0, seconds, count, endpoint=False):
-        i = min(int(np.searchsorted(time, at, side="right")) - 1, len(time) - 1)
-        j = min(i + 1, len(time) - 1)
-        part = (at - time[i]) / (time[j] - time[i]) if time[j] > time[i] else 0.0
-        snap = i in jumps
-        if snap:
-            part = part * part * (3.0 - 2.0 * part)
-        travels, force, u, w = (
-            column[i] + part * (column[j] - column[i])
-            for column in (path.travel, path.force, plan.drive, plan.way)
-        )
-        sheets = tuple(path.sheet[j if part > 0.5 else i].tolist())
-        frames.append(_Frame(travels, sheets, float(force), snap, float(u), float(w)))
-    return frames
+    seen = [scene.swatches(), *map(scene.shoot, look)]
+    return write_gif(file, pictures(), seen, hundredths)
 
 
 class _Scene:
@@ -273,7 +212,7 @@ class _Scene:
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, frame: _Frame) -> str:
+    def _state(self, frame: Instant) -> str:
         places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
         found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
         return "".join("-" if digit < 0 else str(digit) for digit in found)
@@ -288,7 +227,7 @@ class _Scene:
         sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
         return sheet.resize((width, height), Image.Resampling.NEAREST)
 
-    def shoot(self, frame: _Frame) -> Picture:
+    def shoot(self, frame: Instant) -> Picture:
         """The picture at one instant."""
         from PIL import Image
 
@@ -316,19 +255,3 @@ def _decimals(values: Floats) -> int:
     """So many that three digits of the largest are told."""
     largest = float(np.max(np.abs(values))) or 1.0
     return max(0, 2 - math.floor(math.log10(largest)))
-
-
-def _palette(pictures: list[Picture]) -> Picture:
-    """A picture in the colours that all frames share."""
-    from PIL import Image
-
-    width, height = pictures[0].size
-    sheet = Image.new("RGB", (width, height * len(pictures)))
-    for k, picture in enumerate(pictures):
-        sheet.paste(picture, (0, k * height))
-    shared = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
-    # Averaging greys the paper, and Pillow tells very light colours apart only roughly.
-    colours = np.array(shared.getpalette()).reshape(-1, 3)
-    colours[colours.min(axis=1) >= 248] = 255
-    shared.putpalette(colours.ravel().tolist())
-    return shared

@@ -1,0 +1,181 @@
+"""Four pictures of the README, what one can do: `python 00_pictures_of_the_front_page.py`.
+
+All are of one size, and every number and curve in them is computed here.
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import stepwell as sw
+from stepwell import figures
+from stepwell.figures.cells import Drawing, LinkageDrawing, ground
+from stepwell.figures.common import (
+    BLOCK,
+    BLUE,
+    COLUMN,
+    FAINT,
+    GREEN,
+    INK,
+    LOADING,
+    MM,
+    UNLOADING,
+    VERMILLION,
+    along_y,
+    blank,
+    cell_colours,
+    hollow,
+    pale,
+    place,
+    plain,
+    styled,
+    text_at,
+)
+
+# 640 by 400 pixels.
+TALL, DPI = COLUMN * 400 / 640, 640 / COLUMN * 25.4
+BIG = 8.5
+# What is wished for, and what a workshop can hold.
+WISH, PATHWAY = "00>01>11>10>00", "counterclockwise"
+LONG_WISH = "000>010>011>111>101>001>000"
+WORKSHOP = sw.Tolerances(anchor=0.001, stiffness=0.05)
+HOLES = 0.005
+
+
+@styled
+def see() -> Figure:
+    """States of a leg, and the force that its actuator feels."""
+    cycle = sw.preset("paper-forward").cycle()
+    figure = blank(COLUMN, TALL)
+    linkage = LinkageDrawing(cycle.chain)
+    states = list(cycle.sequence)[:-1]
+    full = np.array(cycle.chain.full_travels)
+    left, bottom, _, top = linkage.bounds([[0.0, 0.0], full])
+    scale, high = 250.0, TALL / len(states)
+    ax = place(figure, 0.0, 0.0, 32.0, TALL)
+    plain(ax, (0.0, 32.0, 0.0, TALL))
+    for k, state in enumerate(states):
+        y = TALL - (k + 0.5) * high
+        origin = 9.5 - left * scale, y - (bottom + top) / 2 * scale
+        Drawing(ax, linkage, origin, scale, 0.62).move([int(c) for c in state] * full)
+        ground(ax, linkage, origin, scale)
+        ax.text(1.5, y, state, fontsize=BIG, fontweight="bold", va="center")
+    ax = place(figure, 48.5, 9.5, 35.0, 37.5)
+    figures.force_stroke(cycle, ax=ax)
+    key = ax.get_legend()
+    assert key is not None
+    key.remove()
+    for x, word, colour in ((48.5, "out", LOADING), (58.0, "back", UNLOADING)):
+        text_at(figure, x, TALL - 5.0, word, color=colour, fontsize=BIG, fontweight="bold")
+    return figure
+
+
+@styled
+def want() -> Figure:
+    """Anchors that were found for a wished order, on the map of what the outer one does."""
+    made = sw.design(WISH, tolerances=WORKSHOP)
+    assert made.yield_ is not None
+    x, y = np.linspace(-0.005, 0.020, 121), np.linspace(-0.015, 0.015, 145)
+    shown = sw.transition_map(made.chain, "outer", x=x, y=y)
+    words = shown["pathway"].attrs["flag_meanings"].split()
+    wished = words.index(PATHWAY)
+    does = np.asarray(shown["pathway"] == wished, float)
+    figure = blank(COLUMN, TALL)
+    ax = place(figure, 12.5, 9.5, 32.0, 38.4)
+    look = {"colors": ["#F2F2F2", pale(GREEN, 0.55)], "levels": [-0.5, 0.5, 1.5]}
+    ax.contourf(x * MM, y * MM, does, **look)
+    ax.contour(x * MM, y * MM, does, levels=[0.5], colors=[INK], linewidths=0.8)
+    q = np.array(made.chain.levers[1].bands[0].q) * MM
+    ax.plot(*q, "*", markersize=13, color=INK, markeredgecolor="white", zorder=5, clip_on=False)
+    ax.text(5.0, 10.0, "does it", ha="center", fontsize=BIG)
+    ax.text(19.5, 12.3, "not", ha="right", fontsize=BIG)
+    ax.set(xlabel="Outer anchor $q_x$ [mm]", ylabel="$q_y$ [mm]", aspect="equal")
+    rows = [("wished", WISH, INK), ("found: outer $q$", point(q), INK)]
+    rows.append(("of those built within ±1 mm", surely(made.yield_), GREEN))
+    tell(figure, 47.0, rows)
+    return figure
+
+
+@styled
+def real() -> Figure:
+    """How many of those that are built do what the drawing does."""
+    leg = sw.preset("paper-forward")
+    off = np.arange(0.0, 6.01, 0.5)
+    found = [leg.yields(sw.Tolerances(anchor=a / MM, stiffness=0.05), n=20_000) for a in off]
+    share = np.array([one.share for one in found]) * 100
+    low, high = (np.array([one.interval[k] for one in found]) * 100 for k in (0, 1))
+    figure = blank(COLUMN, TALL)
+    ax = place(figure, 15.0, 10.0, 67.0, 40.0)
+    ax.fill_between(off, low, high, color=pale(BLUE, 0.6), linewidth=0)
+    ax.plot(off, share, color=BLUE, linewidth=2.2)
+    ax.set(xlabel="Anchors off by up to ± [mm]", ylabel="Built ones that do it [%]")
+    ax.set(xlim=(0.0, 6.0), ylim=(75.0, 102.0))
+    safe = off[low > 99.9][-1]
+    ax.axvline(safe, color=FAINT, linewidth=0.8, linestyle=(0, (3, 2)))
+    ax.text(safe + 0.15, 84.5, f"up to ±{safe:g} mm:\nover 99.9 %", fontsize=BIG, color=BLUE)
+    ax.text(safe + 0.15, 77.0, "20,000 built at random,\nbands within 5 %", fontsize=BIG)
+    return figure
+
+
+@styled
+def build() -> Figure:
+    """Holes to drill for a wished order of three cells."""
+    made = sw.design(LONG_WISH, holes=HOLES, tolerances=WORKSHOP)
+    assert made.yield_ is not None
+    figure = blank(COLUMN, TALL)
+    colours = cell_colours(len(made.chain))
+    for k, (cell, colour) in enumerate(zip(made.chain.levers, colours, strict=True)):
+        ax = place(figure, 3.0 + 26.5 * k, 8.0, 27.5, 44.0)
+        plain(ax, (-9.5, 23.5, -25.0, 26.3))
+        plate(ax, np.array(cell.bands[0].q) * MM, colour, first=k == 0)
+        name = f"{made.chain.names[k]} $q$"
+        ax.text(10.0, 20.0, name, color=colour, ha="center", fontsize=BIG, fontweight="bold")
+    told = f"drilled within ±1 mm, bands within 5 %:\n{surely(made.yield_)}"
+    text_at(figure, COLUMN / 2, 1.5, told, ha="center", fontsize=7.5)
+    return figure
+
+
+def plate(ax: Axes, q: np.ndarray, colour: str, *, first: bool) -> None:
+    """The holes of one outer block, in mm from the midpoint between its lever joints."""
+    across, up = np.meshgrid(np.arange(0, 21, 5), np.arange(-15, 16, 5))
+    ax.fill([-3, 23, 23, -3], [-18, -18, 18, 18], facecolor=pale(BLOCK, 0.4), edgecolor=INK, lw=0.7)
+    ax.plot(across.ravel(), up.ravel(), "o", **hollow(3.0, FAINT, markeredgewidth=0.6))
+    ax.plot(0, 0, "+", color=BLUE, markersize=7, markeredgewidth=1.4, zorder=5)
+    ax.plot(*q, "o", color=colour, markersize=6.5, zorder=6)
+    ax.text(10.0, -19.5, point(q), ha="center", va="top", fontsize=7.5)
+    if first:
+        along_y(ax, -15, -10, -6.0, "5 mm", feet=0.0, colour=VERMILLION)
+
+
+def surely(found: sw.Yield) -> str:
+    """The share that does it, as far as so many tell."""
+    low = math.floor(found.interval[0] * 1e4) / 100
+    return f"over {low:g} % do it"
+
+
+def point(q: np.ndarray) -> str:
+    """An anchor as text."""
+    return f"({q[0]:.3g}, {q[1] + 0.0:.2g}) mm".replace("-", "\N{MINUS SIGN}")
+
+
+def tell(figure: Figure, x: float, rows: list[tuple[str, str, str]]) -> None:
+    """Words and below each what they stand for."""
+    for k, (word, value, colour) in enumerate(rows):
+        y = TALL - 8.0 - 14.0 * k
+        text_at(figure, x, y, word, fontsize=7.5)
+        text_at(figure, x, y - 5.0, value, fontsize=BIG, fontweight="bold", color=colour)
+
+
+def draw(folder: Path) -> None:
+    """Write the four pictures into `folder`."""
+    for make in (see, want, real, build):
+        figures.save(make(), folder / f"{make.__name__}.png", dpi=DPI)
+
+
+if __name__ == "__main__":
+    pages = Path(__file__).resolve().parents[1] / "docs" / "img"
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else pages)

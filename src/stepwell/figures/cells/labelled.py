@@ -1,0 +1,361 @@
+"""A unit cell and a chain with the letters that theory and design files use."""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from matplotlib.transforms import Bbox
+
+from stepwell.base import Floats, InputError
+from stepwell.figures.cells.drawing import Drawing
+from stepwell.figures.cells.linkage import LinkageDrawing
+from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.common import (
+    BLOCK,
+    BLUE,
+    COLUMN,
+    FAINT,
+    FIXED_BLOCK,
+    INK,
+    VERMILLION,
+    Label,
+    along_x,
+    along_y,
+    arrow,
+    beside,
+    blank,
+    cell_colours,
+    hollow,
+    limits,
+    literal,
+    mm,
+    mm_pair,
+    place,
+    plain,
+    root,
+    styled,
+    text_at,
+)
+from stepwell.mechanism import Band, Cell, Chain, Element
+
+# More than this have no room for their letters in a column.
+_MOST_CELLS = 4
+# What is shown of the cell's travel, and of each cell's in a chain.
+_SHOWN, _SHARES = 0.72, (1.0, 0.5, 0.75, 0.5)
+_EDGE, _GAP, _FOOT = 2.0, 4.0, 10.0  # round, between and below the drawings [mm of the page]
+_BIG = 9.0
+_LEFT, _RIGHT = 12.0, 26.0  # of the cell, for words and dimensions
+_DASHES = (0, (3.0, 2.0))
+_Look = dict[str, Any]
+_GHOST: _Look = {"edgecolor": FAINT, "linewidth": 0.6, "linestyle": _DASHES}
+
+
+@styled
+def labelled_cell(cell: Cell | None = None) -> Figure:
+    """A unit cell with its letters, and below it the triangle that gives the band's length.
+
+    The inner block is held and the outer one pulled along y; dashed is where it is at its stops.
+    Below, the lever r, then d = q - p from its end: the third side is as long as the band. Both
+    are true to scale.
+
+    Args:
+        cell: one with a single band; the paper's with q = (10, -15) mm by default.
+
+    Returns:
+        A figure of one column's width, lengths in mm and angles in degrees.
+
+    Raises:
+        ValueError: an element, or a cell with several bands.
+
+    Source: Kamp et al. 2024, Fig. 1.
+    """
+    if cell is None:
+        cell = Cell(Band((-0.010, 0.0), (0.010, -0.015)))
+    if isinstance(cell, Element):
+        raise InputError("cell is an Element, which has no levers: draw it with element_curve.")
+    if len(cell.bands) != 1:
+        raise InputError(
+            f"cell has {len(cell.bands)} bands: the letters are those of one. Give a cell of one "
+            f"band, such as Cell(cell.bands[0], cell.lever, cell.limit)."
+        )
+    shown = _Shown(cell)
+    wide = COLUMN - 2 * _EDGE
+    high = [box[3] - box[2] for box in (shown.box, shown.triangle_box)]
+    figure = blank(COLUMN, sum(high) + _GAP + _FOOT + _EDGE)
+    shown.draw(place(figure, _EDGE, _FOOT + high[1] + _GAP, wide, high[0]))
+    shown.draw_triangle(place(figure, _EDGE, _FOOT, wide, high[1]))
+    law = r"travel $s = r\,(\sin\theta + \sin\theta_c)$, from 0 to $S = 2\,r\,\sin\theta_c$"
+    text_at(figure, COLUMN / 2, 2.5, law, ha="center", fontsize=8.0)
+    return figure
+
+
+@styled
+def labelled_chain(chain: Chain) -> Figure:
+    """A chain with the names of its parts, and how the travels of its cells add up to the stroke.
+
+    Above, every cell is at 0. Below, the actuator has pulled.
+
+    Args:
+        chain: up to four cells of levers and bands.
+
+    Returns:
+        A figure of one column's width, lengths in mm.
+
+    Raises:
+        ValueError: elements, or more cells than have room for their letters.
+    """
+    if chain.elements:
+        raise InputError("the chain has elements, which have no levers: draw it with mechanism.")
+    if len(chain) > _MOST_CELLS:
+        raise InputError(
+            f"the chain has {len(chain)} cells: at most {_MOST_CELLS} have room for their "
+            f"letters; draw a part of it, Chain(chain.cells[:{_MOST_CELLS}])."
+        )
+    linkage = LinkageDrawing(chain)
+    pulled = [part * s for part, s in zip(_SHARES, chain.full_travels, strict=False)]
+    states = [[0.0] * len(chain), pulled]
+    boxes = np.array([linkage.bounds([travels]) for travels in states])
+    left, right = min(boxes[:, 0].min(), -1.8 * linkage.reach), boxes[:, 2].max()
+    wide = COLUMN - 2 * _EDGE
+    # From metres to the page's mm; at the right is the arrow.
+    scale = (wide - 22.0) / (right - left)
+    room = ((9.0, 5.0), (3.0, 17.0))
+    high = [
+        (box[3] - box[1]) * scale + over + under
+        for box, (over, under) in zip(boxes, room, strict=True)
+    ]
+    figure = blank(COLUMN, sum(high) + 2 * _EDGE)
+    for k, (travels, box, (_, under)) in enumerate(zip(states, boxes, room, strict=True)):
+        ax = place(figure, _EDGE, _EDGE + high[1] * (k == 0), wide, high[k])
+        origin = 1.0 - left * scale, under - box[1] * scale
+        plain(ax, (0.0, wide, 0.0, high[k]))
+        pose = Drawing(ax, linkage, origin, scale, 1.15).move(travels)
+        ground(ax, linkage, origin, scale)
+        _name_blocks(ax, pose.blocks * scale + np.tile(origin, 2), first=k == 0)
+        if k == 0:
+            _name_cells(ax, chain, 1.0, high[k] - 4.0)
+            _name_anchors(ax, pose.bands * scale + origin)
+        else:
+            rest = float(linkage.pose(states[0]).blocks[-1, 2]) * scale + origin[0]
+            feet = float(pose.blocks[-1, 1]) * scale + origin[1]
+            _add_up(ax, rest, [s * scale for s in pulled], under - 5.0, feet)
+    return figure
+
+
+class _Shown:
+    """A cell on the page, part of its way out; all lengths are the page's mm."""
+
+    def __init__(self, cell: Cell):
+        self.cell, self.band = cell, cell.bands[0]
+        self.theta = float(cell.angle(_SHOWN * cell.full_travel))
+        linkage = LinkageDrawing(Chain((cell,)))
+        half = np.array([linkage.half_block, linkage.reach])
+        p, q = np.array(self.band.p), self._joint(self.theta, cell.lever) + self.band.q
+        left, right = min(p[0], -half[0]), max(q[0], cell.lever + half[0])
+        self.scale = (COLUMN - 2 * _EDGE - _LEFT - _RIGHT) / (right - left)
+        self.half, self.pair = half * self.scale, linkage.half_pair * self.scale
+        self.lever, self.right = cell.lever * self.scale, right * self.scale
+        self.outer = self._joint(self.theta, self.lever)
+        self.p, self.q = p * self.scale, q * self.scale
+        self.colour = cell_colours(1)[0]
+        self.stops = [self._joint(sign * cell.limit, self.lever) for sign in (-1, 1)]
+
+    @staticmethod
+    def _joint(theta: float, lever: float) -> Floats:
+        """Where the outer block's joint midpoint is, from that of the inner one."""
+        return lever * np.array([math.cos(theta), math.sin(theta)])
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """left, right, bottom, top of what is drawn."""
+        points = [self.p, self.q, self.stops[0] - self.half, self.stops[1] + self.half]
+        low, high = np.min(points, axis=0)[1], np.max(points, axis=0)[1]
+        low = min(float(low), float(-self.half[1]) - 9.0)
+        left = float(self.right) + _RIGHT - (COLUMN - 2 * _EDGE)
+        return left, left + COLUMN - 2 * _EDGE, low - 4.0, float(high) + 11.0
+
+    @property
+    def triangle_box(self) -> tuple[float, float, float, float]:
+        """left, right, bottom, top of the triangle, as wide as the drawing above it."""
+        corners = np.array([(0.0, 0.0), *self.stops, self._third])
+        left, right, bottom, top = limits(corners, (0.0, 0.0, 6.0, 6.0))
+        spare = COLUMN - 2 * _EDGE - (right - left)
+        return left - 0.3 * spare, right + 0.7 * spare, bottom, top
+
+    @property
+    def _third(self) -> Floats:
+        """Where r and d lead."""
+        return self.outer + np.array(self.band.d) * self.scale
+
+    def draw(self, ax: Axes) -> None:
+        """The cell itself."""
+        plain(ax, self.box)
+        for joint, name in zip(self.stops, ("state 0", "state 1"), strict=True):
+            ax.add_patch(Polygon(self._block(joint), facecolor="none", **_GHOST, zorder=1.5))
+            ax.text(self.right + 13.5, joint[1] + self.half[1], name, va="center", zorder=9)
+        for joint, colour in ((np.zeros(2), FIXED_BLOCK), (self.outer, BLOCK)):
+            look: _Look = {"facecolor": colour, "edgecolor": INK, "linewidth": 0.7}
+            ax.add_patch(Polygon(self._block(joint), **look, zorder=2))
+        self._hold(ax)
+        for along in (-self.pair, self.pair):
+            x, y = np.array([(0.0, along), self.outer + np.array([0.0, along])]).T
+            pins: _Look = hollow(3.4, markeredgewidth=0.7, marker="o", gid="lever")
+            ax.plot(x, y, color=INK, linewidth=1.8, zorder=3, **pins)
+        ends = np.array([self.p, self.q])
+        look = {"color": self.colour, "linewidth": 2.2, "marker": "o", "markersize": 4.0}
+        ax.plot(*ends.T, **look, zorder=4, gid="band")
+        for name, start, end in (("p", np.zeros(2), self.p), ("q", self.outer, self.q)):
+            ax.plot(*np.array([start, end]).T, color=BLUE, linewidth=1.2, zorder=7, gid=name)
+            if np.any(start != end):
+                _arrow(ax, start, end, BLUE, 1.2)
+            ax.plot(*start, "+", color=BLUE, markersize=5.0, markeredgewidth=1.2, zorder=8)
+        (_, low), (_, high) = (stop + self.half for stop in self.stops)
+        edge = float(self.outer[0] + self.half[0])
+        top = float(self.outer[1] + self.half[1])
+        along_y(ax, low, top, self.right + 5.0, "$s$", feet=edge, gid="s")
+        full = f"$S$ = {mm(self.cell.full_travel)} mm"
+        along_y(ax, low, high, self.right + 12.0, full, feet=edge, gid="S")
+        self._turn(ax, -self.pair, 0.56)
+        self._name(ax)
+
+    def _block(self, joint: Floats) -> Floats:
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+        return joint + corners * self.half
+
+    def _hold(self, ax: Axes) -> None:
+        """The wall below the inner block."""
+        half, y = 1.5 * self.half[0], -self.half[1]
+        ax.plot([-half, half], [y, y], color=INK, linewidth=1.1, zorder=3)
+        for x in np.linspace(-half, half, 7)[1:]:
+            ax.plot([x - 1.6, x], [y - 1.6, y], color=INK, linewidth=0.5, zorder=1)
+
+    def _turn(self, ax: Axes, foot: float, share: float) -> None:
+        """θ, from the x axis to a lever that starts at height `foot`."""
+        look: _Look = {"color": VERMILLION, "linewidth": 0.9, "zorder": 7}
+        ax.plot([0.0, 0.9 * self.lever], [foot, foot], linestyle=_DASHES, **look)
+        angle = np.linspace(0.0, self.theta, 31)
+        arc = share * self.lever * np.column_stack([np.cos(angle), np.sin(angle)])
+        arc[:, 1] += foot
+        ax.plot(*arc.T, **look, gid="theta")
+        _arrow(ax, arc[-4], arc[-1], VERMILLION, 0.0)
+        words: _Look = {"ha": "right", "va": "center", "fontsize": _BIG, "color": VERMILLION}
+        at = share * self.lever - 0.8, foot + 0.42 * (arc[-1, 1] - foot)
+        ax.text(*at, r"$\theta$", **words, zorder=9)
+
+    def _name(self, ax: Axes) -> None:
+        """Everything by its letter or its word."""
+        ax.text(0.0, -self.half[1] - 2.5, "inner block,\nheld", ha="center", va="top")
+        top = float(self.stops[1][1] + self.half[1])
+        x, y = float(self.outer[0]), float(self.outer[1] + self.half[1])
+        arrow(ax, (x, y), (x, top + 8.5), INK, 1.4)
+        ax.text(x - 2.0, top + 6.5, "outer block,\npulled", ha="right", va="center")
+        ax.text(x / 2 - 1.0, self.outer[1] / 2 + self.pair + 1.0, "$r$", va="bottom", fontsize=_BIG)
+        self._frame(ax)
+        figure = root(ax)
+        figure.draw_without_rendering()
+        clear = [text.get_window_extent() for text in ax.texts]
+        for joint in (np.zeros(2), self.outer):
+            corners = ax.transData.transform(self._block(joint))
+            clear.append(Bbox([corners.min(axis=0), corners.max(axis=0)]))
+        labels = [
+            _label(self.p, f"$p$ = {mm_pair(self.band.p)} mm", BLUE),
+            _label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", BLUE),
+            _label((0.85 * self.p + 0.15 * self.q), "band", self.colour),
+        ]
+        beside(ax, labels, keep_clear=clear)
+
+    def _frame(self, ax: Axes) -> None:
+        """Which way x and y go."""
+        x, y = self.box[0] + 1.0, self.box[2] + 1.0
+        for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
+            arrow(ax, (x, y), (x + way[0], y + way[1]), FAINT, 0.8)
+            ax.text(x + 1.25 * way[0], y + 1.25 * way[1], name, ha="center", va="center")
+
+    def draw_triangle(self, ax: Axes) -> None:
+        """Lever, d and the band."""
+        plain(ax, self.triangle_box)
+        limit, end, zero = self.cell.limit, self._third, np.zeros(2)
+        sweep = np.linspace(-limit, limit, 61)
+        arc = self.lever * np.column_stack([np.cos(sweep), np.sin(sweep)])
+        faint: _Look = {"color": FAINT, "linewidth": 0.6, "linestyle": _DASHES, "zorder": 1}
+        ax.plot(*arc.T, **faint)
+        for stop in self.stops:
+            ax.plot(*np.array([zero, stop]).T, **faint, gid="stop")
+        self._turn(ax, 0.0, 0.72)
+        sides = (
+            ("r", zero, self.outer, INK),
+            ("d", self.outer, end, BLUE),
+            ("l", zero, end, self.colour),
+        )
+        for name, start, stop, colour in sides:
+            ax.plot(*np.array([start, stop]).T, color=colour, linewidth=1.8, zorder=4, gid=name)
+            if name != "l" and np.any(start != stop):
+                _arrow(ax, start, stop, colour, 1.8)
+        clear = [text.get_window_extent() for text in ax.texts]
+        low, high = self.stops
+        labels = [
+            _label(high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
+            _label(low, r"state 0: $\theta = -\theta_c$"),
+            _label((self.outer + end) / 2, f"$d = q - p$ = {mm_pair(self.band.d)} mm", BLUE),
+            _label(end * 0.75, "band $\\ell$", self.colour),
+            _label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
+        ]
+        beside(ax, labels, keep_clear=clear)
+
+
+def _label(at: Floats, text: str, colour: str = INK) -> Label:
+    return Label(float(at[0]), float(at[1]), text, colour)
+
+
+def _arrow(ax: Axes, tail: Floats, tip: Floats, colour: str, width: float) -> None:
+    arrow(ax, (float(tail[0]), float(tail[1])), (float(tip[0]), float(tip[1])), colour, width)
+
+
+def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:
+    """What is held and what is pulled."""
+    left, low = blocks[0, :2]
+    ax.text(left + 1.5, low - 1.0, "held", ha="right", va="top", zorder=9)
+    _, low, right, high = blocks[-1]
+    y = (low + high) / 2
+    arrow(ax, (right, y), (right + 10.0, y), INK, 1.6)
+    words = "pulled by\nthe actuator" if first else "pulled"
+    ax.text(right + 3.0, y - 1.5, words, ha="left", va="top", zorder=9)
+    if len(blocks) == 3 and first:
+        left, low, right, high = blocks[1]
+        ax.text((left + right) / 2, (low + high) / 2, "middle block", ha="center", va="center")
+
+
+def _name_cells(ax: Axes, chain: Chain, x: float, y: float) -> None:
+    """The state, and which cell has which colour, side by side."""
+    words = [("state " + "0" * len(chain), INK)]
+    names = [name if name.startswith("cell") else f"{name} cell" for name in chain.names]
+    words += zip(names, cell_colours(len(chain)), strict=True)
+    for word, colour in words:
+        look: _Look = {"color": colour, "fontweight": "bold", "va": "bottom"}
+        box = ax.text(x, y, literal(word), **look).get_window_extent()
+        x = float(ax.transData.inverted().transform((box.x1, box.y0))[0]) + 3.0
+
+
+def _name_anchors(ax: Axes, bands: Floats) -> None:
+    """p and q at the ends of every band."""
+    for ends in bands:
+        for name, (x, y), other in zip("pq", ends, ends[::-1], strict=True):
+            up = y > other[1]
+            look: _Look = {"ha": "center", "va": "bottom" if up else "top", "color": BLUE}
+            ax.text(x, y + (0.8 if up else -0.8), f"${name}$", **look, fontsize=_BIG, zorder=9)
+
+
+def _add_up(ax: Axes, rest: float, pulled: list[float], y: float, feet: float) -> None:
+    """The travels one after the other, from where the last block rests, and the stroke below."""
+    marks = list(accumulate(pulled, initial=rest))
+    colours = cell_colours(len(pulled))
+    for i, (a, b) in enumerate(pairwise(marks)):
+        along_x(ax, a, b, y, f"$s_{i + 1}$", feet=feet, colour=colours[i], gid=f"s{i + 1}")
+    total = " + ".join(f"$s_{i + 1}$" for i in range(len(pulled)))
+    along_x(ax, rest, marks[-1], y - 7.0, f"stroke $u$ = {total}", feet=feet, gid="u")
