@@ -1,4 +1,4 @@
-"""What is done to the pages while MkDocs builds them: formulas, the repository's address, search."""
+"""What is done to pages while MkDocs builds them: formulas, the sources' address, search."""
 
 import html
 import os
@@ -37,6 +37,7 @@ BOOST = {"how-to/": 2.0, "tutorial": 2.5, "words": 3.0, "index": 2.0, "decisions
 SYMBOLIC = ("theory.md", "robot-theory.md")
 _WHOLE = re.compile(r"(<(pre|code|math|script)\b.*?</\2>|<[^>]+>)", re.S)
 _INDEXED = re.compile(r"(?<![\w.])(\w)_(?:(\w)(?!\w)|\{([^}]+)\})")
+_SEARCH = 'data-md-component="search" role="dialog" aria-label="Search box"'
 
 
 def formula(source: str, *_: Any, **__: Any) -> str:
@@ -45,7 +46,8 @@ def formula(source: str, *_: Any, **__: Any) -> str:
     It may break where the source has a quad; what is still too wide scrolls within itself.
     """
     parts = [_mathml(part) for part in re.split(r"\\q?quad\b", source)]
-    return f'<div class="formula" role="group" aria-label="formula" tabindex="0">{"".join(parts)}</div>'
+    group = '<div class="formula" role="group" aria-label="formula" tabindex="0">'
+    return f"{group}{''.join(parts)}</div>"
 
 
 def _mathml(source: str) -> str:
@@ -69,7 +71,7 @@ def _mathml(source: str) -> str:
 
 
 def repository() -> str:
-    """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else nowhere."""
+    """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else ''."""
     told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     found = told["project"].get("urls", {}).get("Repository", "")
     return os.environ.get("STEPWELL_REPOSITORY", found).rstrip("/")
@@ -104,6 +106,11 @@ def on_page_content(html: str, page: Page, **_: Any) -> str:
         made += [_lowered(html[last : kept.start()]), kept[0]]
         last = kept.end()
     return "".join([*made, _lowered(html[last:])])
+
+
+def on_post_page(output: str, **_: Any) -> str:
+    """The box of the search has a name for those who hear the page."""
+    return output.replace('data-md-component="search" role="dialog"', _SEARCH)
 
 
 def _lowered(text: str) -> str:
