@@ -1,14 +1,28 @@
-"""How hard the tests try: quickly by default, thoroughly with STEPWELL_TESTS=full."""
+"""How hard the tests try: quickly by default, thoroughly with STEPWELL_TESTS=full.
+
+And what those of several rooms share: recordings, a browser, the sources of the studio's page.
+"""
+
+from __future__ import annotations
 
 import os
+import shutil
+import subprocess
 from collections import Counter
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
 
 from sizes import SIZE
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+ROOT = Path(__file__).resolve().parents[1]
 
 # No deadlines: the first call of a compiled kernel takes seconds, and no test asserts a time.
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=30)
@@ -53,10 +67,45 @@ def kamp2024() -> Path:
     repository.
     """
     told = os.environ.get("STEPWELL_RECORDINGS")
-    root = Path(__file__).resolve().parents[1]
-    folder = Path(told) if told else root.parent / "shared" / "data" / "kamp2024"
+    folder = Path(told) if told else ROOT.parent / "shared" / "data" / "kamp2024"
     if told and not folder.is_dir():
         raise pytest.UsageError(f"STEPWELL_RECORDINGS={told!r}: no such folder.")
     if not folder.is_dir():
         pytest.skip("SKIPPED, the authors' recordings are not here: set STEPWELL_RECORDINGS")
     return folder
+
+
+@pytest.fixture(scope="session")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page's sources in a folder of their own, with what builds and tests them."""
+    npm = shutil.which("npm")
+    if npm is None and os.environ.get("STEPWELL_REQUIRE_BROWSER") != "1":
+        pytest.skip("npm is not installed: the studio's page is not built anew, nor run by axe")
+    assert npm is not None, "STEPWELL_REQUIRE_BROWSER=1, and npm is not installed"
+    found = tmp_path_factory.mktemp("sources") / "studio"
+    shutil.copytree(ROOT / "studio", found, ignore=shutil.ignore_patterns("node_modules"))
+    words = [npm, "ci", "--no-audit", "--no-fund", "--ignore-scripts"]
+    done = subprocess.run(words, cwd=found, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return found
+
+
+@pytest.fixture(scope="session")
+def axe(request: pytest.FixtureRequest) -> str:
+    """The script that looks for what keeps people out: what is installed here, or comes now."""
+    inside = Path("node_modules", "axe-core", "axe.min.js")
+    here = ROOT / "studio" / inside
+    found = here if here.exists() else request.getfixturevalue("sources") / inside
+    return found.read_text()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    from playwright.sync_api import sync_playwright
+
+    from chromium import CHROMIUM, QUIET
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield browser
+        browser.close()

@@ -1,29 +1,16 @@
 """A page in a browser: what its tests share."""
 
 import json
-import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
-
+from chromium import Opened as Opened, needed
 from stepwell import files
 from stepwell.mechanism import Chain
 
-REQUIRED = os.environ.get("STEPWELL_REQUIRE_BROWSER") == "1"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-QUIET = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-)
 SERVE = """
 import sys
 from stepwell.files import preset_text, tables_in
@@ -35,15 +22,7 @@ if __name__ == "__main__":
     serve(design, port=port, opened=lambda address: print(address, flush=True))
 """
 
-if not REQUIRED:
-    if CHROMIUM is None:
-        pytest.skip(
-            "the page is not tested: there is no chromium here. STEPWELL_REQUIRE_BROWSER=1 makes "
-            "that a failure.",
-            allow_module_level=True,
-        )
-    for package in ("playwright", "starlette", "uvicorn", "websockets"):
-        pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
+needed("starlette", "uvicorn", "websockets")
 
 from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
     Locator,
@@ -67,21 +46,6 @@ def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
             yield server.stdout.readline().strip()
         finally:  # a test that fails would wait for it forever
             server.terminate()
-
-
-class Opened:
-    """A page with what went wrong in it and what it asked for."""
-
-    def __init__(self, page: Page):
-        self.page = page
-        self.wrong: list[str] = []
-        self.asked: list[str] = []
-        page.on("pageerror", lambda error: self.wrong.append(str(error)))
-        page.on(
-            "console",
-            lambda said: self.wrong.append(said.text) if said.type == "error" else None,
-        )
-        page.on("request", lambda request: self.asked.append(request.url))
 
 
 def output(page: Page, name: str):

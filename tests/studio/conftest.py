@@ -1,13 +1,9 @@
-"""A browser, studios to look at, and pages opened on them."""
+"""Studios to look at, and pages opened on them."""
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
-import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -15,46 +11,7 @@ import pytest
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-    from studio.browser import Opened
-
-
-ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture(scope="session")
-def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page's sources in a folder of their own, with what builds and tests them."""
-    npm = shutil.which("npm")
-    if npm is None and os.environ.get("STEPWELL_REQUIRE_BROWSER") != "1":
-        pytest.skip("npm is not installed: the studio's page is not built anew, nor run by axe")
-    assert npm is not None, "STEPWELL_REQUIRE_BROWSER=1, and npm is not installed"
-    found = tmp_path_factory.mktemp("sources") / "studio"
-    shutil.copytree(ROOT / "studio", found, ignore=shutil.ignore_patterns("node_modules"))
-    words = [npm, "ci", "--no-audit", "--no-fund", "--ignore-scripts"]
-    done = subprocess.run(words, cwd=found, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return found
-
-
-@pytest.fixture(scope="session")
-def axe(request: pytest.FixtureRequest) -> str:
-    """The script that looks for what keeps people out: what is installed here, or comes now."""
-    inside = Path("node_modules", "axe-core", "axe.min.js")
-    here = ROOT / "studio" / inside
-    found = here if here.exists() else request.getfixturevalue("sources") / inside
-    return found.read_text()
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    from playwright.sync_api import sync_playwright
-
-    from studio.browser import CHROMIUM, QUIET
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        yield browser
-        browser.close()
+    from chromium import Opened
 
 
 @pytest.fixture(scope="session")
@@ -75,7 +32,7 @@ def empty_address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 @pytest.fixture
 def opened(browser: Browser) -> Iterator[Opened]:
-    from studio.browser import Opened
+    from chromium import Opened
 
     context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme="light")
     found = Opened(context.new_page())

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from chromium import nothing_found
 from studio.browser import Opened, field, output, served, settled
 
 from playwright.sync_api import Browser, Page, expect  # isort: skip
@@ -14,20 +15,6 @@ WINDOWS = {
     "narrow": {"viewport": {"width": 390, "height": 844}, "color_scheme": "light"},
     "narrow and dark": {"viewport": {"width": 390, "height": 844}, "color_scheme": "dark"},
 }
-# By the text "axe" and not by a tag, for the page's own rules forbid scripts that it did not bring.
-RUN = """
-async () => {
-  const { violations } = await axe.run(document, { resultTypes: ["violations"] });
-  return violations.map(({ id, help, nodes }) =>
-    `${id}: ${help}: ` + nodes.map((one) => one.html.slice(0, 160)).join(" | "));
-}
-"""
-
-
-def nothing_found(page: Page, axe: str) -> None:
-    page.evaluate(axe)
-    found = page.evaluate(RUN)
-    assert not found, "\n".join(found)
 
 
 def each_tab(page: Page, axe: str) -> None:

@@ -1,0 +1,117 @@
+"""What is done to pages while MkDocs builds them: formulas, the sources' address, search."""
+
+import html
+import os
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from latex2mathml.converter import convert
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.pages import Page
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Signs that sources hold as they are, for they read better; the converter knows them by name.
+SIGNS = {
+    "≤": r"\le ",
+    "≥": r"\ge ",
+    "·": r"\cdot ",
+    "∓": r"\mp ",
+    "±": r"\pm ",
+    "≺": r"\prec ",
+    "∈": r"\in ",
+    "µ": "μ",
+}
+# Names of functions, and what comes right before or after one without a sign between them.
+_NAMED = "<mi>(?:sin|cos|tan|exp|max|min)</mi>"
+_THIN = '<mspace width="0.167em" />'
+
+# Who searches wants to do a thing first, then to know why it is so, then why it was built so.
+BOOST = {"how-to/": 2.0, "tutorial": 2.5, "words": 3.0, "index": 2.0, "decisions/": 0.3}
+
+
+# On these pages s_i is a symbol with an index; elsewhere what has a low line is a name in the code.
+SYMBOLIC = ("theory.md", "robot-theory.md")
+_WHOLE = re.compile(r"(<(pre|code|math|script)\b.*?</\2>|<[^>]+>)", re.S)
+_INDEXED = re.compile(r"(?<![\w.])(\w)_(?:(\w)(?!\w)|\{([^}]+)\})")
+_SEARCH = 'data-md-component="search" role="dialog" aria-label="Search box"'
+
+
+def formula(source: str, *_: Any, **__: Any) -> str:
+    """A displayed formula as MathML, from LaTeX in a block marked math.
+
+    It may break where the source has a quad; what is still too wide scrolls within itself.
+    """
+    parts = [_mathml(part) for part in re.split(r"\\q?quad\b", source)]
+    group = '<div class="formula" role="group" aria-label="formula" tabindex="0">'
+    return f"{group}{''.join(parts)}</div>"
+
+
+def _mathml(source: str) -> str:
+    text = source.strip()
+    for sign, name in SIGNS.items():
+        text = text.replace(sign, name)
+    try:
+        made = convert(text, display="block")
+    except Exception as wrong:
+        raise PluginError(f"This formula cannot be typeset: {wrong!r}\n{source}") from wrong
+    if "<mi>&</mi>" in made or re.search(r"<m[io]>\\\w+</m[io]>", made):
+        raise PluginError(f"This formula has something that cannot be typeset:\n{source}")
+    # A name is no operator, and stands apart from the symbol it is applied to.
+    made = re.sub("<mo>(max|min)</mo>", r"<mi>\1</mi>", made)
+    made = re.sub(f"({_NAMED})(?=<m(?:i|sub|sup|n|row)>)", rf"\1{_THIN}", made)
+    made = re.sub(f"(</m(?:i|n|sub|sup|frac|row)>)(?={_NAMED})", rf"\1{_THIN}", made)
+    # A full stop ends the sentence and not a number.
+    made = made.replace("<mo>.</mo></mrow></math>", "<mtext>.</mtext></mrow></math>")
+    said = html.escape(re.sub(r"\s+", " ", source.strip()), quote=True)
+    return made.replace("<math ", f'<math alttext="{said}" ', 1)
+
+
+def repository() -> str:
+    """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else ''."""
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    found = told["project"].get("urls", {}).get("Repository", "")
+    return os.environ.get("STEPWELL_REPOSITORY", found).rstrip("/")
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Blocks marked math are formulas, and the link to the sources stands where there is one."""
+    config.mdx_configs.setdefault("pymdownx.superfences", {})["custom_fences"] = [
+        {"name": "math", "class": "formula", "format": formula}
+    ]
+    address = repository()
+    if address:
+        config.repo_url = address
+        config.repo_name = "/".join(address.split("/")[-2:])
+    return config
+
+
+def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
+    """How early a page comes among what a search finds, unless the page itself says so."""
+    for start, boost in BOOST.items():
+        if page.file.src_uri.startswith(start):
+            page.meta.setdefault("search", {}).setdefault("boost", boost)
+    return markdown
+
+
+def on_page_content(html: str, page: Page, **_: Any) -> str:
+    """Symbols in a sentence have their index below the line, where a page is about symbols."""
+    if page.file.src_uri not in SYMBOLIC:
+        return html
+    made, last = [], 0
+    for kept in _WHOLE.finditer(html):
+        made += [_lowered(html[last : kept.start()]), kept[0]]
+        last = kept.end()
+    return "".join([*made, _lowered(html[last:])])
+
+
+def on_post_page(output: str, **_: Any) -> str:
+    """The box of the search has a name for those who hear the page."""
+    return output.replace('data-md-component="search" role="dialog"', _SEARCH)
+
+
+def _lowered(text: str) -> str:
+    return _INDEXED.sub(lambda found: f"{found[1]}<sub>{found[2] or found[3]}</sub>", text)

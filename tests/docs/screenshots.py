@@ -1,0 +1,74 @@
+"""Pictures of the studio for the pages: `python tests/docs/screenshots.py` takes them anew.
+
+Each carries in itself what could be read on the page when it was taken, so that a test can tell
+whether it is still what a visitor sees.
+"""
+
+import io
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image, PngImagePlugin
+from playwright.sync_api import Browser, expect, sync_playwright
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "docs" / "img" / "studio"
+SCHEMES = ("light", "dark")
+SIZE = (1280, 800)
+# What a visitor can press or read as a heading, in the order of the page.
+LABELS = """
+() => [...document.querySelectorAll("h1, h2, h3, button, [role=tab], [role=status][aria-label]")]
+  .filter((one) => one.checkVisibility())
+  .map((one) => (one.getAttribute("aria-label") ?? one.textContent).trim().replace(/\\s+/g, " "))
+"""
+
+
+def taken(browser: Browser, address: str, scheme: str) -> bytes:
+    """The studio with the paper's forward leg, as a PNG that carries its labels."""
+    wide, high = SIZE
+    page = browser.new_page(
+        viewport={"width": wide, "height": high},
+        color_scheme="dark" if scheme == "dark" else "light",
+        reduced_motion="reduce",
+    )
+    page.goto(address)
+    expect(page.get_by_role("status", name="sequence", exact=True)).to_be_visible()
+    expect(page.locator("main")).to_have_attribute("aria-busy", "false", timeout=60_000)
+    page.wait_for_timeout(1500)  # what follows the design is asked after a rest
+    expect(page.get_by_text("counting")).to_have_count(0, timeout=120_000)
+    page.get_by_role("slider", name="Stroke").fill("70")
+    page.evaluate("document.activeElement.blur()")
+    page.wait_for_timeout(300)
+    shown = page.evaluate(LABELS)
+    shot = Image.open(io.BytesIO(page.screenshot()))
+    page.close()
+    told = PngImagePlugin.PngInfo()
+    told.add_text("labels", json.dumps(shown))
+    written = io.BytesIO()
+    shot.convert("RGB").quantize(128).save(written, "PNG", optimize=True, pnginfo=told)
+    return written.getvalue()
+
+
+def labels(picture: bytes) -> list[str]:
+    """What could be read on the page when a picture was taken."""
+    with Image.open(io.BytesIO(picture)) as found:
+        return json.loads(found.info["labels"])
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(ROOT / "tests"))
+    from chromium import CHROMIUM, QUIET
+    from studio.browser import served
+
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder), "paper-forward") as studio,
+        sync_playwright() as playwright,
+    ):
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        for one in SCHEMES:
+            (FOLDER / f"{one}.png").write_bytes(taken(chromium, studio, one))
+        chromium.close()

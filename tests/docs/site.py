@@ -1,0 +1,81 @@
+"""The built pages: what is linked on each, and a server that shows them on this machine."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+
+class Read(HTMLParser):
+    """The places of a page that can be linked to, its links, and what it loads by itself."""
+
+    def __init__(self, file: Path):
+        super().__init__()
+        self.places: set[str] = set()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.silent: list[str] = []
+        self.feed(file.read_text("utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        told = {name: value or "" for name, value in attrs}
+        self.places |= {told[name] for name in ("id", "name") if name in told}
+        if tag == "a" and "href" in told:
+            self.links.append(told["href"])
+        if tag == "link" and told.get("rel") not in ("prev", "next", "canonical"):
+            self.loads.append(told["href"])
+        self.loads += [told[name] for name in ("src", "poster", "data") if told.get(name)]
+        self.loads += [one.split()[0] for one in told.get("srcset", "").split(",") if one.strip()]
+        if tag == "img" and "alt" not in told:
+            self.silent.append(told.get("src", "?"))
+
+
+def outside(link: str) -> bool:
+    """Whether a link leaves the site."""
+    parts = urlsplit(link)
+    return bool(parts.scheme or parts.netloc)
+
+
+def lost(site: Path) -> list[str]:
+    """Links, anchors and files of a built site that lead nowhere, as "page: link"."""
+    pages = {file: Read(file) for file in site.rglob("*.html")}
+    found = []
+    for file, page in pages.items():
+        for link in [*page.links, *page.loads]:
+            parts = urlsplit(link)
+            if outside(link):
+                continue
+            path = unquote(parts.path)
+            start = site if path.startswith("/") else file.parent
+            target = (start / path.lstrip("/")).resolve() if path else file
+            target = target / "index.html" if target.is_dir() else target
+            there = target.is_file() and target.is_relative_to(site.resolve())
+            if there and parts.fragment and target.suffix == ".html":
+                place = unquote(parts.fragment)
+                there = place in pages[site / target.relative_to(site.resolve())].places
+            if not there:
+                found.append(f"{file.relative_to(site)}: {link}")
+    return found
+
+
+@contextmanager
+def shown(site: Path) -> Iterator[str]:
+    """The address at which a folder is served while this lasts, to this machine alone."""
+
+    class Handler(SimpleHTTPRequestHandler):
+        def __init__(self, *told: Any):
+            super().__init__(*told, directory=str(site))
+
+        def log_message(self, format: str, *args: Any) -> None:
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/"
+        finally:
+            server.shutdown()

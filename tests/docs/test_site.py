@@ -1,0 +1,200 @@
+"""The site as its visitors have it: built, served on this machine, and looked at in a browser."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import pytest
+
+from chromium import Opened, needed, nothing_found
+from docs.pages import ROOT
+from docs.screenshots import FOLDER, SCHEMES, labels, taken
+from docs.site import Read, lost, outside, shown
+from docs.test_pages import difference
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytest.importorskip("material", reason="the site is not tested: mkdocs-material is not installed")
+pytestmark = pytest.mark.slow
+
+# What people type, and the pages of which one has to be among the first three.
+ASKED = {
+    "rubber band": {"words/", "tutorial/", "how-to/bands-loads-friction/"},
+    "snap": {"words/", "tutorial/", "how-to/landings/", "how-to/masses/"},
+    "how do I cite": {""},
+    "friction": {"how-to/bands-loads-friction/", "tutorial/"},
+    "q_mm": {"design-files/", "tutorial/", "lessons/"},
+    "turn the robot": {"how-to/robots/"},
+    "unit cell": {"words/"},
+    "yield": {"words/", "how-to/design-for-a-purpose/"},
+    "stepwell maze": {"commands/", "how-to/robots/"},
+    "lesson": {"lessons/"},
+}
+LOOKS: dict[str, dict[str, Any]] = {
+    "light": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "light"},
+    "dark on a phone": {"viewport": {"width": 360, "height": 740}, "color_scheme": "dark"},
+}
+
+
+def build(folder: Path, **environment: str) -> Path:
+    """The pages, built strictly."""
+    words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(folder)]
+    done = subprocess.run(
+        words,
+        cwd=ROOT,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1", **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(tmp_path_factory.mktemp("site"), STEPWELL_REPOSITORY="")
+
+
+@pytest.fixture(scope="module")
+def home(site: Path) -> Iterator[str]:
+    with shown(site) as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def chromium(request: pytest.FixtureRequest) -> Browser:
+    needed()
+    return request.getfixturevalue("browser")
+
+
+@pytest.fixture
+def window(chromium: Browser) -> Iterator[Page]:
+    context = chromium.new_context(**LOOKS["light"])
+    yield context.new_page()
+    context.close()
+
+
+def paths(site: Path) -> list[str]:
+    """Every page, as its address has it."""
+    return sorted(
+        str(file.parent.relative_to(site)).replace(".", "", 1) + "/"
+        for file in site.rglob("index.html")
+    )
+
+
+def test_every_link_anchor_and_picture_leads_somewhere(site):
+    assert len(paths(site)) > 50
+    assert lost(site) == []
+
+
+def test_a_link_to_nowhere_is_found_out(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "index.html").write_text('<p id="here">')
+    text = '<a href="there/#here"></a><a href="there/#gone"></a><img src="no.png"><a href="#x"></a>'
+    (tmp_path / "index.html").write_text(text + '<a href="../../"></a><a href="/there"></a>')
+    wrong = ["there/#gone", "#x", "../../", "no.png"]
+    assert lost(tmp_path) == [f"index.html: {link}" for link in wrong]
+
+
+def test_links_that_leave_the_site_are_addresses_of_the_web_by_https(site):
+    found = {link for file in site.rglob("*.html") for link in Read(file).links if outside(link)}
+    assert "https://arxiv.org/abs/2409.03737" in found
+    for link in sorted(found):
+        parts = urlsplit(link)
+        assert parts.scheme == "https", link
+        assert re.fullmatch(r"[a-z0-9-]+(\.[a-z0-9-]+)+", parts.netloc), link
+        assert not re.search(r"[\s<>\"{}|\\^`]", link), link
+
+
+def test_every_picture_says_in_words_what_it_shows(site):
+    assert [one for file in site.rglob("*.html") for one in Read(file).silent] == []
+
+
+def test_pages_name_no_file_of_another_host(site):
+    for file in site.rglob("*.html"):
+        assert [one for one in Read(file).loads if outside(one) and "data:" not in one] == []
+    for file in site.rglob("*.css"):
+        assert not re.search(r"url\([\"']?(https?:)?//|@import", file.read_text("utf-8")), file
+
+
+def test_displayed_formulas_are_typeset_and_none_is_left_as_source(site):
+    for name, least in (("theory", 25), ("robot-theory", 4)):
+        text = (site / name / "index.html").read_text("utf-8")
+        assert text.count('<div class="formula"') >= least
+        typeset = re.sub(r' alttext="[^"]*"', "", text)
+        assert not re.search(r"\\(frac|sum|left|text|qquad|cos)|```", typeset)
+        assert re.search(r"\w<sub>\w</sub>", text)
+
+
+def test_the_link_to_the_sources_comes_from_one_place(site, tmp_path):
+    assert 'class="md-source"' not in (site / "index.html").read_text("utf-8")
+    told = build(tmp_path / "site", STEPWELL_REPOSITORY="https://forge.example/us/stepwell/")
+    text = (told / "index.html").read_text("utf-8")
+    assert re.search(r'href="https://forge\.example/us/stepwell"[^>]*class="md-source"', text)
+    assert "us/stepwell" in re.sub(r"<[^>]*>", " ", text)
+
+
+def test_no_page_scrolls_sideways_on_a_phone_and_none_asks_another_host(chromium, site, home):
+    context = chromium.new_context(**LOOKS["dark on a phone"])
+    opened = Opened(context.new_page())
+    wide = {}
+    for path in paths(site):
+        opened.page.goto(home + path.lstrip("/"), wait_until="load")
+        width = opened.page.evaluate(
+            "() => { scrollTo(9999, 0); return [document.documentElement.scrollWidth, scrollX]; }"
+        )
+        if width != [360, 0]:
+            wide[path] = width
+    context.close()
+    assert wide == {}
+    assert not opened.wrong
+    assert [url for url in opened.asked if not url.startswith((home, "data:", "blob:"))] == []
+
+
+@pytest.mark.parametrize("words", ASKED)
+def test_a_search_finds_first_what_one_wants_to_do(window, home, words):
+    window.goto(home + "decisions/")
+    window.keyboard.press("s")
+    window.get_by_role("textbox", name="Search").fill(words)
+    results = window.locator("li.md-search-result__item > a.md-search-result__link")
+    results.first.wait_for()
+    window.wait_for_timeout(500)
+    found = [one.get_attribute("href") or "" for one in results.all()[:5]]
+    pages = [urlsplit(link).path.lstrip("/") for link in found]
+    assert set(pages[:3]) & ASKED[words], pages
+    assert not any(page.startswith("decisions/") for page in pages[:3]), pages
+
+
+@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("path", ["", "tutorial/", "theory/", "commands/"])
+def test_the_pages_keep_nobody_out(chromium, home, axe, path, look):
+    context = chromium.new_context(**LOOKS[look])
+    page = context.new_page()
+    page.goto(home + path)
+    nothing_found(page, axe)
+    context.close()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_pictures_of_the_studio_show_what_it_is_now(chromium, tmp_path, scheme):
+    needed("starlette", "uvicorn", "websockets")
+    from studio.browser import served
+
+    kept = FOLDER / f"{scheme}.png"
+    with served(tmp_path, "paper-forward") as address:
+        now = taken(chromium, address, scheme)
+    (tmp_path / "now.png").write_bytes(now)
+    again = "run `python tests/docs/screenshots.py`"
+    assert labels(now) == labels(kept.read_bytes()), again
+    assert difference(tmp_path / "now.png", kept) < 4.0, again
+    other = FOLDER / f"{SCHEMES[1 - SCHEMES.index(scheme)]}.png"
+    assert difference(kept, other) > 40.0, "one of the two is in the other's colours"
