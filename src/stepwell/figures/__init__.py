@@ -36,6 +36,7 @@ from stepwell.figures.motion import (
     strokes,
     travel_stroke,
 )
+from stepwell.figures.pages import compose
 from stepwell.figures.robots import robot_above, robot_drawing, robot_side
 from stepwell.figures.runs import (
     contacts,
@@ -54,6 +55,7 @@ __all__ = [
     "animation",
     "band_laws",
     "calibration",
+    "compose",
     "contacts",
     "element_curve",
     "element_curves",

@@ -23,6 +23,7 @@ from stepwell.figures.common import (
     direction_colour,
     legends,
     marks,
+    page_width,
     plain,
     round_length,
     styled,
@@ -36,8 +37,8 @@ MOST_STATES = 30
 
 # On the page [mm]: between two drawings, above and below each, and for the key under them all.
 _BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
-# Of the key: what a row holds, and the height of each row but the first [mm].
-_ENTRIES, _MORE = 7, 3.8
+# Of the key: what an entry takes, and the height of each row but the first [mm].
+_ENTRY, _MORE = 25.0, 3.8
 # The scale bar is no longer [mm].
 _BAR = 12.0
 _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
@@ -76,14 +77,14 @@ def mechanism(
     Source: Kamp et al. 2024, Figs. 1A and 2A.
     """
     sheet = arrange(chain, states, columns=columns)
-    figure, ax = canvas(ax, (PAGE, sheet.height), (0.0, 0.0, 0.0, 0.0))
+    figure, ax = canvas(ax, (sheet.width, sheet.height), (0.0, 0.0, 0.0, 0.0), rigid=True)
     draw(ax, sheet)
     return figure
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Where each drawing goes on a page of this height [mm]."""
+    """Where each drawing goes on a page of this width and height [mm]."""
 
     linkage: LinkageDrawing
     travels: list[tuple[float, ...]]
@@ -94,6 +95,7 @@ class Sheet:
     bounds: tuple[float, float, float, float]
     rest: float
     ways: list[int]
+    width: float
     height: float
 
 
@@ -118,15 +120,16 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     strokes = [math.fsum(travel) for travel in travels]
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
+    page = page_width(PAGE)
     # Cells, what a band's width means, and one that is slack.
-    key = _KEY + _MORE * ((len(chain) + 1) // _ENTRIES)
+    key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
         """Places, room for arrows at the left and right, scale and height with c columns."""
         grid = _grid(ways, c)
         entered = {(way, column) for way, (_, column) in zip(ways, grid[1:], strict=True)}
         edges = (1, 0) in entered, (-1, c - 1) in entered
-        room = PAGE - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
+        room = page - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
         scale = min(_LARGEST, room / (c * wide))
         return grid, edges, scale, key + (grid[-1][0] + 1) * (high * scale + _ABOVE + _BELOW)
 
@@ -140,7 +143,7 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
     grid, edges, scale, height = sized(columns)
     row = high * scale + _ABOVE + _BELOW
     step = wide * scale + _BETWEEN
-    first = (PAGE - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
+    first = (page - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
     origins = [
         (
             first + column * step - left * MM * scale,
@@ -158,6 +161,7 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
         (left, bottom, right, top),
         _at_rest(linkage, travels[0]),
         ways,
+        page,
         height,
     )
 
@@ -183,7 +187,7 @@ def _longest_run(ways: Sequence[int]) -> int:
 
 def draw(ax: Axes, sheet: Sheet) -> None:
     """Draw all states into axes that become a page in millimetres."""
-    plain(ax, (0.0, PAGE, 0.0, sheet.height))
+    plain(ax, (0.0, sheet.width, 0.0, sheet.height))
     per_metre = sheet.scale * MM
     weight = min(1.0, 0.55 + 0.9 * sheet.scale)
     left, bottom, right, top = (b * per_metre for b in sheet.bounds)
@@ -235,6 +239,11 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
         ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=INK, linewidth=0.5)
 
 
+def _entries(width: float) -> int:
+    """How many entries a row of the key has room for."""
+    return max(1, int(width / _ENTRY))
+
+
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     linkage = sheet.linkage
     handles = legends.cells(linkage.chain.names, 2.0)
@@ -244,12 +253,12 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     place_of_key = (0.02, 0.6 / sheet.height)
-    legends.above(ax, handles, min(len(handles), _ENTRIES), bbox_to_anchor=place_of_key)
+    legends.above(ax, handles, min(len(handles), _entries(sheet.width)), bbox_to_anchor=place_of_key)
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
     # A round length, so that no reader needs the design file.
     bar = round_length(_BAR / sheet.scale)
-    x = PAGE - 4.0
+    x = sheet.width - 4.0
     look = {"color": INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * sheet.scale, x], [2.4, 2.4], **look)
     ax.text(x - bar * sheet.scale - 1.2, 2.4, f"{bar:g} mm", ha="right", va="center")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stepwell.figures.common import legends
 from stepwell.figures.common.reading import SnapSamples, curve, legs
+from stepwell.figures.common.sheet import shared
 from stepwell.figures.common.style import (
     FAINT,
     LOADING,
@@ -149,7 +150,7 @@ def legend(
     widths: tuple[float, float],
     unloading_style: LineStyleType = "-",
 ) -> None:
-    """Above the axes, what the lines of a path mean."""
+    """Above the axes, what the lines of a path mean; in a legend for several panels, if there is."""
     found: list[Line2D] = []
     if np.any(path.direction > 0):
         found.append(legends.line("loading", LOADING, widths[0]))
@@ -158,7 +159,11 @@ def legend(
     if np.any(path.snap_after):
         look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
         found.append(legends.line("snap", width=1.1, **look))
-    legends.above(ax, found)
+    if (all_share := shared()) is None:
+        legends.above(ax, found)
+    else:
+        known = {one.get_label() for one in all_share}
+        all_share.extend(one for one in found if one.get_label() not in known)
 
 
 def zero_line(ax: Axes) -> None:

@@ -48,7 +48,7 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     path = path_of(result)
     own = ax is None
     width = COLUMN if len(path.chain) <= 4 else PAGE
-    figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0))
+    figure, ax = canvas(ax, (width, 62.0), (15.0, 10.0, 2.0, 6.0), keyed=True)
     x, y = told.stroke(path.chain.measure), told.actuator(path.chain.measure)
     stroke, force = path.stroke * x.factor, path.force * y.factor
     ax.set(xlabel=x.label, ylabel=y.label)
@@ -61,6 +61,7 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     ax.autoscale_view()
     if own:
         keep_inside(ax)
+    marks.legend(ax, path, _WIDTHS)
 
     marks.headings(ax, path, stroke, force)
     rests = vertices(path)
@@ -73,5 +74,4 @@ def force_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     if roomy:
         named = [Label(float(stroke[v.sample]), float(force[v.sample]), v.state) for v in rests]
         beside(ax, named, leaders=True)
-    marks.legend(ax, path, _WIDTHS)
     return figure

@@ -1,0 +1,2 @@
+WIDTHS={}
+class JournalWidth: pass
