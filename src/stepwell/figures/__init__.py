@@ -8,7 +8,7 @@ from stepwell.figures.cells import (
     unit_cell_energy,
     unit_cell_force,
 )
-from stepwell.figures.common import save, svg
+from stepwell.figures.common import PRINT_DPI, save, svg
 from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
@@ -28,15 +28,13 @@ from stepwell.figures.motion import (
     animation,
     force_stroke,
     landscape,
-    landscapes,
     overview,
     snap_motion,
     standard,
     stroke_program,
-    strokes,
     travel_stroke,
 )
-from stepwell.figures.pages import compose
+from stepwell.figures.pages import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
 from stepwell.figures.robots import robot_above, robot_drawing, robot_side
 from stepwell.figures.runs import (
     contacts,
@@ -50,7 +48,10 @@ from stepwell.figures.runs import (
 )
 
 __all__ = [
+    "JOURNAL_WIDTHS",
+    "PRINT_DPI",
     "Effect",
+    "JournalWidth",
     "Sensitivity",
     "animation",
     "band_laws",
@@ -63,7 +64,7 @@ __all__ = [
     "force_stroke",
     "gait",
     "landscape",
-    "landscapes",
+    "length",
     "maze",
     "maze_timeline",
     "measured_energies",
@@ -79,7 +80,6 @@ __all__ = [
     "snap_motion",
     "standard",
     "stroke_program",
-    "strokes",
     "svg",
     "sweep",
     "tornado",

@@ -19,6 +19,7 @@ from stepwell.reports.chain import (
     write_run,
 )
 from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
+from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.measured import (
     write_band,
     write_calibration,
@@ -29,7 +30,9 @@ from stepwell.reports.page import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 
 __all__ = [
+    "PANELS",
     "checked_suffix",
+    "figure",
     "report",
     "write_band",
     "write_calibration",

@@ -253,7 +253,9 @@ def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     place_of_key = (0.02, 0.6 / sheet.height)
-    legends.above(ax, handles, min(len(handles), _entries(sheet.width)), bbox_to_anchor=place_of_key)
+    legends.above(
+        ax, handles, min(len(handles), _entries(sheet.width)), bbox_to_anchor=place_of_key
+    )
     if not len(linkage.owner):
         return  # Nothing but elements: no length to compare with.
     # A round length, so that no reader needs the design file.

@@ -38,6 +38,7 @@ from stepwell.figures.common.sheet import (
     page_width,
     place,
     root,
+    shared,
     sheet_of,
     size_of,
     text_at,
@@ -74,4 +75,4 @@ from stepwell.figures.common.style import (
     styled,
 )
 from stepwell.figures.common.words import minus, sequence_words, shortened, wrapped
-from stepwell.figures.common.write import save, svg
+from stepwell.figures.common.write import KINDS, PRINT_DPI, save, svg

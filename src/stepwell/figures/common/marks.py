@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
@@ -149,9 +149,13 @@ def legend(
     path: Path,
     widths: tuple[float, float],
     unloading_style: LineStyleType = "-",
+    more: Sequence[Artist] = (),
 ) -> None:
-    """Above the axes, what the lines of a path mean; in a legend for several panels, if there is."""
-    found: list[Line2D] = []
+    """Above the axes, what the lines of a path mean, and more.
+
+    Where panels share a legend, what the lines mean goes there.
+    """
+    found: list[Artist] = []
     if np.any(path.direction > 0):
         found.append(legends.line("loading", LOADING, widths[0]))
     if np.any(path.direction < 0):
@@ -160,10 +164,12 @@ def legend(
         look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
         found.append(legends.line("snap", width=1.1, **look))
     if (all_share := shared()) is None:
-        legends.above(ax, found)
+        legends.above(ax, [*found, *more])
     else:
         known = {one.get_label() for one in all_share}
         all_share.extend(one for one in found if one.get_label() not in known)
+        if more:
+            legends.above(ax, more)
 
 
 def zero_line(ax: Axes) -> None:

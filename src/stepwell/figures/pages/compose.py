@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from matplotlib.artist import Artist
@@ -18,18 +18,25 @@ from stepwell.figures.common import (
     blank,
     drawing,
     legends,
+    literal,
     measured,
     size_of,
     styled,
     text_at,
 )
+from stepwell.figures.pages.journals import NARROWEST
+
+# What is composed: panels in reading order, rows of them, or rows by name.
+Panels = Sequence[Draw | Sequence[Draw]] | Mapping[str, Sequence[Draw]]
 
 # Between rows, between the panels of a row, and what a legend for all of them takes [mm].
 _BETWEEN, _LEGEND = 3.0, 5.0
 # A panel is about as wide as this, unless columns are given [mm].
 _USUAL = 75.0
-# Narrower than this, words of 7 pt have no room; lower, curves have none [mm].
-NARROWEST, _LOWEST = 40.0, 45.0
+# The name of a row [mm].
+_NAME = 4.5
+# Lower than this, curves have no room [mm].
+_LOWEST = 45.0
 MOST_PANELS = 26
 LETTERS: dict[str, Callable[[str], str]] = {
     "A": str.upper,
@@ -49,7 +56,7 @@ class _Cell:
 
 @styled
 def compose(
-    panels: Sequence[Draw | Sequence[Draw]],
+    panels: Panels,
     *,
     width: float = PAGE,
     height: float | None = None,
@@ -63,7 +70,8 @@ def compose(
 
     Args:
         panels: what draws each, in reading order: a function of this room with its arguments, as
-            `partial(force_stroke, cycle)`. Several in a list make a row.
+            `partial(force_stroke, cycle)`. Several in a list make a row; of a mapping each
+            name is written above its row.
         width: of the page [mm], at least 40 for each panel of a row.
         height: of the page [mm]; by default what the panels want. Panels whose frame may have
             any shape take or give what is missing.
@@ -77,43 +85,61 @@ def compose(
     Raises:
         ValueError: no panel or too many, a width or height that they cannot have, other letters.
     """
-    count = sum(1 if callable(one) else len(one) for one in panels)
+    titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
+    count = sum(1 if callable(one) else len(one) for one in given)
     if not 0 < count <= MOST_PANELS:
         raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
     if letters not in LETTERS:
         raise InputError(f"letters = {letters!r}: must be one of {', '.join(LETTERS)}.")
     panel = Panel(lettered=count > 1 and letters != "none")
-    rows = [_laid(row, width, panel) for row in _rows(panels, width, columns, panel)]
+    rows = [_laid(row, width, panel) for row in _rows(given, width, columns, panel)]
     share = sum(cell.size.keyed for row in rows for cell in row) > 1
     legend: list[Artist] | None = [] if share else None
-    room = _LEGEND * share + _BETWEEN * (len(rows) - 1)
+    room = _LEGEND * share + _BETWEEN * (len(rows) - 1) + _NAME * len(titles)
     rows = _stretched(rows, None if height is None else height - room)
     tall = [max(cell.size.height for cell in row) for row in rows]
-    figure = blank(width, sum(tall) + room)
-    names = iter(map(LETTERS[letters], string.ascii_lowercase))
     top = sum(tall) + room
-    for row, high in zip(rows, tall, strict=True):
-        left = 0.0
-        for cell in row:
-            onto = _part(figure, left, top - cell.size.height, cell.size)
-            own = None if cell.size.rigid else cell.size.height
-            now = replace(panel, width=cell.size.width, height=own, onto=onto)
-            with drawing(replace(now, shared=legend if cell.size.keyed else None)):
-                cell.draw()
-            name = next(names) if panel.lettered else ""
-            look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
-            text_at(figure, left + 0.5, top - 0.5, name, **look)
-            left += cell.size.width + _BETWEEN
+    figure = blank(width, top)
+    names = map(LETTERS[letters], string.ascii_lowercase)
+    for k, (row, high) in enumerate(zip(rows, tall, strict=True)):
+        if titles:
+            look = {"va": "top", "fontweight": "bold", "fontsize": 8.0}
+            text_at(figure, 0.5, top - 0.5, literal(titles[k]), **look)
+            top -= _NAME
+        _draw_row(figure, row, top, replace(panel, shared=legend), names)
         top -= high + _BETWEEN
     if legend:
         legends.below(figure, legend, len(legend))
     return figure
 
 
+def _draw_row(
+    figure: Figure, row: Sequence[_Cell], top: float, panel: Panel, names: Iterator[str]
+) -> None:
+    """Panels beside each other, each with its letter, under a height of the page [mm]."""
+    left = 0.0
+    for cell in row:
+        size = cell.size
+        onto = _part(figure, left, top - size.height, size)
+        own = replace(panel, width=size.width, onto=onto)
+        if not size.rigid:
+            own = replace(own, height=size.height)
+        if not size.keyed:
+            own = replace(own, shared=None)
+        with drawing(own):
+            cell.draw()
+        if panel.lettered:
+            look = {"va": "top", "fontsize": 8.0, "fontweight": "bold", "gid": "letter"}
+            text_at(figure, left + 0.5, top - 0.5, next(names), **look)
+        left += size.width + _BETWEEN
+
+
 def _rows(
     panels: Sequence[Draw | Sequence[Draw]], width: float, columns: int | None, panel: Panel
 ) -> list[list[Draw]]:
     """What stands beside each other."""
+    if columns is not None and not 1 <= columns <= MOST_PANELS:
+        raise InputError(f"columns = {columns}: must be 1 to {MOST_PANELS}.")
     if not all(map(callable, panels)):
         return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
     most = columns or max(1, round(width / _USUAL))
@@ -174,10 +200,7 @@ def _stretched(rows: list[list[_Cell]], height: float | None) -> list[list[_Cell
         raise InputError(f"height: {what} {more:.4g} mm; the page leaves them {height:.4g} mm.")
     by = (height - fixed) / rest
     return [
-        [
-            replace(cell, size=cell.size._replace(height=high * by)) if may else cell
-            for cell in row
-        ]
+        [replace(cell, size=cell.size._replace(height=high * by)) if may else cell for cell in row]
         for row, high, may in zip(rows, tall, loose, strict=True)
     ]
 
