@@ -44,7 +44,7 @@ NUMBERS = {
 
 
 # Scripts that draw; tests/docs looks at what they draw.
-PICTURES = ("figures_of_the_pages", "moving_picture", "pictures_of_the_front_page")
+DRAWING = ("figures_of_the_pages", "moving_picture", "pictures_of_the_front_page")
 
 SLOW = ("10_antennas_in_the_three_wall_arena",)
 
@@ -75,7 +75,7 @@ def test_relays_lose_what_the_chain_under_force_control_loses(capsys):
 def test_every_example_has_its_number_and_opens_with_its_idea():
     names = sorted(file.stem for file in EXAMPLES.glob("*.py"))
     pictures = [name for name in names if name.startswith("00")]
-    assert pictures == [f"00_{what}" for what in PICTURES]
+    assert pictures == [f"00_{what}" for what in DRAWING]
     assert names == [*pictures, *NUMBERS]
     for name in names:
         first = (EXAMPLES / f"{name}.py").read_text("utf-8").splitlines()[0]

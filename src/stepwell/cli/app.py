@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import demo, doctor, lab, paper, presets, schema, studio
+from stepwell.cli import demo, doctor, figure, lab, paper, presets, schema, studio
 from stepwell.cli.chains import design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
@@ -35,6 +35,7 @@ for command in (
     presets.presets,
     motion.animate,
     motion.replay,
+    figure.figure,
     paper.paper,
     paper.validate,
 ):

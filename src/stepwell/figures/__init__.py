@@ -15,7 +15,7 @@ from stepwell.figures.cells import (
     unit_cell_energy,
     unit_cell_force,
 )
-from stepwell.figures.common import save, svg
+from stepwell.figures.common import PRINT_DPI, save, svg
 from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
@@ -36,14 +36,13 @@ from stepwell.figures.motion import (
     animation,
     force_stroke,
     landscape,
-    landscapes,
     overview,
     snap_motion,
     standard,
     stroke_program,
-    strokes,
     travel_stroke,
 )
+from stepwell.figures.pages import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
 from stepwell.figures.robots import robot_above, robot_drawing, robot_side
 from stepwell.figures.runs import (
     contacts,
@@ -57,11 +56,15 @@ from stepwell.figures.runs import (
 )
 
 __all__ = [
+    "JOURNAL_WIDTHS",
+    "PRINT_DPI",
     "Effect",
+    "JournalWidth",
     "Sensitivity",
     "animation",
     "band_laws",
     "calibration",
+    "compose",
     "contacts",
     "element_curve",
     "element_curves",
@@ -71,7 +74,7 @@ __all__ = [
     "labelled_cell",
     "labelled_chain",
     "landscape",
-    "landscapes",
+    "length",
     "margins",
     "maze",
     "maze_timeline",
@@ -88,7 +91,6 @@ __all__ = [
     "snap_motion",
     "standard",
     "stroke_program",
-    "strokes",
     "svg",
     "sweep",
     "tornado",

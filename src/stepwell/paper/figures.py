@@ -1,8 +1,9 @@
-"""The paper's figures about unit cells and two-cell mechanisms, drawn from the model."""
+"""The paper's figures, page by page, drawn from the model."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -23,25 +24,32 @@ from stepwell.sequences import Cycle, Pathway
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-def force() -> Figure:
-    """F against θ of the six unit cells (Fig. 1D)."""
-    return figures.unit_cell_force(list(six_cells().values()))
+# Of a page with five rows of three [mm].
+_NARROW = 165.0
 
 
-def energy() -> Figure:
-    """E against θ of the six unit cells (Fig. 1E)."""
-    return figures.unit_cell_energy(list(six_cells().values()))
+def unit_cells() -> Figure:
+    """Force and energy of the six unit cells over the angle of their lever (Figs. 1D and 1E)."""
+    cells = list(six_cells().values())
+    drawn = figures.unit_cell_force, figures.unit_cell_energy
+    return figures.compose([partial(draw, cells) for draw in drawn])
 
 
-def landscapes() -> Figure:
-    """Energy of two cells with the path on it, a pair for each pathway (Fig. 2B).
+def pathways() -> Figure:
+    """Energy, force and travels of a pair of cells for each pathway (Figs. 2B and 2D to 2G).
 
     One more has an outer cell that is monostable by itself.
     """
     lone = monostable_pair()
     name = f"Outer monostable: q = ({_mm(lone.chain.levers[1].bands[0].q)}) mm"
-    return figures.landscapes(_pairs() | {name: lone})
+    drawn = figures.landscape, figures.force_stroke, figures.travel_stroke
+    return figures.compose(
+        {
+            name: [partial(draw, one) for draw in drawn]
+            for name, one in (_pairs() | {name: lone}).items()
+        },
+        width=_NARROW,
+    )
 
 
 def map_() -> Figure:
@@ -53,19 +61,8 @@ def map_() -> Figure:
     return figures.transition_map(found, boundaries(chain, 1, x=x, y=y), marked)
 
 
-def strokes() -> Figure:
-    """Force and travels against stroke, a pair of cells for each pathway (Figs. 2D to 2G)."""
-    return figures.strokes(_pairs())
-
-
 FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
-    {
-        "fig1d-force": force,
-        "fig1e-energy": energy,
-        "fig2b-landscapes": landscapes,
-        "fig2c-map": map_,
-        "fig2d-2g-pathways": strokes,
-    }
+    {"fig1": unit_cells, "fig2": pathways, "fig2c": map_}
 )
 
 
@@ -83,12 +80,13 @@ def gaits() -> Figure:
 
 
 def three_walls() -> Figure:
-    """A robot with antennas past three walls (Fig. 4D)."""
+    """A robot with antennas past three walls, from above and over time (Fig. 4D)."""
     from stepwell import files
     from stepwell.paper.robots import robot
     from stepwell.simulation import maze
 
-    return figures.maze(maze(robot("explorer"), files.load_arena("three-walls")))
+    run = maze(robot("explorer"), files.load_arena("three-walls"))
+    return figures.compose([partial(figures.maze, run), partial(figures.maze_timeline, run)])
 
 
 def tornado() -> Figure:
@@ -99,9 +97,9 @@ def tornado() -> Figure:
 
 
 # Figures for which the simulator is needed.
-ROBOT_FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType({"fig3-gaits": gaits})
+ROBOT_FIGURES: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType({"fig3": gaits})
 MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
-    {"fig4d-three-walls": three_walls, "robot-tornado": tornado}
+    {"fig4": three_walls, "robot-tornado": tornado}
 )
 
 

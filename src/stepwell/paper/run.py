@@ -9,7 +9,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from stepwell import files
-from stepwell.base import need
+from stepwell.base import InputError, nearest_word, need
 from stepwell.paper.claims import Claim, Verdict
 from stepwell.paper.mechanisms import (
     CELLS,
@@ -181,3 +181,24 @@ def outputs(everything: bool = False) -> tuple[str, ...]:
     from stepwell.paper.figures import figures_of
 
     return ("claims.json", *files.pictures(*figures_of(everything)))
+
+
+def figure_of(name: str) -> Figure:
+    """A figure of the paper, drawn from the model.
+
+    Args:
+        name: fig1 (Figs. 1D, 1E), fig2 (2B, 2D to 2G), fig2c, fig3 (3C to 3E), fig4 (4D), or
+            robot-tornado; those of robots are simulated, the last two many times.
+
+    Raises:
+        ValueError: there is none of that name.
+        ExtraError: it needs the simulator, which is not installed.
+    """
+    from stepwell.paper import figures
+
+    every = figures.FIGURES | figures.ROBOT_FIGURES | figures.MANY_RUNS
+    if name not in every:
+        near = nearest_word(name, every)
+        guess = f"Did you mean {near}?" if near else f"There are {', '.join(every)}."
+        raise InputError(f"{name!r}: no such figure of the paper. {guess}")
+    return every[name]()

@@ -19,6 +19,7 @@ from stepwell.reports.chain import (
     write_run,
 )
 from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
+from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.measured import (
     write_band,
     write_calibration,
@@ -34,7 +35,9 @@ __all__ = [
     "STEPS",
     "Step",
     "Telling",
+    "PANELS",
     "checked_suffix",
+    "figure",
     "report",
     "write_band",
     "write_calibration",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -119,7 +120,14 @@ def _of_margin(margin: Margin) -> dict[str, Figure]:
     around = transition_map(chain, nearest.cell, x=x, y=y)
     curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
     dots = {"this design": here}
-    return drawn | {"around": figures.transition_map(around, curves, dots, width=_PHONE)}
+    return drawn | {"around": _narrow(partial(figures.transition_map, around, curves, dots))}
+
+
+def _narrow(draw: Callable[[], Figure]) -> Figure:
+    """A figure as it fills a phone."""
+    from stepwell import figures
+
+    return figures.compose([draw], width=_PHONE)
 
 
 def _replay(result: Chain | Program, title: str) -> str:
@@ -187,7 +195,7 @@ def write_map(
         "boundaries.csv": boundary_rows(boundaries),
     }
     drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
-    narrow = figures.transition_map(dataset, boundaries, inside, width=_PHONE)
+    narrow = _narrow(partial(figures.transition_map, dataset, boundaries, inside))
     contents["report.html"] = map_page(record, drawn["map"], narrow)
     return bundle(folder, "map", contents, drawn, progress=progress, force=force)
 

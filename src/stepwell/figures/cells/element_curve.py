@@ -33,6 +33,7 @@ from stepwell.figures.common import (
     minus,
     name_panel,
     on_white,
+    page_width,
     pale,
     place,
     styled,
@@ -45,9 +46,9 @@ _SAMPLES = 241
 # What is shown past an open end and past a stop, as shares of the full travel.
 _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
-# Of axes beside each other, and of an entry of the key [mm].
-_LEAST_WIDTH, _ENTRY = 55.0, 26.0
 _DOTS = (0, (1, 1.6))
+# What the axes of one element, and an entry of the key of several, need at least [mm].
+_LEAST, _ENTRY = 44.0, 30.0
 _COLOUR = cell_colours(1)[0]
 _PALE = pale(_COLOUR)
 _SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
@@ -99,38 +100,39 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
 
 
 @styled
-def element_curves(elements: Mapping[str, Element], *, width: float = PAGE) -> Figure:
+def element_curves(elements: Mapping[str, Element]) -> Figure:
     """The force curves of several elements, up to three in a row, each with axes of its own.
 
     Args:
         elements: what to show, by the name to write above it.
-        width: of the figure [mm]; two columns of a page by default, and one has a curve in a row.
 
     Returns:
-        A figure of that width; all else as for `element_curve`.
+        A figure of two columns' width; all else as for `element_curve`.
 
     Raises:
         ValueError: nothing to show.
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
-    across = max(1, min(3, len(elements), int(width / _LEAST_WIDTH)))
-    key = _key(elements.values())
-    abreast = min(len(key), max(1, int(width / _ENTRY)))
-    wide, tall, foot = width / across, 54.0, 3.2 + 3.8 * -(-len(key) // abreast)
+    page = page_width(PAGE)
+    across = min(max(1, int(page / _LEAST)), 3, len(elements))
+    each, tall, foot = page / across, 54.0, 7.0
     rows = -(-len(elements) // across)
-    figure = blank(width, rows * tall + foot)
+    key = _key(elements.values())
+    columns = max(1, min(len(key), int(page / _ENTRY)))
+    foot += 3.8 * (-(-len(key) // columns) - 1)
+    figure = blank(page, rows * tall + foot)
     for k, (name, element) in enumerate(elements.items()):
         row, column = divmod(k, across)
-        left, bottom = column * wide + 13.0, (rows - 1 - row) * tall + 11.0 + foot
-        ax = place(figure, left, bottom, wide - 15.0, tall - 17.0)
+        left, bottom = column * each + 13.0, (rows - 1 - row) * tall + 11.0 + foot
+        ax = place(figure, left, bottom, each - 15.0, tall - 17.0)
         drawn = _Curve(ax, element)
         drawn.draw_force()
         ax.locator_params(nbins=5)
         ax.set(xlabel=drawn.travel.label, ylabel=drawn.force.label)
         drawn.name_fields()
         name_panel(ax, literal(name))
-    legends.below(figure, key, abreast)
+    legends.below(figure, key, columns)
     return figure
 
 

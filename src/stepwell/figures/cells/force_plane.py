@@ -26,6 +26,7 @@ from stepwell.figures.common import (
     cell_colours,
     legends,
     literal,
+    page_width,
     pale,
     place,
     shortened,
@@ -123,13 +124,14 @@ def force_plane(
     )
     cloud = None if clouds is None else np.asarray(clouds, float) * of.factor
     strip = _ROW * count + 1.5
-    width = COLUMN if count <= 4 else _WIDE
+    width = page_width(COLUMN if count <= 4 else _WIDE)
     # The names of switches are longer.
     edge = _LEFT + (3.0 if count > len(chain) else 0.0)
     side = width - edge - _BETWEEN - strip - _RIGHT
     gap = _narrowest(forces, orders)
     key = _key(bool(region), places is not None, cloud is not None, gap, of.sign)
-    columns = 2 if width == COLUMN else 3
+    narrow = width < _WIDE
+    columns = 2 if narrow else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
     figure = blank(width, height)
     ax = place(figure, edge, _BOTTOM, side, side)
@@ -158,7 +160,7 @@ def force_plane(
     ):
         room = _ROOM * abs(middle)
         limit(min(low, middle - room), max(high, middle + room))
-    ax.locator_params(nbins=5 if width == COLUMN else 8)
+    ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if gap is not None:
         # The narrowest step as a band across the plane.

@@ -23,6 +23,7 @@ from stepwell.figures.common import (
     direction_colour,
     legends,
     marks,
+    page_width,
     plain,
     round_length,
     styled,
@@ -53,7 +54,6 @@ def mechanism(
     states: Iterable[State],
     *,
     columns: int | None = None,
-    width: float = PAGE,
     ax: Axes | None = None,
 ) -> Figure:
     """The chain in one state after another, with an arrow between and the stroke below each.
@@ -69,16 +69,15 @@ def mechanism(
         chain: up to 12 cells.
         states: up to 30, each as "010" or as (N,) travels [m]; `cycle.sequence` is one.
         columns: drawings side by side; by default as many as stay legible.
-        width: of the figure [mm]; two columns of a page by default.
-        ax: axes to draw into; a new figure of that width by default.
+        ax: axes to draw into; a new figure of two columns' width by default.
 
     Raises:
         ValueError: a state that is none of this chain, or more cells or states than can be seen.
 
     Source: Kamp et al. 2024, Figs. 1A and 2A.
     """
-    sheet = arrange(chain, states, columns=columns, width=width)
-    figure, ax = canvas(ax, (width, sheet.height), (0.0, 0.0, 0.0, 0.0))
+    sheet = arrange(chain, states, columns=columns)
+    figure, ax = canvas(ax, (sheet.width, sheet.height), (0.0, 0.0, 0.0, 0.0), rigid=True)
     draw(ax, sheet)
     return figure
 
@@ -100,9 +99,7 @@ class Sheet:
     height: float
 
 
-def arrange(
-    chain: Chain, states: Iterable[State], *, columns: int | None = None, width: float = PAGE
-) -> Sheet:
+def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None) -> Sheet:
     """Lay the drawings out in rows."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
@@ -123,16 +120,16 @@ def arrange(
     strokes = [math.fsum(travel) for travel in travels]
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
 
+    page = page_width(PAGE)
     # Cells, what a band's width means, and one that is slack.
-    entries = _entries(width)
-    key = _KEY + _MORE * ((len(chain) + 1) // entries)
+    key = _KEY + _MORE * ((len(chain) + 1) // _entries(page))
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
         """Places, room for arrows at the left and right, scale and height with c columns."""
         grid = _grid(ways, c)
         entered = {(way, column) for way, (_, column) in zip(ways, grid[1:], strict=True)}
         edges = (1, 0) in entered, (-1, c - 1) in entered
-        room = width - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
+        room = page - 4.0 - (c - 1 + sum(edges)) * _BETWEEN
         scale = min(_LARGEST, room / (c * wide))
         return grid, edges, scale, key + (grid[-1][0] + 1) * (high * scale + _ABOVE + _BELOW)
 
@@ -146,7 +143,7 @@ def arrange(
     grid, edges, scale, height = sized(columns)
     row = high * scale + _ABOVE + _BELOW
     step = wide * scale + _BETWEEN
-    first = (width - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
+    first = (page - columns * step + _BETWEEN + (edges[0] - edges[1]) * _BETWEEN) / 2
     origins = [
         (
             first + column * step - left * MM * scale,
@@ -164,7 +161,7 @@ def arrange(
         (left, bottom, right, top),
         _at_rest(linkage, travels[0]),
         ways,
-        width,
+        page,
         height,
     )
 
@@ -243,8 +240,8 @@ def ground(ax: Axes, linkage: LinkageDrawing, origin: tuple[float, float], scale
 
 
 def _entries(width: float) -> int:
-    """What a row of the key holds on a page of this width [mm]."""
-    return int(width / _ENTRY)
+    """How many entries a row of the key has room for."""
+    return max(1, int(width / _ENTRY))
 
 
 def _key(ax: Axes, sheet: Sheet, slack: bool) -> None:

@@ -25,6 +25,25 @@ from stepwell.figures.common.reading import (
     span,
     vertices,
 )
+from stepwell.figures.common.sheet import (
+    Draw,
+    Panel,
+    Size,
+    blank,
+    canvas,
+    drawing,
+    indent,
+    keep_inside,
+    measured,
+    name_panel,
+    page_width,
+    place,
+    root,
+    shared,
+    sheet_of,
+    size_of,
+    text_at,
+)
 from stepwell.figures.common.style import (
     BLACK,
     BLOCK,
@@ -46,23 +65,15 @@ from stepwell.figures.common.style import (
     UNLOADING,
     VERMILLION,
     YELLOW,
-    blank,
-    canvas,
     cell_colours,
     cell_dashes,
     direction_colour,
     hollow,
-    keep_inside,
-    name_panel,
     name_rows,
     on_black,
     on_white,
     pale,
-    place,
-    root,
-    size_of,
     styled,
-    text_at,
 )
 from stepwell.figures.common.words import minus, sequence_words, shortened, wrapped
-from stepwell.figures.common.write import save, svg
+from stepwell.figures.common.write import KINDS, PRINT_DPI, save, svg

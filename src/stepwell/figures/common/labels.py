@@ -11,7 +11,8 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats
-from stepwell.figures.common.style import INK, root
+from stepwell.figures.common.sheet import root
+from stepwell.figures.common.style import INK
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
 _DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 65.0)

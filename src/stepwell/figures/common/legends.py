@@ -15,7 +15,8 @@ from matplotlib.transforms import ScaledTranslation
 from matplotlib.typing import ColorType
 
 from stepwell.figures.common.names import literal
-from stepwell.figures.common.style import INK, cell_colours, cell_dashes, root, size_of
+from stepwell.figures.common.sheet import in_panel, sheet_of, size_of
+from stepwell.figures.common.style import INK, cell_colours, cell_dashes
 
 
 def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:
@@ -53,14 +54,45 @@ def cells(
 
 
 def above(ax: Axes, handles: Iterable[Artist] | None = None, columns: int = 3, **look: Any) -> None:
-    """A legend 1.2 mm above the axes, of these handles or of all that has a label."""
+    """A legend 1.2 mm above the axes, of these handles or of all that has a label.
+
+    In a panel of a page it has as many columns as have room, and the axes make room for its rows.
+    """
     # In mm, not as a share of the axes: on high ones that would leave the page.
-    lifted = ax.transAxes + ScaledTranslation(0.0, 1.2 / 25.4, root(ax).dpi_scale_trans)
+    lifted = ax.transAxes + ScaledTranslation(0.0, 1.2 / 25.4, sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
-    ax.legend(
-        **({} if handles is None else {"handles": list(handles)}),
-        **place | {"ncols": columns} | look,
-    )
+    given = {} if handles is None else {"handles": list(handles)}
+    legend = ax.legend(**given, **place | {"ncols": columns} | look)
+    if not in_panel():
+        return
+    page, per_mm = sheet_of(ax).bbox, sheet_of(ax).dpi / 25.4
+    while columns > 1 and legend.get_window_extent().x1 > page.x1:
+        columns -= 1
+        legend = ax.legend(**given, **place | {"ncols": columns} | look)
+    _shorten(legend, page.x1)
+    over = legend.get_window_extent().y1 + 0.5 * per_mm - page.y1
+    if over > 0:
+        box = ax.get_position()
+        ax.set_position((box.x0, box.y0, box.width, box.height - over / page.height))
+
+
+def _shorten(legend: Legend, right: float) -> None:
+    """Leave out the ends of names that would leave the page."""
+    for text in legend.get_texts():
+        words = text.get_text()
+        while len(words) > 4 and "$" not in words and text.get_window_extent().x1 > right:
+            words = words[:-2].rstrip(" …") + "…"
+            text.set_text(words)
+
+
+def fitting(figure: Figure, handles: Sequence[Artist], width: float, most: int) -> int:
+    """How many of these entries, at most so many, have room beside each other in `width` mm."""
+    for columns in range(most, 1, -1):
+        legend = figure.legend(handles=handles, ncols=columns)
+        legend.remove()
+        if legend.get_window_extent().width <= width / 25.4 * figure.dpi:
+            return columns
+    return 1
 
 
 def on_top(

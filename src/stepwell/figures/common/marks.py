@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
 from stepwell.figures.common import legends
 from stepwell.figures.common.reading import SnapSamples, curve, legs
+from stepwell.figures.common.sheet import shared
 from stepwell.figures.common.style import (
     FAINT,
     LOADING,
@@ -148,9 +149,13 @@ def legend(
     path: Path,
     widths: tuple[float, float],
     unloading_style: LineStyleType = "-",
+    more: Sequence[Artist] = (),
 ) -> None:
-    """Above the axes, what the lines of a path mean."""
-    found: list[Line2D] = []
+    """Above the axes, what the lines of a path mean, and more.
+
+    Where panels share a legend, what the lines mean goes there.
+    """
+    found: list[Artist] = []
     if np.any(path.direction > 0):
         found.append(legends.line("loading", LOADING, widths[0]))
     if np.any(path.direction < 0):
@@ -158,7 +163,13 @@ def legend(
     if np.any(path.snap_after):
         look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
         found.append(legends.line("snap", width=1.1, **look))
-    legends.above(ax, found)
+    if (all_share := shared()) is None:
+        legends.above(ax, [*found, *more])
+    else:
+        known = {one.get_label() for one in all_share}
+        all_share.extend(one for one in found if one.get_label() not in known)
+        if more:
+            legends.above(ax, more)
 
 
 def zero_line(ax: Axes) -> None:

@@ -7,15 +7,10 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure, SubFigure
-from matplotlib.text import Text
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.base import InputError
 from stepwell.figures.common.names import families
 from stepwell.sequences import Pathway
 
@@ -111,89 +106,6 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
             return draw(*args, **kwargs)
 
     return inside
-
-
-def blank(width: float, height: float) -> Figure:
-    """An empty figure of this size [mm] that knows how to measure its own text."""
-    figure = Figure(figsize=(width / 25.4, height / 25.4))
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Axes at a place given in mm: nothing has to be laid out again when text is added."""
-    w, h = size_of(figure)
-    ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
-    # Said aloud, because how many ticks fit is decided later, outside this style.
-    ax.tick_params(labelsize=STYLE["xtick.labelsize"])
-    return ax
-
-
-def size_of(figure: Figure) -> tuple[float, float]:
-    """Width and height of a figure [mm]."""
-    wide, high = (25.4 * inches for inches in figure.get_size_inches())
-    return float(wide), float(high)
-
-
-def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
-    """Text at a place of the figure given in mm, its foot there by default."""
-    width, height = size_of(figure)
-    look.setdefault("va", "bottom")
-    return figure.text(x / width, y / height, text, **look)
-
-
-def keep_inside(ax: Axes, least: float = 1.0) -> None:
-    """Narrow the axes where their left labels would come closer than `least` mm to the edge.
-
-    At the right, where their last number would leave the page.
-    """
-    figure = root(ax)
-    # Twice, because narrower axes may have other numbers.
-    for _ in range(2):
-        place, box, below = ax.get_position(), ax.yaxis.get_tightbbox(), ax.xaxis.get_tightbbox()
-        missing = least / 25.4 * figure.dpi - (box.x0 if box is not None else np.inf)
-        over = (below.x1 if below is not None else 0.0) - figure.bbox.width
-        if missing > 0 or over > 0:
-            # A pixel more at the right, lest rounding puts it outside.
-            left = max(missing, 0.0) / figure.bbox.width
-            right = (over + 1.0) / figure.bbox.width if over > 0 else 0.0
-            ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
-
-
-def canvas(
-    ax: Axes | None,
-    size: tuple[float, float],
-    margins: tuple[float, float, float, float],
-) -> tuple[Figure, Axes]:
-    """The given axes with their figure, or new ones.
-
-    Args:
-        ax: axes to draw into, or None.
-        size: width and height of a new figure [mm].
-        margins: left, bottom, right, top around its axes [mm].
-    """
-    if ax is None:
-        left, bottom, right, top = margins
-        figure = blank(*size)
-        return figure, place(figure, left, bottom, size[0] - left - right, size[1] - bottom - top)
-    return root(ax), ax
-
-
-def root(ax: Axes) -> Figure:
-    """The whole figure that these axes belong to."""
-    parent = ax.get_figure()
-    while isinstance(parent, SubFigure):
-        parent = parent.figure
-    if parent is None:
-        raise InputError("ax belongs to no figure: make it with figure.add_subplot().")
-    return parent
-
-
-def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
-    """Write a panel's name `gap` mm above its axes."""
-    height = size_of(root(ax))[1]
-    box = ax.get_position()
-    root(ax).text(box.x0, box.y1 + gap / height, name, fontweight="bold", va="bottom")
 
 
 def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:

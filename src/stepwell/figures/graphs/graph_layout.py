@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.figures.common import COLUMN, PAGE
+from stepwell.figures.common import COLUMN, PAGE, page_width
 from stepwell.figures.graphs.columns import heights
 from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition
 
@@ -39,7 +39,7 @@ class Layout:
     """
 
     def __init__(self, reduced: FoldedGraph, cells: int):
-        self.width = COLUMN if cells <= NAMED else PAGE
+        self.width = page_width(COLUMN if cells <= NAMED else PAGE)
         self._cells, last = cells, reduced.last
         self._lines = self._count_lines(last)
         shown, self._column = reduced.shown, reduced.levels

@@ -13,7 +13,6 @@ from matplotlib.patches import FancyBboxPatch, Polygon
 
 from stepwell.base import InputError
 from stepwell.figures.common import (
-    COLUMN,
     FAINT,
     INK,
     LOADING,
@@ -23,6 +22,7 @@ from stepwell.figures.common import (
     blank,
     direction_colour,
     hollow,
+    indent,
     legends,
     on_black,
     on_white,
@@ -42,6 +42,8 @@ MOST_STATES = 64
 _DASHES = (3.0, 1.4)
 _BOLD, _THIN = 1.9, 0.8
 _HALO = 4.2
+# What an entry of the key takes [mm].
+_ENTRY = 42.0
 _FILL, _GREY = "#EEEEEE", "#6A6A6A"
 _ASIDE = (0, (2.5, 1.5))
 
@@ -100,7 +102,7 @@ class _GraphFigure:
 
         key = self._key(program)
         wide, high = self.layout.width, self.layout.height
-        columns = 2 if wide == COLUMN else 4
+        columns = max(1, int(wide / _ENTRY))
         self.figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
         ax = place(self.figure, 0.0, 0.0, wide, high)
         plain(ax, (0.0, wide, 0.0, high))
@@ -109,7 +111,7 @@ class _GraphFigure:
         for label in reduced.shown:
             self._draw_node(ax, label)
         self._draw_turns(ax)
-        legends.above(ax, key, columns, bbox_to_anchor=(0.015, 1.0))
+        legends.above(ax, key, columns, bbox_to_anchor=(max(0.015, indent() / wide), 1.0))
 
     def _between(self, strokes: Iterable[Sequence[str]]) -> set[tuple[str, str]]:
         """Pairs of shown labels that follow each other on these strokes."""

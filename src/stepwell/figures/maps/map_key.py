@@ -9,7 +9,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.figures.common import FAINT, INK, literal, plain, root, size_of, wrapped
+from stepwell.figures.common import FAINT, INK, literal, plain, sheet_of, size_of, wrapped
 
 # Distance of two lines of text, and what a row has in addition [mm].
 _LINE, _GAP = 3.1, 1.5
@@ -44,7 +44,7 @@ class Key:
 
     def draw(self, ax: Axes) -> None:
         """Write the rows into axes, from the top."""
-        box, (wide, high) = ax.get_position(), size_of(root(ax))
+        box, (wide, high) = ax.get_position(), size_of(sheet_of(ax))
         wide, high = wide * box.width, high * box.height
         plain(ax, (0.0, wide, 0.0, high))
         y = high - _EDGE

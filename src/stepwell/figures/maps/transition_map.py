@@ -35,6 +35,7 @@ from stepwell.figures.common import (
     keep_inside,
     literal,
     on_white,
+    page_width,
     pale,
     place,
     root,
@@ -118,8 +119,6 @@ def transition_map(
     dataset: Dataset,
     boundaries: Iterable[Boundary] = (),
     designs: Mapping[str, tuple[float, float]] | None = None,
-    *,
-    width: float = PAGE,
 ) -> Figure:
     """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
 
@@ -128,11 +127,10 @@ def transition_map(
             back from a file.
         boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
         designs: the two parameters in SI of each design to be marked, by the name to write.
-        width: of the figure [mm]; two columns of a page by default, and in one the meanings are
-            below the map.
 
     Returns:
-        The figure: each region has a letter, or its name where it is one of the
+        The figure, two columns wide, or as a panel with the meanings below the map where they
+        have no room beside it: each region has a letter, or its name where it is one of the
         four pathways of two cells, and each curve a number. Curves across which only the loading
         order changes are blue, only the unloading order vermillion and dashed, all others black;
         it is hatched where a cell whose parameter varies is stable in one state only, up to a
@@ -143,6 +141,7 @@ def transition_map(
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
+    width = page_width(PAGE)
     side = min(_SIDE, width - 19.0)
     beside_it = width - side - 24.0
     below = beside_it < _LEAST_KEY

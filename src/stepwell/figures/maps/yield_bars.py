@@ -21,10 +21,11 @@ from stepwell.figures.common import (
     legends,
     literal,
     name_panel,
+    page_width,
     pale,
     place,
-    root,
     sequence_words,
+    sheet_of,
     shortened,
     size_of,
     styled,
@@ -67,17 +68,22 @@ def yield_bars(result: Yield) -> Figure:
     tall = sum(_BAR + _GAP + _LINE * len(one.lines) for one in outcomes)
     parts = [] if table is None or table.deviation == 0 else _parts(table)
     rows = (_BAR + _GAP) * len(parts)
-    body = max(tall, rows)
+    page = page_width(PAGE if parts else COLUMN)
+    # Beside each other, or under each other where that is too narrow.
+    beside = bool(parts) and page >= 2 * COLUMN
+    side, start = (COLUMN, 0.0) if beside else (page, tall + _FOOT + _HEAD)
+    body = max(tall, rows) if beside or not parts else start + rows
     height = _FOOT + body + _HEAD
-    figure = blank(PAGE if parts else COLUMN, height)
-    _draw_outcomes(place(figure, 4.0, height - _HEAD - tall, COLUMN - 9.0, tall), result, outcomes)
+    figure = blank(page, height)
+    _draw_outcomes(place(figure, 4.0, height - _HEAD - tall, side - 9.0, tall), result, outcomes)
     if parts and table is not None:
         names = [table.parameters[i] for i in parts]
-        left = COLUMN + 8.0 + 1.6 * max(len(name) for name in names)
-        ax = place(figure, left, height - _HEAD - rows, PAGE - left - 5.0, rows)
+        first, top = (COLUMN, height - _HEAD) if beside else (-2.0, height - _HEAD - start)
+        left = first + 8.0 + 1.6 * max(len(name) for name in names)
+        ax = place(figure, left, top - rows, page - left - 5.0, rows)
         _draw_parts(ax, result, parts)
         look = {"fontweight": "bold"}
-        text_at(figure, COLUMN + 6.0, height - _HEAD + 1.5, "Whose tolerance counts", **look)
+        text_at(figure, first + 6.0, top + 1.5, "Whose tolerance counts", **look)
     return figure
 
 
@@ -104,7 +110,7 @@ def _lines(text: str) -> list[str]:
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> None:
     """A bar under the name of each outcome; the interval of the wanted one."""
     ax.set_xlim(0.0, 100.0)
-    ax.set_ylim(size_of(root(ax))[1] * ax.get_position().height, 0.0)
+    ax.set_ylim(size_of(sheet_of(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for k, (lines, share, colour) in enumerate(outcomes):
         for line in lines:

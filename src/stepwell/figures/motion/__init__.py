@@ -5,7 +5,6 @@ from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.instants import Instant, instants
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.overview import overview
-from stepwell.figures.motion.side_by_side import landscapes, strokes
 from stepwell.figures.motion.snap_motion import snap_motion
 from stepwell.figures.motion.standard import standard
 from stepwell.figures.motion.stroke_program import stroke_program

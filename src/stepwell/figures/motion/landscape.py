@@ -24,6 +24,7 @@ from stepwell.figures.common import (
     keep_inside,
     literal,
     marks,
+    page_width,
     path_of,
     place,
     require_two_cells,
@@ -73,14 +74,16 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     path = path_of(result)
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
-    figure, ax = canvas(ax, (COLUMN, 72.0), (11.0, 11.0, 20.0, 7.0))
+    width = page_width(COLUMN)
+    size, margins = (width, width - 13.0), (11.0, 11.0, 20.0, 7.0)
+    figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
     filled = draw_energy(ax, path)
     if own:
         ax.apply_aspect()
         keep_inside(ax, 0.0)
     draw_path(ax, path)
     if own:
-        colour_bar(filled, place(figure, COLUMN - 17.0, 15.0, 2.5, 46.0))
+        colour_bar(filled, place(figure, width - 17.0, 15.0, 2.5, width - 39.0))
     return figure
 
 

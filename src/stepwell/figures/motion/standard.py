@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
 from stepwell.figures.cells import MOST_CELLS, MOST_STATES, element_curves, mechanism
+from stepwell.figures.common import Draw
 from stepwell.figures.motion.force_stroke import force_stroke
 from stepwell.figures.motion.landscape import landscape
 from stepwell.figures.motion.travel_stroke import MOST_LANES, travel_stroke
+from stepwell.figures.pages import compose
 from stepwell.mechanism import Element
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle
+
+# Those that take two columns of a page where they are given them.
+_WIDE = "mechanism", "force_stroke", "element_curves"
 
 
 def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
@@ -29,17 +35,19 @@ def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
         travel_stroke (up to 60 cells); element_curves of up to 12 elements.
     """
     chain = cycle.chain
-    wide: dict[str, Any] = {} if width is None else {"width": width}
-    found: dict[str, Figure] = {}
+    found: dict[str, Draw] = {}
     if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
-        found["mechanism"] = mechanism(chain, cycle.sequence, **wide)
+        found["mechanism"] = partial(mechanism, chain, cycle.sequence)
     if len(chain) == 2:
-        found["landscape"] = landscape(cycle)
-    found["force_stroke"] = force_stroke(cycle, **wide)
+        found["landscape"] = partial(landscape, cycle)
+    found["force_stroke"] = partial(force_stroke, cycle)
     if len(chain) <= MOST_LANES:
-        found["travel_stroke"] = travel_stroke(cycle)
+        found["travel_stroke"] = partial(travel_stroke, cycle)
     cells = zip(chain.names, chain.cells, strict=True)
     elements = {name: cell for name, cell in cells if isinstance(cell, Element)}
     if 0 < len(elements) <= MOST_CELLS:
-        found["element_curves"] = element_curves(elements, **wide)
-    return found
+        found["element_curves"] = partial(element_curves, elements)
+    return {
+        name: draw() if width is None or name not in _WIDE else compose([draw], width=width)
+        for name, draw in found.items()
+    }

@@ -27,6 +27,7 @@ from stepwell.figures.common import (
     marks,
     minus,
     on_black,
+    page_width,
     pale,
     place,
     root,
@@ -74,7 +75,7 @@ def stroke_program(result: Program) -> Figure:
     path = result.path
     plan = plan_of(path)
     cells = len(path.chain)
-    width = COLUMN if cells <= 3 and result.strokes <= 4 else PAGE
+    width = page_width(COLUMN if cells <= 3 and result.strokes <= 4 else PAGE)
     below = _LANE * cells if cells <= MOST_LANES else _SHADES
     figure = blank(width, _FOOT + below + 3.0 + _ABOVE + 7.0)
     names = [shortened(name, _NAME, 2) for name in path.chain.names]

@@ -38,6 +38,8 @@ _WIDTHS = (2.0, 1.3)
 _UNLOADING_DASHES = (0, (3.2, 1.6))
 # Between the lanes of two cells, as a fraction of the longest travel.
 _GAP = 0.42
+# In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
+_LANE, _ROW = 9.0, 3.4
 # Digits closer than this cover each other [pt].
 _DIGIT = 7.0
 
@@ -70,14 +72,16 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         )
     lane = min(20.0, 200.0 / len(cells))
     own = ax is None
-    figure, ax = canvas(ax, (COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0))
+    # Past a dozen lanes their names would run into each other.
+    named = len(cells) <= 12
+    every = math.ceil(len(cells) / 20)
+    least = len(cells) * (_LANE if named else _ROW / every)
+    size, margins = (COLUMN, 16.0 + lane * len(cells)), (13.0, 10.0, 2.0, 6.0)
+    figure, ax = canvas(ax, size, margins, keyed=True, least=least)
     x, y = told.stroke(path.chain.measure), told.travel(path.chain.measure)
     stroke = path.stroke * x.factor
     snaps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
-    # Past a dozen lanes their names would run into each other.
-    named = len(cells) <= 12
-    every = math.ceil(len(cells) / 20)
     shown = lanes(path, _GAP)
     for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
         lane.draw(ax)

@@ -15,6 +15,7 @@ from stepwell.figures.common import (
     hollow,
     legends,
     literal,
+    page_width,
     place,
     root,
     styled,
@@ -47,23 +48,24 @@ def robot_drawing(robot: Robot) -> Figure:
     Returns:
         A figure of two columns' width, dimensions in mm.
     """
+    page = page_width(PAGE)
     above, side = above_limits(robot), side_limits(robot)
     left, right = min(above[0], side[0]), max(above[1], side[1])
-    scale = min(_LARGEST, (PAGE - 4.0) / (right - left))
+    scale = min(_LARGEST, (page - 4.0) / (right - left))
     high = [(box[3] - box[2]) * scale for box in (above, side)]
     title = 7.0 if robot.title else 1.0
     height = sum(high) + _KEY + title + 2.0
-    figure = blank(PAGE, height)
-    wide = (right - left) * scale
-    start = (PAGE - wide) / 2
-    draw_above(place(figure, start, height - title - high[0], wide, high[0]), robot)
-    draw_side(place(figure, start, _KEY, wide, high[1]), robot)
+    figure = blank(page, height)
+    across = (right - left) * scale
+    start = (page - across) / 2
+    draw_above(place(figure, start, height - title - high[0], across, high[0]), robot)
+    draw_side(place(figure, start, _KEY, across, high[1]), robot)
     for ax in figure.axes:
         ax.set_xlim(left, right)
     _key(figure, robot)
     if robot.title:
         look = {"ha": "center", "va": "top", "weight": "bold"}
-        text_at(figure, PAGE / 2, height - 1.5, literal(robot.title), **look)
+        text_at(figure, page / 2, height - 1.5, literal(robot.title), **look)
     return figure
 
 
@@ -109,11 +111,12 @@ def _view(
     if ax is not None:
         draw(ax, robot)
         return root(ax)
+    page = page_width(PAGE)
     left, right, bottom, top = limits_of(robot)
-    scale = min(_LARGEST, (PAGE - 4.0) / (right - left))
-    wide, high = (right - left) * scale, (top - bottom) * scale
-    figure = blank(PAGE, high + _KEY + 2.0)
-    draw(place(figure, (PAGE - wide) / 2, _KEY, wide, high), robot)
+    scale = min(_LARGEST, (page - 4.0) / (right - left))
+    across, high = (right - left) * scale, (top - bottom) * scale
+    figure = blank(page, high + _KEY + 2.0)
+    draw(place(figure, (page - across) / 2, _KEY, across, high), robot)
     _key(figure, robot)
     return figure
 

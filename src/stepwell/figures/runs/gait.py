@@ -18,6 +18,7 @@ from stepwell.figures.common import (
     cell_dashes,
     legends,
     literal,
+    page_width,
     pale,
     place,
     styled,
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 STANCE = pale(FAINT, 0.72)
 _LEFT, _RIGHT, _TOP, _BOTTOM = 16.0, 5.0, 11.0, 9.0
 _STROKE, _LEG, _STATES = 18.0, 24.0, 9.0
+# What an entry and a row of the key take.
+_ENTRY, _ROW = 26.0, 3.8
 
 
 @styled
@@ -57,12 +60,21 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     Source: Kamp et al. 2024, Fig. 3.
     """
     some = last_cycles(walk, cycles)
-    time, robot = walk.time[some], walk.robot
-    height = _TOP + _STROKE + 3.0 + len(robot.legs) * (_LEG + _STATES) + _BOTTOM
-    figure = blank(PAGE, height)
-    wide = PAGE - _LEFT - _RIGHT
-    bottom = height - _TOP - _STROKE
-    top = place(figure, _LEFT, bottom, wide, _STROKE)
+    time, robot, page = walk.time[some], walk.robot, page_width(PAGE)
+    longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
+    handles = [
+        *legends.cells(longest.names, dashed=True),
+        legends.shade("foot on the floor", STANCE),
+        legends.line("stroke", width=1.2),
+        legends.line("command", FAINT, 1.0),
+    ]
+    columns = max(1, min(len(handles), int((page - _LEFT) / _ENTRY)))
+    above = _TOP + _ROW * (-(-len(handles) // columns) - 1)
+    height = above + _STROKE + 3.0 + len(robot.legs) * (_LEG + _STATES) + _BOTTOM
+    figure = blank(page, height)
+    across = page - _LEFT - _RIGHT
+    bottom = height - above - _STROKE
+    top = place(figure, _LEFT, bottom, across, _STROKE)
     top.plot(time, walk.command[some] * MM, color=FAINT, linewidth=1.0, gid="command")
     top.plot(time, walk.stroke[some] * MM, color=INK, linewidth=1.2, gid="stroke")
     most = robot.drive.amplitude * MM
@@ -70,7 +82,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     axes = [top]
     for i, leg in enumerate(robot.legs):
         bottom -= _LEG + (_STATES if i else 3.0)
-        ax = place(figure, _LEFT, bottom, wide, _LEG)
+        ax = place(figure, _LEFT, bottom, across, _LEG)
         axes.append(ax)
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
@@ -84,7 +96,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     for ax in axes:
         show_time(ax, walk, some, zorder=1)
         ax.spines[["top", "right"]].set_visible(False)
-        ax.yaxis.set_label_coords(-7.5 / wide, 0.5)
+        ax.yaxis.set_label_coords(-7.5 / across, 0.5)
         ax.tick_params(labelbottom=False)
     for ax, leg in zip(axes[1:], robot.legs, strict=True):
         _states(ax, resting(walk, leg.name, some))
@@ -92,14 +104,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     last = axes[-1]
     last.tick_params(axis="x", labelbottom=True, pad=_STATES / 25.4 * 72.0 - 4.0)
     last.set_xlabel("Time [s]")
-    longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
-    handles = [
-        *legends.cells(longest.names, dashed=True),
-        legends.shade("foot on the floor", STANCE),
-        legends.line("stroke", width=1.2),
-        legends.line("command", FAINT, 1.0),
-    ]
-    legends.on_top(figure, handles, _LEFT)
+    legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
 
 
@@ -107,7 +112,7 @@ def _states(ax: Axes, found: list[Rest]) -> None:
     """Below the axes, a bracket for every rest with the state under it."""
     low, high = ax.get_xlim()
     span = high - low
-    wide = ax.get_position().width * PAGE
+    across = ax.get_position().width * page_width(PAGE)
     per_mm = 1.0 / _LEG
     reached = [-np.inf, -np.inf]
     under: dict[str, Any] = {"transform": ax.get_xaxis_transform()}
@@ -117,7 +122,7 @@ def _states(ax: Axes, found: list[Rest]) -> None:
         ends = [begin, max(end, begin + 0.004 * span)]
         ax.plot(ends, [-1.2 * per_mm] * 2, **bar, **under, gid="rest")
         # Two rows, so that a short rest between two others keeps its label.
-        half = (1.0 * len(state) + 0.3) / wide * span
+        half = (1.0 * len(state) + 0.3) / across * span
         middle = (begin + end) / 2
         row = next((k for k in (0, 1) if middle - half > reached[k]), None)
         if row is None or middle + half > high + 0.02 * span:

@@ -1,0 +1,227 @@
+"""The sheet that a figure is drawn on, in millimetres: all of a page, or one panel of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.text import Text
+
+from stepwell.base import InputError
+from stepwell.figures.common.style import STYLE
+
+# What draws a panel: any function of this room with its result already given to it.
+Draw = Callable[[], Figure]
+
+# Of a panel whose axes may have any shape: its height as a share of its width is kept within
+# these, and its axes are no lower than this [mm].
+_SHAPES, _LOWEST = (0.55, 1.1), 30.0
+# What the letter of a panel takes at the left of its top row [mm].
+_LETTER = 5.0
+
+
+@dataclass
+class Panel:
+    """What is drawn now, where that is one panel of a page.
+
+    Args:
+        width: of the panel [mm]; None while a panel is asked how wide it would be by itself.
+        height: of a panel that can take any [mm]; its own choice if None.
+        onto: where to; None while a panel is only measured.
+        lettered: whether the upper left corner is taken by a letter.
+        shared: takes the entries of a legend that several panels have in common, or None.
+    """
+
+    width: float | None = None
+    height: float | None = None
+    onto: SubFigure | None = None
+    lettered: bool = False
+    shared: list[Artist] | None = field(default=None)
+
+
+class Size(NamedTuple):
+    """Of a panel [mm]; whether its height is part of it, and its legend one that others have."""
+
+    width: float
+    height: float
+    rigid: bool
+    keyed: bool
+
+
+class _MeasuredError(Exception):
+    """Ends the drawing of a panel that is only measured, once its size is known."""
+
+    def __init__(self, size: Size):
+        super().__init__()
+        self.size = size
+
+
+_panel: ContextVar[Panel | None] = ContextVar("panel", default=None)
+
+
+@contextmanager
+def drawing(panel: Panel) -> Iterator[None]:
+    """Let every sheet that is asked for be this panel."""
+    token = _panel.set(panel)
+    try:
+        yield
+    finally:
+        _panel.reset(token)
+
+
+def measured(draw: Draw, panel: Panel) -> Size:
+    """The size that a figure has as a panel, found without drawing it.
+
+    Raises:
+        ValueError: what is given draws no figure of this room.
+    """
+    try:
+        with drawing(panel):
+            draw()
+    except _MeasuredError as found:
+        return found.size
+    raise InputError("a panel must be a figure of this room, such as force_stroke with its cycle.")
+
+
+def page_width(usual: float) -> float:
+    """The width that a figure has: that of the panel it is drawn as, or its usual one [mm]."""
+    panel = _panel.get()
+    return usual if panel is None or panel.width is None else panel.width
+
+
+def indent() -> float:
+    """What the top row of a figure leaves free at its left for the letter of a panel [mm]."""
+    panel = _panel.get()
+    return _LETTER if panel is not None and panel.lettered else 0.0
+
+
+def shared() -> list[Artist] | None:
+    """Takes the entries of a legend that panels have in common; None where each has its own."""
+    panel = _panel.get()
+    return None if panel is None else panel.shared
+
+
+def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = False) -> Figure:
+    """An empty figure of this size [mm] that knows how to measure its own text.
+
+    While a panel of a page is drawn, that panel; see `Size`.
+    """
+    panel = _panel.get()
+    if panel is not None:
+        if panel.onto is None:
+            raise _MeasuredError(Size(width, height, rigid, keyed))
+        # All that is asked of a figure here, a part of one answers too.
+        return cast("Figure", panel.onto)
+    figure = Figure(figsize=(width / 25.4, height / 25.4))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes at a place given in mm: nothing has to be laid out again when text is added."""
+    w, h = size_of(figure)
+    ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
+    # Said aloud, because how many ticks fit is decided later, outside this style.
+    ax.tick_params(labelsize=STYLE["xtick.labelsize"])
+    return ax
+
+
+def size_of(figure: Figure | SubFigure) -> tuple[float, float]:
+    """Width and height of a figure or of a panel [mm]."""
+    box, per_mm = figure.bbox, figure.dpi / 25.4
+    return float(box.width) / per_mm, float(box.height) / per_mm
+
+
+def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
+    """Text at a place of the figure given in mm, its foot there by default."""
+    width, height = size_of(figure)
+    look.setdefault("va", "bottom")
+    return figure.text(x / width, y / height, text, **look)
+
+
+def keep_inside(ax: Axes, least: float = 1.0) -> None:
+    """Narrow the axes where their left labels would come closer than `least` mm to the edge.
+
+    At the right, where their last number would leave the page.
+    """
+    sheet = sheet_of(ax)
+    page, per_mm = sheet.bbox, sheet.dpi / 25.4
+    # Twice, because narrower axes may have other numbers.
+    for _ in range(2):
+        place, box, below = ax.get_position(), ax.yaxis.get_tightbbox(), ax.xaxis.get_tightbbox()
+        missing = least * per_mm - (box.x0 - page.x0 if box is not None else np.inf)
+        over = (below.x1 if below is not None else 0.0) - page.x1
+        if missing > 0 or over > 0:
+            # A pixel more at the right, lest rounding puts it outside.
+            left = max(missing, 0.0) / page.width
+            right = (over + 1.0) / page.width if over > 0 else 0.0
+            ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
+
+
+def canvas(
+    ax: Axes | None,
+    size: tuple[float, float],
+    margins: tuple[float, float, float, float],
+    *,
+    rigid: bool = False,
+    keyed: bool = False,
+    least: float = _LOWEST,
+) -> tuple[Figure, Axes]:
+    """The given axes with their figure, or new ones.
+
+    Args:
+        ax: axes to draw into, or None.
+        size: width and height of a new figure [mm].
+        margins: left, bottom, right, top around its axes [mm].
+        rigid: whether a panel must have this height; else it has one that suits its width.
+        keyed: whether its legend may be shared.
+        least: height of the axes of a panel [mm].
+    """
+    if ax is not None:
+        return root(ax), ax
+    left, bottom, right, top = margins
+    width, height = page_width(size[0]), size[1]
+    panel = _panel.get()
+    if panel is not None and panel.width is not None and not rigid:
+        inner = width - left - right
+        natural = inner * (size[1] - bottom - top) / (size[0] - left - right)
+        natural = max(least, float(np.clip(natural, _SHAPES[0] * inner, _SHAPES[1] * inner)))
+        height = panel.height or natural + bottom + top
+    figure = blank(width, height, rigid=rigid, keyed=keyed)
+    return figure, place(figure, left, bottom, width - left - right, height - bottom - top)
+
+
+def sheet_of(ax: Axes) -> Figure | SubFigure:
+    """The figure that these axes belong to, or the part of it."""
+    parent = ax.get_figure()
+    if parent is None:
+        raise InputError("ax belongs to no figure: make it with figure.add_subplot().")
+    return parent
+
+
+def root(ax: Axes) -> Figure:
+    """The whole figure that these axes belong to."""
+    parent = sheet_of(ax)
+    while isinstance(parent, SubFigure):
+        parent = parent.figure
+    return parent
+
+
+def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
+    """Write a panel's name `gap` mm above its axes."""
+    sheet = sheet_of(ax)
+    box = ax.get_position()
+    sheet.text(box.x0, box.y1 + gap / size_of(sheet)[1], name, fontweight="bold", va="bottom")
+
+
+def in_panel() -> bool:
+    """Whether a panel of a page is drawn now, and no figure by itself."""
+    return _panel.get() is not None

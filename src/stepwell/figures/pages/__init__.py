@@ -1,0 +1,4 @@
+"""Pages of a paper: several figures as the panels of one."""
+
+from stepwell.figures.pages.compose import LETTERS, compose
+from stepwell.figures.pages.journals import WIDTHS, JournalWidth, length

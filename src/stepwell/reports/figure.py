@@ -1,0 +1,295 @@
+"""A figure for a paper: panels of a design by their names, on one page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from stepwell.base import InputError, nearest_word
+from stepwell.mechanism import Cell, Chain, Element
+from stepwell.robot import Robot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stepwell.lab import Recording
+    from stepwell.robot import Prediction
+    from stepwell.sequences import Cycle, Program, TransitionGraph
+    from stepwell.simulation import Walk
+    from stepwell.statics import InertialLanding
+
+# Two columns of a journal page [mm].
+_PAGE = 180.0
+# Of a map, the places of an anchor [m], as `stepwell map` takes them.
+_ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
+# A robot's gait is shown after it has settled.
+_CYCLES = 4
+# What `panels` has to say for a row to end.
+ROW = "/"
+
+
+class Panel(NamedTuple):
+    """What a panel shows, of what kind of design, and how it is drawn."""
+
+    shows: str
+    of: type[Chain | Robot]
+    draw: Callable[[_Subject], Figure]
+
+
+@dataclass(frozen=True)
+class _Subject:
+    """A design, with what panels ask of it, each computed once."""
+
+    design: Chain | Robot
+    given: Program | None
+    recordings: Sequence[Recording]
+    mass: float | None
+    damping: float | None
+
+    @property
+    def chain(self) -> Chain:
+        assert isinstance(self.design, Chain)
+        return self.design
+
+    @property
+    def robot(self) -> Robot:
+        assert isinstance(self.design, Robot)
+        return self.design
+
+    @cached_property
+    def cycle(self) -> Cycle:
+        return self.chain.cycle()
+
+    @cached_property
+    def graph(self) -> TransitionGraph:
+        return self.chain.graph()
+
+    @cached_property
+    def prediction(self) -> Prediction:
+        return self.robot.predict()
+
+    @cached_property
+    def walk(self) -> Walk:
+        return self.robot.walk(_CYCLES)
+
+    @property
+    def program(self) -> Program:
+        if self.given is None:
+            raise InputError("the design has no program: `stepwell program` writes one into it.")
+        return self.given
+
+    @property
+    def levers(self) -> list[Cell]:
+        found = [cell for cell in self.chain.cells if isinstance(cell, Cell)]
+        if not found:
+            raise InputError("the chain has no cell with a lever: see the panel elements.")
+        return found
+
+    @property
+    def elements(self) -> Mapping[str, Element]:
+        named = zip(self.chain.names, self.chain.cells, strict=True)
+        found = {name: cell for name, cell in named if isinstance(cell, Element)}
+        if not found:
+            raise InputError("the chain has no element: see the panel cell-force.")
+        return found
+
+    @cached_property
+    def map(self) -> Callable[[], Figure]:
+        from stepwell import figures
+        from stepwell.design import boundaries, transition_map
+
+        outer = len(self.chain) - 1
+        cell = self.chain.cells[outer]
+        if not isinstance(cell, Cell):
+            raise InputError("the outer cell is an element and has no anchor to be moved.")
+        x, y = np.linspace(*_ACROSS, _PLACES), np.linspace(*_UP, _PLACES)
+        anchors = {band.q for band in cell.bands}
+        marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
+        data = transition_map(self.chain, outer, x=x, y=y)
+        curves = boundaries(self.chain, outer, x=x, y=y)
+        return partial(figures.transition_map, data, curves, marked)
+
+    @cached_property
+    def yields(self) -> Callable[[], Figure]:
+        from stepwell import figures
+        from stepwell.base import usual
+        from stepwell.design import Tolerances, yields
+
+        spread = Tolerances(anchor=usual.ANCHOR, stiffness=usual.STIFFNESS)
+        return partial(figures.yield_bars, yields(self.chain, spread, sensitivity=True))
+
+    @cached_property
+    def landing(self) -> InertialLanding:
+        if self.mass is None or self.damping is None:
+            raise InputError("how cells move in a snap needs a mass and a damping of each cell.")
+        if not np.any(self.cycle.path.snap_after):
+            raise InputError("this chain does not snap in its cycle.")
+        each = [self.mass] * len(self.chain), [self.damping] * len(self.chain)
+        return self.cycle.path.inertial_landing(0, *each, history=True)
+
+
+def _of_chain(name: str, draw: Callable[[_Subject], tuple[object, ...]], shows: str) -> Panel:
+    def drawn(subject: _Subject) -> Figure:
+        from stepwell import figures
+
+        return getattr(figures, name)(*draw(subject))
+
+    return Panel(shows, Chain, drawn)
+
+
+def _of_robot(name: str, draw: Callable[[_Subject], object], shows: str) -> Panel:
+    return _of_chain(name, lambda subject: (draw(subject),), shows)._replace(of=Robot)
+
+
+def _force(subject: _Subject) -> Figure:
+    from stepwell import figures
+
+    return figures.force_stroke(subject.cycle, measured=subject.recordings)
+
+
+PANELS: MappingProxyType[str, Panel] = MappingProxyType(
+    {
+        "mechanism": _of_chain(
+            "mechanism",
+            lambda of: (of.chain, of.cycle.sequence),
+            "the mechanism in every state of its cycle, up to 12 cells",
+        ),
+        "force": Panel(
+            "force of the actuator over its stroke, recordings behind it", Chain, _force
+        ),
+        "travel": _of_chain(
+            "travel_stroke", lambda of: (of.cycle,), "travel of each cell over the stroke"
+        ),
+        "landscape": _of_chain(
+            "landscape", lambda of: (of.cycle,), "energy over both travels, of two cells"
+        ),
+        "elements": _of_chain(
+            "element_curves", lambda of: (of.elements,), "force of each element over its travel"
+        ),
+        "graph": _of_chain(
+            "transition_graph", lambda of: (of.graph,), "states and the ways between them"
+        ),
+        "map": Panel("what it does for each anchor of the outer cell", Chain, lambda of: of.map()),
+        "cell-force": _of_chain(
+            "unit_cell_force", lambda of: (of.levers,), "force of each cell over its lever's angle"
+        ),
+        "cell-energy": _of_chain(
+            "unit_cell_energy",
+            lambda of: (of.levers,),
+            "energy of each cell over its lever's angle",
+        ),
+        "plane": _of_chain(
+            "force_plane", lambda of: (of.chain,), "force there against force back, of each cell"
+        ),
+        "program": _of_chain(
+            "stroke_program", lambda of: (of.program,), "the stroke program in the design"
+        ),
+        "yield": Panel(
+            "the share that works, built with the usual tolerances", Chain, lambda of: of.yields()
+        ),
+        "snap": _of_chain(
+            "snap_motion",
+            lambda of: (of.chain, {"first snap": of.landing}),
+            "travels over time in the first snap; needs --mass and --damping",
+        ),
+        "drawing": _of_robot("robot_drawing", lambda of: of.robot, "the robot from above and side"),
+        "above": _of_robot("robot_above", lambda of: of.robot, "the robot from above"),
+        "side": _of_robot("robot_side", lambda of: of.robot, "the robot from its right"),
+        "prediction": _of_robot(
+            "prediction",
+            lambda of: of.prediction,
+            "the gait that statics predicts, and its margins",
+        ),
+        "gait": _of_robot("gait", lambda of: of.walk, "a simulated walk: travels over time"),
+        "trajectory": _of_robot(
+            "trajectory", lambda of: of.walk, "a simulated walk: its path from above"
+        ),
+    }
+)
+
+
+def panels_of(design: Chain | Robot) -> tuple[str, ...]:
+    """The panels of a figure of a design where nobody says which."""
+    if isinstance(design, Robot):
+        return "drawing", "prediction"
+    return "mechanism", "force", "landscape" if len(design) == 2 else "travel"
+
+
+def figure(
+    design: Chain | Robot,
+    panels: Sequence[str | Sequence[str]] = (),
+    *,
+    program: Program | None = None,
+    measured: Sequence[Recording] = (),
+    mass: float | None = None,
+    damping: float | None = None,
+    width: float = _PAGE,
+    height: float | None = None,
+    columns: int | None = None,
+    letters: str = "A",
+) -> Figure:
+    """A figure of a design for a paper, its panels chosen by name.
+
+    Args:
+        design: a chain or a robot.
+        panels: names of `PANELS`; several in a list make a row. By default mechanism, force, and
+            landscape or travel; of a robot drawing and prediction.
+        program: for the panel of that name.
+        measured: recordings to be drawn behind the force, four at most.
+        mass: outside each cell [kg], for the panel snap.
+        damping: of each cell [N s/m], for the panel snap.
+        width, height: of the page [mm]; the height that panels want by default.
+        columns, letters: as for `figures.compose`.
+
+    Returns:
+        The figure.
+
+    Raises:
+        ValueError: a panel that is unknown or that the design does not have, or a page too small.
+    """
+    from stepwell import figures
+
+    subject = _Subject(design, program, measured, mass, damping)
+    rows = [
+        _panel(one, subject) if isinstance(one, str) else [_panel(name, subject) for name in one]
+        for one in panels or panels_of(design)
+    ]
+    if measured and "force" not in (name for name, _ in _flat(rows)):
+        raise InputError(
+            "measured: recordings are drawn in the panel force, which is not asked for."
+        )
+    drawn = [one[1] if isinstance(one, tuple) else [draw for _, draw in one] for one in rows]
+    return figures.compose(drawn, width=width, height=height, columns=columns, letters=letters)
+
+
+_Named = tuple[str, Callable[[], "Figure"]]
+
+
+def _flat(rows: Sequence[_Named | list[_Named]]) -> list[_Named]:
+    return [one for row in rows for one in (row if isinstance(row, list) else [row])]
+
+
+def _panel(name: str, subject: _Subject) -> _Named:
+    """What draws a panel, with its name in every refusal."""
+    panel = PANELS.get(name)
+    here = [known for known, one in PANELS.items() if isinstance(subject.design, one.of)]
+    kind = "a robot" if isinstance(subject.design, Robot) else "a chain"
+    if panel is None:
+        near = nearest_word(name, PANELS)
+        guess = f" Did you mean {near}?" if near else f" {kind.capitalize()} has {', '.join(here)}."
+        raise InputError(f"panel {name!r}: there is none of that name.{guess}")
+    if name not in here:
+        raise InputError(f"panel {name!r}: {kind} has none. It has {', '.join(here)}.")
+
+    def draw() -> Figure:
+        try:
+            return panel.draw(subject)
+        except InputError as error:
+            raise InputError(f"panel {name!r}: {error}") from None
+
+    return name, draw
