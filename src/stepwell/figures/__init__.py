@@ -13,6 +13,7 @@ from stepwell.figures.graphs import transition_graph
 from stepwell.figures.maps import (
     Effect,
     Sensitivity,
+    margin_bars,
     tornado,
     transition_map,
     yield_bars,
@@ -23,6 +24,7 @@ from stepwell.figures.measured import (
     measured_energies,
     measured_forces,
     measured_pairs,
+    recording,
 )
 from stepwell.figures.motion import (
     animation,
@@ -47,6 +49,7 @@ from stepwell.figures.runs import (
     trajectories,
     trajectory,
 )
+from stepwell.figures.usual import plot
 
 __all__ = [
     "Effect",
@@ -62,6 +65,7 @@ __all__ = [
     "gait",
     "landscape",
     "landscapes",
+    "margin_bars",
     "maze",
     "maze_timeline",
     "measured_energies",
@@ -69,7 +73,9 @@ __all__ = [
     "measured_pairs",
     "mechanism",
     "overview",
+    "plot",
     "prediction",
+    "recording",
     "robot_above",
     "robot_drawing",
     "robot_side",

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepwell.files import dumps
 from stepwell.reports.steps import Folder, Progress, bundle
 from stepwell.results import design_record, reprogram_record, survival_record, yield_record
@@ -25,23 +23,12 @@ def write_design(
     """Write a design that was found: design.toml, design.json, yield.csv and force-plane."""
     from stepwell import figures
 
-    drilled = found.holes is not None
-    # Cells of more than two phases have more switches than there are cells to be in order.
-    one_each = len(found.forces) == len(found.chain)
-    plane = figures.force_plane(
-        found.chain,
-        loading=found.loading if one_each else None,
-        unloading=found.unloading if one_each else None,
-        region=() if drilled else found.region,
-        places=np.concatenate(found.region) if drilled else None,
-        clouds=found.yield_.end_forces(_CLOUD),
-    )
     contents = {
         "design.toml": dumps(found.chain),
         "design.json": design_record(found),
         "yield.csv": found.yield_.to_csv,
     }
-    drawn = {"force-plane": plane}
+    drawn = {"force-plane": figures.plot(found)}
     return bundle(folder, "design", contents, drawn, progress=progress, force=force)
 
 

@@ -13,6 +13,7 @@ from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    Drawn,
     Floats,
     InputError,
     Quantity,
@@ -87,7 +88,7 @@ class Critical(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Yield(Counted):
+class Yield(Counted, Drawn):
     """How many of n mechanisms, made at random within tolerances, do what is wanted.
 
     Attributes:

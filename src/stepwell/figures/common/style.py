@@ -17,6 +17,7 @@ from matplotlib.typing import ColorType, LineStyleType
 
 from stepwell.base import InputError
 from stepwell.figures.common.names import families
+from stepwell.figures.common.page import PageFigure
 from stepwell.sequences import Pathway
 
 # Millimetres in a metre, millijoules in a joule.
@@ -115,7 +116,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 def blank(width: float, height: float) -> Figure:
     """An empty figure of this size [mm] that knows how to measure its own text."""
-    figure = Figure(figsize=(width / 25.4, height / 25.4))
+    figure = PageFigure(figsize=(width / 25.4, height / 25.4))
     FigureCanvasAgg(figure)
     return figure
 

@@ -38,16 +38,17 @@ def save(figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0) ->
     kinds = figure.canvas.get_supported_filetypes()
     if suffix.removeprefix(".") not in kinds:
         raise InputError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
-    write_atomic(Path(file), _drawn(figure, suffix, dpi))
+    write_atomic(Path(file), drawn_as(figure, suffix, dpi))
 
 
 def svg(figure: Figure) -> str:
     """The figure as SVG text, without an XML declaration."""
-    text = _drawn(figure, ".svg", 200.0).decode()
+    text = drawn_as(figure, ".svg", 200.0).decode()
     return text[text.index("<svg") :]
 
 
-def _drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
+def drawn_as(figure: Figure, suffix: str, dpi: float) -> bytes:
+    """The bytes of a file with this suffix, at so many pixels per inch."""
     buffer = io.BytesIO()
     kind = suffix.removeprefix(".")
     with mpl.rc_context(_VECTOR):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Drawn, Floats
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -65,7 +65,7 @@ class Hysteresis(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class BandTest(ByValue):
+class BandTest(ByValue, Drawn):
     """Tension tests of bands of one kind, and what of them is used.
 
     Attributes:

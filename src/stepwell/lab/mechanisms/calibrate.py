@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, record
+from stepwell.base import ByValue, Drawn, Floats, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
@@ -72,7 +72,7 @@ class Sample(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration(ByValue):
+class Calibration(ByValue, Drawn):
     """The model that fits all unit cells best, and how well it predicts one that it has not seen.
 
     Attributes:

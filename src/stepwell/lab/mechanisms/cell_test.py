@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
@@ -62,7 +62,7 @@ class CellReading(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class CellTest(ByValue):
+class CellTest(ByValue, Drawn):
     """What a series of a unit cell shows.
 
     Attributes:

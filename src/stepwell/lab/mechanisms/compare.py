@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Quantity, __version__, versions, write_csv
+from stepwell.base import ByValue, Drawn, Quantity, __version__, versions, write_csv
 from stepwell.lab.mechanisms.cell_test import CellTest, cell_test
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(ByValue):
+class Comparison(ByValue, Drawn):
     """What a batch of recordings shows.
 
     Attributes:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Drawn, InputError
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import Settings, obstacle_names
@@ -68,7 +68,7 @@ class GaitChange(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Maze(ByValue):
+class Maze(ByValue, Drawn):
     """A robot's way through an arena.
 
     Attributes:

@@ -14,6 +14,7 @@ import numpy as np
 
 from stepwell.base import (
     ByValue,
+    Drawn,
     InputError,
     Quantity,
     Schema,
@@ -81,7 +82,7 @@ class Trial(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sweep(ByValue):
+class Sweep(ByValue, Drawn):
     """What many robots did.
 
     Attributes:
