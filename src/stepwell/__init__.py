@@ -127,7 +127,7 @@ _ROOMS = (
         "mechanism",
         "paper",
     ),
-    *("reports", "results", "robot", "sequences", "simulation", "statics", "studio"),
+    *("paper", "reports", "results", "robot", "sequences", "simulation", "statics", "studio"),
 )
 
 __all__ = [

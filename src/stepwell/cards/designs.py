@@ -86,7 +86,7 @@ def _design(found: Design) -> Card:
     ]
     return Card(
         chain.title or f"A design for {found.sequence}",
-        [f"{found.sequence}: {found.method}."],
+        [f"{found.method[:1].upper()}{found.method[1:]}."],
         _shares(found.yield_),
         schema,
         rows,

@@ -72,13 +72,14 @@ def html(card: Card) -> str:
     if columns and card.rows:
         sides = ["right" if column.numeric else "left" for column in columns]
         heads = (
-            f'<th scope="col" style="{_CELL}{side};{_FAINT}">{_safe(_capital(column.heading))}</th>'
+            f'<th scope="col" style="{_CELL}{side};white-space:nowrap;{_FAINT}">'
+            f"{_safe(_capital(column.heading))}</th>"
             for column, side in zip(columns, sides, strict=True)
         )
         rows = (
             '<tr style="background:none">'
             + "".join(
-                f'<td style="{_CELL}{side};font-variant-numeric:tabular-nums">'
+                f'<td style="{_CELL}{side};white-space:nowrap;font-variant-numeric:tabular-nums">'
                 f"{_safe(_short(column.cell(row)))}</td>"
                 for column, side in zip(columns, sides, strict=True)
             )

@@ -90,8 +90,8 @@ SETTINGS: Schema = (
     Quantity("linkage", read=lambda settings: str(settings.linkage)),
 )
 MEAN: Schema = (
-    Quantity("mean_advance", "over_u_max", read="advance"),
-    Quantity("mean_turn", "deg", read="turn"),
+    Quantity("mean_advance", "over_u_max", "mean d/u_max", "advance", "z.3f"),
+    Quantity("mean_turn", "deg", "mean turn to the left", "turn", "z.1f"),
 )
 CYCLES: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),

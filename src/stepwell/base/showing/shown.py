@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
@@ -43,6 +44,32 @@ class Drawn:
         from stepwell.figures import plot
 
         return plot(self, **options)
+
+
+def brief(value: Any) -> str:
+    """What a result of plain fields prints: every number with as many digits as mean something.
+
+    Args:
+        value: a dataclass, whose fields count that its own representation would tell, or a named
+            tuple.
+    """
+    known = getattr(value, "_fields", None)
+    names = known or [one.name for one in fields(value) if one.repr]
+    told = ", ".join(f"{name}={_told(getattr(value, name))}" for name in names)
+    return f"{type(value).__name__}({told})"
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, bool | str) or value is None:
+        return repr(value)
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if hasattr(value, "shape") and value.shape:
+        return f"<{' by '.join(map(str, value.shape))} numbers>"
+    if type(value) in (tuple, list):
+        inside = ", ".join(map(_told, value))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+    return repr(value)
 
 
 def of_kind(table: Mapping[str, T], value: object) -> T | None:

@@ -19,6 +19,7 @@ from stepwell.base import (
     Quantity,
     ReadOnly,
     __version__,
+    brief,
     check,
     require,
     write_csv,
@@ -85,6 +86,9 @@ class Critical(ByValue):
             f"{before} before {after} while {self.way} ({self.by}): "
             f"in the other order in {_percent(self.share)}"
         )
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

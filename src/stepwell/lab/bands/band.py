@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats
+from stepwell.base import ByValue, Drawn, Floats, brief
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -62,6 +62,9 @@ class Hysteresis(ByValue):
         if len(self.back_stroke) < 2 or self.work <= 0:
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

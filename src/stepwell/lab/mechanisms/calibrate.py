@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, record
+from stepwell.base import ByValue, Drawn, Floats, brief, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
@@ -69,6 +69,9 @@ class Sample(ByValue):
     theta: Floats = field(repr=False)
     force: Floats = field(repr=False)
     unloading: bool
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, brief, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
@@ -59,6 +59,9 @@ class CellReading(ByValue):
         """Whether the energy has its highest point between the stops."""
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

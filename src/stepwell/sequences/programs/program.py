@@ -17,6 +17,7 @@ from stepwell.base import (
     Shown,
     StepwellError,
     amount,
+    brief,
     told_in,
     write_csv,
 )
@@ -80,6 +81,9 @@ class Turn(ByValue):
     def slack(self) -> float:
         """How far the turning point may be off either way."""
         return min(self.drive - self.low, self.high - self.drive)
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from stepwell.base import (
     Quantity,
     Schema,
     __version__,
+    brief,
     require,
     write_atomic,
     write_csv,
@@ -79,6 +80,9 @@ class Trial(ByValue):
             work=walk.work / walk.cycles if walk.cycles else nothing,
             stopped=walk.stopped,
         )
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
