@@ -149,6 +149,7 @@ def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
     return {
         **head("stepwell.walk/1", design or robot, None, "mujoco"),
         **record(WALKED, walk),
+        "work_per_cycle_mJ": plain(walk.work / walk.cycles, 1e3) if walk.cycles else None,
         "u_max_mm": plain(_most(robot), 1e3),
         **record(MEAN, Trial.of(walk)),
         **record(CYCLES, walk),

@@ -19,7 +19,7 @@ from stepwell.mechanism import Cell
 CLOSE = 0.15
 _ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolated
 _POINTS = 401
-_RISE = 0.005  # k r by which a force must rise to be called an exception
+RISE = 0.005  # k r by which a force must rise to be called an exception
 _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
@@ -170,7 +170,7 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
         _reading(cell, stroke, force, rig),
         cell.force(plain.theta),
         float(np.mean(curve.spread[use])),
-        _rises(stroke, force, _RISE * series.scale),
+        _rises(stroke, force, RISE * series.scale),
     )
 
 
