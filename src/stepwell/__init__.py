@@ -4,8 +4,25 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stepwell import elements
-    from stepwell.base import InputError, Measure, StepwellError, __version__
+    from stepwell import (
+        base,
+        cards,
+        concave,
+        elements,
+        figures,
+        files,
+        lab,
+        mechanism,
+        paper,
+        reports,
+        results,
+        robot,
+        sequences,
+        simulation,
+        statics,
+        studio,
+    )
+    from stepwell.base import InputError, Measure, StepwellError, __version__, bar
     from stepwell.design import (
         Margin,
         Tolerances,
@@ -76,6 +93,7 @@ _DOORS = {
     "Unreachable": "sequences",
     "Yield": "design",
     "__version__": "base",
+    "bar": "base",
     "boundaries": "design",
     "load": "files",
     "load_arena": "files",
@@ -94,8 +112,23 @@ _DOORS = {
     "yields": "design",
 }
 
-# `sw.design` can be called, `sw.elements` holds the library.
-_ROOMS = "design", "elements"
+# `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
+# and commands are nobody's to call.
+_ROOMS = (
+    *(
+        "base",
+        "cards",
+        "concave",
+        "design",
+        "elements",
+        "figures",
+        "files",
+        "lab",
+        "mechanism",
+        "paper",
+    ),
+    *("paper", "reports", "results", "robot", "sequences", "simulation", "statics", "studio"),
+)
 
 __all__ = [
     "Arena",
@@ -129,6 +162,7 @@ __all__ = [
     "Unreachable",
     "Yield",
     "__version__",
+    "bar",
     "boundaries",
     "design",
     "elements",
@@ -160,4 +194,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted({*__all__, *_ROOMS})

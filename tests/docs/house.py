@@ -21,7 +21,10 @@ STOREYS = {
     "where do the bands go?": ("#009e73", ("design",)),
     "will the real one?": ("#cc79a7", ("lab",)),
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),
-    "in and out": ("#e69f00", ("files", "results", "figures", "paper", "reports", "studio", "cli")),
+    "in and out": (
+        "#e69f00",
+        ("files", "results", "cards", "figures", "paper", "reports", "studio", "cli"),
+    ),
 }
 
 

@@ -22,7 +22,7 @@ PAGES = [
 HOW_TO = sorted(f"docs/how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("*.md"))
 ROOMS = (
     *("mechanism", "statics", "sequences", "design", "lab"),
-    *("robot", "simulation", "files", "results", "figures", "paper", "reports"),
+    *("robot", "simulation", "files", "results", "cards", "figures", "paper", "reports"),
 )
 
 

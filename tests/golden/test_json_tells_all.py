@@ -2,12 +2,14 @@
 
 import json
 import re
+import shlex
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from golden.cases import CASES
+from golden.recordings import bands, cells, rubber
 from golden.running import invoke
 from stepwell.base import number
 
@@ -23,7 +25,21 @@ COMMANDS = (
     "yield preset:paper-forward --samples 40 --sensitivity",
     "reprogram preset:paper-forward --by inner.p",
     "robot show robot-left",
+    "robot show robot-explorer",
+    "robot sweep robot-forward chain.cell.outer.q_mm[0]=5:20:2 foot.below_mm=-1:1:2 --cycles 1",
+    "robot converge robot-forward --cycles 2",
+    "walk robot-explorer --cycles 2",
+    "maze robot-explorer cylinder --limit 12",
+    "design '00>01>11>10>00' --samples 100 --seed 3",
+    "design 00,10,11 --samples 20 --drive 200",
+    "design '00>10>11>10>00' --element trilinear --drive force --force-scale 0.5:4",
+    "lab read data",
+    "lab band bands --gauge-mm 15",
+    "lab compare data",
+    "lab calibrate rubber",
 )
+# What makes the files that a command reads.
+PREPARED = {"data": cells, "bands": bands, "rubber": rubber}
 
 
 def numbers(value: Any) -> Iterator[float]:
@@ -42,12 +58,14 @@ def numbers(value: Any) -> Iterator[float]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_number_on_a_screen_is_in_the_json(command):
-    assert any(
-        line.startswith(command.split()[0]) for case in CASES.values() for line in case.commands
-    )
-    record = json.loads(invoke(*command.split(), "--json").stdout)
-    shown = _NUMBER.findall(invoke(*command.split()).stdout)
+def test_every_number_on_a_screen_is_in_the_json(command, tmp_path, monkeypatch):
+    words = shlex.split(command)
+    assert any(line.startswith(words[0]) for case in CASES.values() for line in case.commands)
+    monkeypatch.chdir(tmp_path)
+    for word in words:
+        PREPARED.get(word, lambda _: None)(tmp_path)
+    record = json.loads(invoke(*words, "--json").stdout)
+    shown = _NUMBER.findall(invoke(*words).stdout)
     assert shown
     known = {abs(value * factor) for value in numbers(record) for factor in (1.0, 100.0, 1e3)}
     # How far an anchor has been moved stands in JSON as a share of the whole way.

@@ -8,11 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeGuard
 
+from stepwell.base.showing import Shown
+
 if TYPE_CHECKING:
     import numpy as np
 
 
-class ByValue:
+class ByValue(Shown):
     """A frozen dataclass that equals another where all their fields do.
 
     Arrays are compared number by number, and what is not a number equals what is not a number:

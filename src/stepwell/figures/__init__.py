@@ -31,6 +31,7 @@ from stepwell.figures.measured import (
     measured_energies,
     measured_forces,
     measured_pairs,
+    recording,
 )
 from stepwell.figures.motion import (
     animation,
@@ -54,6 +55,7 @@ from stepwell.figures.runs import (
     trajectories,
     trajectory,
 )
+from stepwell.figures.usual import plot
 
 __all__ = [
     "JOURNAL_WIDTHS",
@@ -83,7 +85,9 @@ __all__ = [
     "measured_pairs",
     "mechanism",
     "overview",
+    "plot",
     "prediction",
+    "recording",
     "robot_above",
     "robot_drawing",
     "robot_side",

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, check, require
+from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, Vec2, check, require
 from stepwell.mechanism import sizes
 from stepwell.mechanism.band import Band
 from stepwell.mechanism.cubics import integral, value
@@ -28,7 +28,7 @@ _WAY = "If it is meant so, say unusual=True."
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cell(ByValue):
+class Cell(ByValue, Drawn):
     """Two blocks joined by two parallel levers, and what pulls on them.
 
     State 0 is θ = -limit, state 1 is θ = +limit; travel runs from 0 to `full_travel` between.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stepwell.base import REACH, ByValue, InputError, Measure, finite, require, short
+from stepwell.base import REACH, ByValue, Drawn, InputError, Measure, finite, require, short
 from stepwell.mechanism import sizes
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.elements import Element, Phase, Stretch
@@ -24,7 +24,7 @@ SOFTEST, STIFFEST = 1e-6, 1e12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chain(ByValue):
+class Chain(ByValue, Drawn):
     """Cells in series: the innermost block is fixed, the outermost is displaced.
 
     Args:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepwell.files import dumps
 from stepwell.reports.pages import (
     design_page,
@@ -33,17 +31,7 @@ def write_design(
     """Write a design that was found: report.html, design.toml and .json, yield.csv, force-plane."""
     from stepwell import figures
 
-    drilled = found.holes is not None
-    # Cells of more than two phases have more switches than there are cells to be in order.
-    one_each = len(found.forces) == len(found.chain)
-    plane = figures.force_plane(
-        found.chain,
-        loading=found.loading if one_each else None,
-        unloading=found.unloading if one_each else None,
-        region=() if drilled else found.region,
-        places=np.concatenate(found.region) if drilled else None,
-        clouds=found.yield_.end_forces(_CLOUD),
-    )
+    plane = figures.plot(found)
     contents = {
         "design.toml": dumps(found.chain),
         "design.json": design_record(found),

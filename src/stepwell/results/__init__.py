@@ -4,31 +4,35 @@ Every `…_record` takes a result and returns what JSON can hold of it, as docs/
 it. `design` is the text of its design file, for the hash of it; written anew by default.
 """
 
-from stepwell.results.assumptions import assumptions
+from stepwell.results.assumptions import actuator_words, assumptions
 from stepwell.results.design import (
     SENSITIVITY,
     built_schema,
     design_record,
     impossible_record,
     reprogram_record,
+    share_words,
     survival_record,
-    tolerance_schema,
+    tolerance_words,
     yield_record,
 )
 from stepwell.results.graph import graph_record, implicit_graph_record
 from stepwell.results.head import head, tie_notes
 from stepwell.results.json_schema import schema_kinds, schema_of
 from stepwell.results.landings import NOT_CHECKED, checked, elsewhere_rows, landings_told
-from stepwell.results.map import boundary_rows, map_record
+from stepwell.results.map import boundary_rows, map_record, map_shares
 from stepwell.results.robot import (
     CHANGE,
     CONTACT,
     CYCLES,
     FLIP,
+    MEAN,
     PREDICTED,
     PUSH,
     RESOLUTION,
+    ROBOT,
     TOUCHED,
+    WALKED,
     convergence_record,
     maze_record,
     robot_record,
@@ -37,13 +41,17 @@ from stepwell.results.robot import (
 )
 from stepwell.results.run import (
     CELL,
+    LONGEST_SPELLED_OUT,
+    cell_records,
     cell_schema,
     change_columns,
     cycle_schema,
     drive_schema,
     elsewhere_of,
     event_columns,
+    event_records,
     force_scale,
+    margin_changes,
     nearest_changes,
     program_record,
     run_record,

@@ -55,7 +55,7 @@ def assumptions(chain: Chain) -> list[str]:
         *(_curves(elements, words) if elements else []),
         "After a snap the chain lands where overdamped flow at fixed drive leads it, "
         f"{_mobile(named, words)}; the energy released is lost.",
-        _actuator(chain),
+        actuator_words(chain),
         *(bands if levers else []),
         told(
             rubbed,
@@ -91,7 +91,8 @@ def _curves(elements: list[tuple[str, Element]], words: Measure) -> list[str]:
     return told
 
 
-def _actuator(chain: Chain) -> str:
+def actuator_words(chain: Chain) -> str:
+    """What the actuator of a chain prescribes, in a sentence."""
     words, stiffness = chain.measure, chain.actuator_stiffness
     if math.isinf(stiffness):
         return f"The actuator is rigid: it prescribes the {words.stroke}."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, Schema, in_measure, record, rows_of, told_in
+from stepwell.base import Quantity, Schema, in_measure, number, record, rows_of, told_in
 from stepwell.design.margins import WAY
 from stepwell.mechanism import Chain
 from stepwell.results.head import head
@@ -117,6 +117,19 @@ def _apart(tolerances: Tolerances) -> float | None:
 def _share(value: float) -> str:
     # An estimate may fall a little below zero.
     return f"{max(0.0, value):.2f}"
+
+
+def share_words(share: float) -> str:
+    """A share in %, with digits enough that 99.99 % is not told as certain."""
+    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
+
+
+def tolerance_words(given: Tolerances | dict[str, float], chain: Chain) -> str:
+    """The tolerances of a chain, themselves or their record, in words."""
+    schema = tolerance_schema(chain)
+    told = given if isinstance(given, dict) else record(schema, given)
+    words = [f"{q.head}{number(told[q.key])} {q.sign}" for q in schema if told[q.key]]
+    return ", ".join(words) or "no tolerance"
 
 
 SENSITIVITY: Schema = (

@@ -37,7 +37,7 @@ def map_record(
         **head("stepwell.map/2", text),
         "title": str(dataset.attrs["title"]),
         **{name: _axis(dataset[letter], here) for name, letter, here in axes},
-        "shares": _shares(dataset["sequence"]),
+        "shares": map_shares(dataset),
         **pathways,
         "moved_cell": str(dataset.attrs["moved_cell"]),
         "monostable_fraction": float(np.mean(dataset["monostable"].to_numpy())),
@@ -75,6 +75,11 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
             for x, y in boundary.points.tolist()
         ]
     return csv_text(head, rows)
+
+
+def map_shares(dataset: xarray.Dataset) -> dict[str, float]:
+    """How much of a map each sequence takes [1]."""
+    return _shares(dataset["sequence"])
 
 
 def _shares(field: xarray.DataArray) -> dict[str, float]:

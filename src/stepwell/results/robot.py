@@ -90,8 +90,8 @@ SETTINGS: Schema = (
     Quantity("linkage", read=lambda settings: str(settings.linkage)),
 )
 MEAN: Schema = (
-    Quantity("mean_advance", "over_u_max", read="advance"),
-    Quantity("mean_turn", "deg", read="turn"),
+    Quantity("mean_advance", "over_u_max", "mean d/u_max", "advance", "z.3f"),
+    Quantity("mean_turn", "deg", "mean turn to the left", "turn", "z.1f"),
 )
 CYCLES: Schema = (
     Quantity("advance", "over_u_max", "d/u_max", form="z.3f"),
@@ -149,6 +149,7 @@ def walk_record(walk: Walk, *, design: str | None = None) -> dict[str, Any]:
     return {
         **head("stepwell.walk/1", design or robot, None, "mujoco"),
         **record(WALKED, walk),
+        "work_per_cycle_mJ": plain(walk.work / walk.cycles, 1e3) if walk.cycles else None,
         "u_max_mm": plain(_most(robot), 1e3),
         **record(MEAN, Trial.of(walk)),
         **record(CYCLES, walk),

@@ -204,9 +204,7 @@ def run_record(
         "events": event_records(cycle.events, chain),
         "landings": landing_records(landings, cycle.events, chain),
         **record(cycle_schema(chain), cycle),
-        "margin": margin
-        and record(MARGIN, margin)
-        | {"changes": [_change(one, len(chain) <= LONGEST_BECOMING) for one in margin.changes]},
+        "margin": margin and record(MARGIN, margin) | {"changes": margin_changes(margin)},
         "ties": tie_notes(cycle.degenerate, chain),
     }
 
@@ -223,6 +221,12 @@ def actuator_record(chain: Chain) -> dict[str, Any]:
     control = "stroke" if math.isinf(stiffness) else "spring" if stiffness else "force"
     (told,) = in_measure([Quantity("stiffness", "N/m", read="actuator_stiffness")], chain.measure)
     return {"control": control, **record([told], chain)}
+
+
+def margin_changes(margin: Margin) -> list[dict[str, Any]]:
+    """The changes that a margin tells of, each with what the design becomes past it."""
+    becoming = len(margin.chain) <= LONGEST_BECOMING
+    return [_change(one, becoming) for one in margin.changes]
 
 
 def _change(change: Change, becoming: bool) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell.base import ByValue, Measure, told_in
+from stepwell.base import ByValue, Measure, brief, number, told_in
 
 
 class EventKind(Enum):
@@ -68,7 +68,7 @@ class Event(ByValue):
         )
         what = f", releases {self.released * 1e3:.4g} mJ" if self.kind is EventKind.SNAP else ""
         way = "loading" if self.direction > 0 else "unloading"
-        return f"{self.kind.name} at {self.stroke * factor:.6g} {unit} {way}: {moves}{what}"
+        return f"{self.kind.name} at {number(self.stroke * factor)} {unit} {way}: {moves}{what}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +87,9 @@ class Tie(ByValue):
 
     def __str__(self):
         return self.advice
+
+    def __repr__(self):
+        return brief(self)
 
 
 class SegmentKind(Enum):
@@ -126,3 +129,6 @@ class Segment(ByValue):
     released: float
     tie: bool
     cause: Cause | None
+
+    def __repr__(self):
+        return brief(self)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, amount, check
+from stepwell.base import ByValue, Floats, InputError, Measure, amount, brief, check
 from stepwell.mechanism import Chain
 from stepwell.statics.events import Event
 from stepwell.statics.following import Problem, sheets_of, stand_all_on
@@ -61,6 +61,9 @@ class History(ByValue):
     time: Floats
     travel: Floats
     speed: Floats
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, check, require
+from stepwell.base import ByValue, Floats, InputError, Ints, brief, check, require
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import HIGH, LOW, Chain, phase_at
 from stepwell.statics.events import Event
@@ -65,6 +65,9 @@ class Elsewhere(ByValue):
     sheet: tuple[int, ...]
     state: str
     share: float
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 
 from stepwell.base import (
     ByValue,
+    Drawn,
     Floats,
     InputError,
     Ints,
@@ -54,7 +55,7 @@ _MANY = 20_000
 
 
 @dataclass(frozen=True, eq=False)
-class Path(ByValue):
+class Path(ByValue, Drawn):
     """A chain's way through its equilibria, with every event and a certificate at every point.
 
     Between events the arrays hold `points` samples a branch; events are exact whatever the

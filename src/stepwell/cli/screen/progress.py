@@ -1,13 +1,10 @@
 """A progress bar on the terminal, and silence everywhere else."""
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from time import monotonic
 
-# Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
-# pieces has an estimate too [s].
-_EVERY, _REMEMBERED = 0.1, 600.0
+from stepwell.base import on_terminal
+
 WRITING = "writing"
 Progress = Callable[[float, float], None]
 
@@ -32,7 +29,7 @@ def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
     """
     reached = ""
     try:
-        with _bar(label) as shown:
+        with on_terminal(label) as shown:
 
             def update(done: float, total: float) -> None:
                 nonlocal reached
@@ -48,26 +45,3 @@ def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
         if label == WRITING:
             left = "the folder is as it was, or says that it is incomplete"
         raise Interrupted(f"Interrupted ({label}{reached}); {left}.") from None
-
-
-@contextmanager
-def _bar(label: str) -> Iterator[Progress | None]:
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, speed_estimate_period=_REMEMBERED) as bar:
-        task = bar.add_task(label, total=None)
-        last = -_EVERY
-
-        def update(done: float, total: float) -> None:
-            nonlocal last
-            now = monotonic()
-            if done >= total or now - last >= _EVERY:
-                bar.update(task, completed=done, total=total)
-                last = now
-
-        yield update

@@ -27,7 +27,8 @@ from stepwell.results import (
     event_columns,
     landings_told,
     nearest_changes,
-    tolerance_schema,
+    share_words,
+    tolerance_words,
 )
 from stepwell.sequences import ImplicitGraph, Pathway
 from stepwell.sequences.programs import turn_schema
@@ -356,7 +357,7 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
         "What the others do",
         [
             Column("outcome", lambda one: one["outcome"]),
-            Column("share", lambda one: _percent(one["count"] / record["samples"]), True),
+            Column("share", lambda one: share_words(one["count"] / record["samples"]), True),
         ],
         record["outcomes"],
         most=MOST_ROWS,
@@ -369,31 +370,21 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
             most=MOST_ROWS,
         )
         if record["gap_agreement"] is not None:
-            agreed = _percent(record["gap_agreement"])
+            agreed = share_words(record["gap_agreement"])
             show_lines(f"The gap tells what the engine finds in {agreed}")
     show_text(record["assumptions"])
 
 
 def _shares(record: dict[str, Any], chain: Chain) -> dict[str, str]:
     """Share, tolerances and critical pair of a yield."""
-    low, high = _percent(record["share_low"]), _percent(record["share_high"])
+    tolerances = tolerance_words(record["tolerances"], chain)
+    low, high = share_words(record["share_low"]), share_words(record["share_high"])
     return {
-        "Yield": f"{_percent(record['share'])}, with 95 % confidence {low} to {high}",
+        "Yield": f"{share_words(record['share'])}, with 95 % confidence {low} to {high}",
         "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
-        "Made": f"{record['samples']} mechanisms with {_tolerances(record['tolerances'], chain)}",
+        "Made": f"{record['samples']} mechanisms with {tolerances}",
         "Critical": _critical(record.get("critical"), chain.names),
     }
-
-
-def _percent(share: float) -> str:
-    """A share, with digits enough that 99.99 % is not printed as certain."""
-    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
-
-
-def _tolerances(given: dict[str, float], chain: Chain) -> str:
-    schema = tolerance_schema(chain)
-    told = [f"{q.head}{number(given[q.key])} {q.sign}" for q in schema if given[q.key]]
-    return ", ".join(told) or "no tolerance"
 
 
 def _critical(pair: dict[str, Any] | None, names: Sequence[str]) -> str:
@@ -402,5 +393,5 @@ def _critical(pair: dict[str, Any] | None, names: Sequence[str]) -> str:
     first, second = pair.get("names") or (names[pair["first"]], names[pair["second"]])
     return (
         f"{first} before {second} while {pair['while']}: in the other order in "
-        f"{_percent(pair['share'])}"
+        f"{share_words(pair['share'])}"
     )

@@ -104,7 +104,9 @@ def comparison(record: dict[str, Any]) -> None:
             for row in cells
             for rise in row["rises"]
         ]
-        show_lines(*(rising or ["F falls throughout in every series, to 0.005 k r."]))
+        show_lines(
+            *(rising or [f"F falls throughout in every series, to {record['rise_over_kr']:g} k r."])
+        )
     if pairs:
         title = "Pairs: errors in k r; ratio of the errors against the two orders"
         columns = [
@@ -121,9 +123,7 @@ def comparison(record: dict[str, Any]) -> None:
     show_lines(*record["told"])
     show_lines(
         "",
-        "Not judged: the first 0.5 mm of stroke, the last 0.25 mm, and in pairs from 0.5 mm before "
-        "to 2 mm after the next cell takes over. Which cell moves first in a baseline of two cells "
-        "is not recorded: the reading that fits all series better is taken.",
+        record["not_judged"],
     )
 
 

@@ -109,7 +109,7 @@ def convergence(record: dict[str, Any]) -> None:
 
 def walk(record: dict[str, Any]) -> None:
     """Print what `results.walk_record` returns."""
-    per_cycle = record["work_mJ"] / record["cycles"] if record["cycles"] else None
+    per_cycle = record["work_per_cycle_mJ"]
     found = {
         "Walked": f"{number(record['distance_mm'])} mm in {record['cycles']} cycles of "
         f"{number(record['period_s'])} s",

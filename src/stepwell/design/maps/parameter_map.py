@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepwell.base import Floats, InputError, __version__, need, require
 from stepwell.design.maps.bistable import Stability
 from stepwell.design.maps.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes
+from stepwell.design.maps.view import with_door
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
@@ -226,7 +227,7 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
         notes = _noted("order in which the cells load and unload") | _flags(words, np.int8)
         about = {"pathway": (pathway, notes)} | about
     shape = (len(axes[1][1]), len(axes[0][1]))
-    return xr.Dataset(
+    made = xr.Dataset(
         {name: (("y", "x"), field.reshape(shape), notes) for name, (field, notes) in about.items()},
         coords={
             letter: (letter, values, {"long_name": one.name, "units": one.unit})
@@ -249,6 +250,7 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
             "source": f"stepwell {__version__}, parameter_map",
         },
     )
+    return with_door(made)
 
 
 def _noted(name: str, unit: str | None = None) -> _Notes:

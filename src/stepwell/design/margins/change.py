@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, brief
 from stepwell.concave import SortedChain
 from stepwell.design.margins.numbers import changed_by, nearest_share
 from stepwell.design.parameters import of_cell
@@ -71,6 +71,9 @@ class Change(ByValue):
             )
         of = " of the largest force" if self.parameter == "friction" else ""
         return f"{self.parameter}: {self.move * 100:+.4g} %{of}"
+
+    def __repr__(self):
+        return brief(self)
 
 
 def number_change(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stepwell.base import REACH, ByValue, Floats
+from stepwell.base import REACH, ByValue, Drawn, Floats
 from stepwell.concave import SortedChain
 from stepwell.design.margins.change import Change, number_change
 from stepwell.design.margins.displacements import Displacements
@@ -24,7 +24,7 @@ _SHORT = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Margin(ByValue):
+class Margin(ByValue, Drawn):
     """How far a design is from another sequence, for every anchor and every stiffness.
 
     Attributes:

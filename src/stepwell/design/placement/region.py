@@ -168,6 +168,7 @@ def lattice(region: Region, pitch: float) -> Floats:
             f"{_MOST_PLACES:,}."
         )
     x, y = box.left + pitch * np.arange(nx), box.bottom + pitch * np.arange(ny)
-    places = np.asarray(np.stack(np.meshgrid(x, y), axis=-1), float).reshape(-1, 2)
+    # Picometres are rounding: a hole at 10 mm is written as 10 mm.
+    places = np.asarray(np.stack(np.meshgrid(x, y), axis=-1), float).round(12).reshape(-1, 2)
     near = region.clamped(places)
     return near[np.hypot(*(places - near).T) <= _EDGE]

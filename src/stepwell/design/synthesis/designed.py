@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, told_in
+from stepwell.base import ByValue, Drawn, Floats, told_in
 from stepwell.concave import SortedChain
 from stepwell.design.margins import Robustness, robustness
 from stepwell.design.orders import Reached, are_relays, reached, short, switching_forces
@@ -16,7 +16,7 @@ from stepwell.mechanism import Chain, Element
 
 
 @dataclass(frozen=True, eq=False)
-class Design(ByValue):
+class Design(ByValue, Drawn):
     """A chain that does what is wanted, and how surely.
 
     Attributes:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import Floats, Measure, StepwellError
+from stepwell.base import Floats, Measure, Shown, StepwellError
 from stepwell.concave import TIED
 from stepwell.design.orders import Target, short
 from stepwell.design.synthesis.attempt import Attempt
 
 
-class Impossible(StepwellError, ValueError):
+class Impossible(Shown, StepwellError, ValueError):
     """What is wanted cannot be had within what is allowed; `str` of it says why.
 
     Attributes:

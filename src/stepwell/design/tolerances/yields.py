@@ -13,11 +13,13 @@ from stepwell.base import (
     ONE_BY_ONE,
     QUICKLY,
     ByValue,
+    Drawn,
     Floats,
     InputError,
     Quantity,
     ReadOnly,
     __version__,
+    brief,
     check,
     need,
     require,
@@ -86,9 +88,12 @@ class Critical(ByValue):
             f"in the other order in {_percent(self.share)}"
         )
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, eq=False)
-class Yield(Counted):
+class Yield(Counted, Drawn):
     """How many of n mechanisms, made at random within tolerances, do what is wanted.
 
     Attributes:

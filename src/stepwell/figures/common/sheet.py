@@ -16,6 +16,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.text import Text
 
 from stepwell.base import InputError
+from stepwell.figures.common.page import PageFigure
 from stepwell.figures.common.style import STYLE
 
 # What draws a panel: any function of this room with its result already given to it.
@@ -120,7 +121,7 @@ def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = Fals
             raise _MeasuredError(Size(width, height, rigid, keyed))
         # All that is asked of a figure here, a part of one answers too.
         return cast("Figure", panel.onto)
-    figure = Figure(figsize=(width / 25.4, height / 25.4))
+    figure = PageFigure(figsize=(width / 25.4, height / 25.4))
     FigureCanvasAgg(figure)
     return figure
 

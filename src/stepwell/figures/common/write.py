@@ -47,16 +47,17 @@ def save(
     kinds = figure.canvas.get_supported_filetypes()
     if suffix.removeprefix(".") not in kinds:
         raise InputError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
-    write_atomic(Path(file), _drawn(figure, suffix, dpi, text=text))
+    write_atomic(Path(file), drawn_as(figure, suffix, dpi, text=text))
 
 
 def svg(figure: Figure) -> str:
     """The figure as SVG text of outlines, without an XML declaration."""
-    text = _drawn(figure, ".svg", 200.0).decode()
+    text = drawn_as(figure, ".svg", 200.0).decode()
     return text[text.index("<svg") :]
 
 
-def _drawn(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
+def drawn_as(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
+    """The bytes of a file with this suffix, at so many pixels per inch; `text` as for `save`."""
     buffer = io.BytesIO()
     kind = suffix.removeprefix(".")
     words = text and suffix == ".svg"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, need
+from stepwell.base import ByValue, Drawn, Floats, brief, need
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import (
     LabError,
@@ -63,9 +63,12 @@ class Hysteresis(ByValue):
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, eq=False)
-class BandTest(ByValue):
+class BandTest(ByValue, Drawn):
     """Tension tests of bands of one kind, and what of them is used.
 
     Attributes:

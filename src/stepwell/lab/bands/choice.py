@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError
+from stepwell.base import ByValue, Floats, InputError, brief
 from stepwell.lab.bands.band import BandTest
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
@@ -47,6 +47,9 @@ class Candidate(ByValue):
         """Standard error of the score over the folds [N]."""
         n = len(self.predicted)
         return float(np.std(self.predicted, ddof=1)) / math.sqrt(n) if n > 1 else 0.0
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)

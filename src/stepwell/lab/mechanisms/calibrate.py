@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, need, record
+from stepwell.base import ByValue, Drawn, Floats, brief, need, record
 from stepwell.lab.bands import student
 from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
 from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
@@ -70,9 +70,12 @@ class Sample(ByValue):
     force: Floats = field(repr=False)
     unloading: bool
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, eq=False)
-class Calibration(ByValue):
+class Calibration(ByValue, Drawn):
     """The model that fits all unit cells best, and how well it predicts one that it has not seen.
 
     Attributes:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, brief, record
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
 from stepwell.lab.mechanisms.schema import CELL_TEST
 from stepwell.lab.mechanisms.series import Series
@@ -19,7 +19,7 @@ from stepwell.mechanism import Cell
 CLOSE = 0.15
 _ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolated
 _POINTS = 401
-_RISE = 0.005  # k r by which a force must rise to be called an exception
+RISE = 0.005  # k r by which a force must rise to be called an exception
 _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
@@ -60,9 +60,12 @@ class CellReading(ByValue):
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, eq=False)
-class CellTest(ByValue):
+class CellTest(ByValue, Drawn):
     """What a series of a unit cell shows.
 
     Attributes:
@@ -167,7 +170,7 @@ def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
         _reading(cell, stroke, force, rig),
         cell.force(plain.theta),
         float(np.mean(curve.spread[use])),
-        _rises(stroke, force, _RISE * series.scale),
+        _rises(stroke, force, RISE * series.scale),
     )
 
 

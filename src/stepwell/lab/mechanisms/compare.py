@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Quantity, __version__, need, versions, write_csv
-from stepwell.lab.mechanisms.cell_test import CellTest, cell_test
+from stepwell.base import ByValue, Drawn, Quantity, __version__, need, versions, write_csv
+from stepwell.lab.mechanisms.cell_test import RISE, CellTest, cell_test
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
+from stepwell.lab.mechanisms.rig import NOT_JUDGED, PAPER_RIG, Rig
 from stepwell.lab.mechanisms.series import over_geometries, sort_series
 from stepwell.lab.recordings import LabError, Recording
 from stepwell.mechanism import Chain
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(ByValue):
+class Comparison(ByValue, Drawn):
     """What a batch of recordings shows.
 
     Attributes:
@@ -140,6 +140,8 @@ def comparison_record(comparison: Comparison) -> dict[str, Any]:
         ],
         "series": [test.record() for test in comparison.tests],
         "told": list(comparison.told),
+        "not_judged": NOT_JUDGED,
+        "rise_over_kr": RISE,
     }
 
 

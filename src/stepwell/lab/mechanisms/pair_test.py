@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
@@ -28,7 +28,7 @@ _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
 
 
 @dataclass(frozen=True, eq=False)
-class PairTest(ByValue):
+class PairTest(ByValue, Drawn):
     """What a series of two cells shows.
 
     Attributes:

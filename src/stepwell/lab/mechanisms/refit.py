@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Quantity, Schema, record
+from stepwell.base import ByValue, Floats, Quantity, Schema, brief, record
 from stepwell.lab.mechanisms.calibrate import TIED, correlations
 from stepwell.lab.mechanisms.cell_test import CellTest
 from stepwell.lab.mechanisms.compare import Comparison
@@ -48,6 +48,9 @@ class Refit(ByValue):
     def record(self) -> dict[str, Any]:
         """As JSON can hold it."""
         return record(_REFIT, self)
+
+    def __repr__(self):
+        return brief(self)
 
 
 _REFIT: Schema = (

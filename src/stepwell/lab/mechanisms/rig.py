@@ -72,6 +72,12 @@ PAPER_RIG = Rig(bar=0.070)
 SETTLE = 0.5e-3
 END = 0.25e-3
 BEFORE, AFTER = 0.5e-3, 2.0e-3
+NOT_JUDGED = (
+    f"Not judged: the first {SETTLE * 1e3:g} mm of stroke, the last {END * 1e3:g} mm, and in pairs "
+    f"from {BEFORE * 1e3:g} mm before to {AFTER * 1e3:g} mm after the next cell takes over. Which "
+    "cell moves first in a baseline of two cells is not recorded: the reading that fits all series "
+    "better is taken."
+)
 
 
 def quiet_zones(

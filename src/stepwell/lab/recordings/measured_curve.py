@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, content_of, told_in
+from stepwell.base import ByValue, Floats, InputError, Measure, brief, content_of, told_in
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.recording import turns_of
 from stepwell.lab.recordings.text import parse_pair
@@ -67,6 +67,9 @@ class MeasuredCurve(ByValue):
         rising, place = np.unique(x, return_inverse=True)
         count = np.bincount(place)
         return rising, np.bincount(place, y) / count
+
+    def __repr__(self):
+        return brief(self)
 
 
 def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:

@@ -10,14 +10,14 @@ from pathlib import PurePath
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError
+from stepwell.base import ByValue, Drawn, Floats, InputError
 
 # A reversal smaller than this share of the stroke is the machine settling, not a turning point.
 _TURN = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Recording(ByValue):
+class Recording(ByValue, Drawn):
     """One recording of a test machine, in SI.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stepwell.base import ByValue, Floats, InputError, Measure, check, told_in
+from stepwell.base import ByValue, Drawn, Floats, InputError, Measure, check, told_in
 from stepwell.mechanism.cubics import Force, end_of, integral, signs, value
 from stepwell.mechanism.elements import build
 from stepwell.mechanism.elements.beside import beside
@@ -30,7 +30,7 @@ _LEAST_RISE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Element(ByValue):
+class Element(ByValue, Drawn):
     """A cell that is a force law: anything that snaps, given by its force against its travel.
 
     Make one with `from_table`, `from_points`, `from_law`, `from_curve` or `from_chain`, or take

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, brief
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +24,9 @@ class Phase(ByValue):
     high: float
     force_low: float
     force_high: float
+
+    def __repr__(self):
+        return brief(self)
 
 
 # Where a phase lies: its sheet, and the travels between which [m].

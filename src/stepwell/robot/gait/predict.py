@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from stepwell.base import ByValue, Vec2
+from stepwell.base import ByValue, Drawn, Vec2
 from stepwell.robot.gait.round import Round, go_round, rounds, stances_beside
 from stepwell.robot.gait.search import changes
 from stepwell.robot.gait.slide import STEPS, Slide, slide
@@ -188,7 +188,7 @@ class LegPrediction(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Prediction(ByValue):
+class Prediction(ByValue, Drawn):
     """What a robot will do in a cycle, said without simulation.
 
     Attributes:

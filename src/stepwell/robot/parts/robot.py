@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from stepwell.base import ByValue, InputError, Vec2, require
+from stepwell.base import ByValue, Drawn, InputError, Vec2, require
 from stepwell.robot.parts.antenna import Antenna
 from stepwell.robot.parts.arena import Arena, Floor
 from stepwell.robot.parts.body import Body
@@ -24,7 +24,7 @@ Progress = Callable[[float, float], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Robot(ByValue):
+class Robot(ByValue, Drawn):
     """Legs on one actuator, under a body that rests on a T-foot.
 
     Args:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence as Sized
 from dataclasses import dataclass
 from functools import cached_property
 
-from stepwell.base import ByValue, amount
+from stepwell.base import ByValue, Drawn, amount
 from stepwell.mechanism import Cell, Chain, Element, phase_at
 from stepwell.sequences.cycles.sequence import Pathway, Sequence, pathway_of
 from stepwell.statics import Event, EventKind, Path, Tie, full_cycle
@@ -64,7 +64,7 @@ def sequence_of(path: Path) -> Sequence:
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle(ByValue):
+class Cycle(ByValue, Drawn):
     """A chain loaded from all cells at 0 to all in their last phases and unloaded again.
 
     Attributes:

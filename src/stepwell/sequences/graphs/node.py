@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, number
 
 
 class TransitionKind(Enum):
@@ -51,7 +51,8 @@ class Node(ByValue):
         return sum(map(int, self.state))
 
     def __repr__(self):
-        return f"Node({self.label}: drive {self.low:.6g} to {self.high:.6g}, branch {self.branch})"
+        drives = f"{number(self.low)} to {number(self.high)}"
+        return f"Node({self.label}: drive {drives}, branch {self.branch})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,4 +78,4 @@ class Transition(ByValue):
 
     def __repr__(self):
         way = "up" if self.direction > 0 else "down"
-        return f"Transition({self.kind.name} {way} at {self.drive:.6g}, cells {self.cells})"
+        return f"Transition({self.kind.name} {way} at {number(self.drive)}, cells {self.cells})"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from stepwell.base import InputError, Measure, amount, most, problem, same
+from stepwell.base import Drawn, InputError, Measure, Shown, amount, most, problem, same
 from stepwell.concave import relays
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import (
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stepwell.sequences.memory import MemoryReading
 
 
-class TransitionGraph(nx.DiGraph):
+class TransitionGraph(nx.DiGraph, Shown, Drawn):
     """Where a chain can stand, and how it gets from there to elsewhere.
 
     A networkx DiGraph, frozen. Its keys are labels: a state such as "010" with every cell in a

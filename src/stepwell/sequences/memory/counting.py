@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Ints
+from stepwell.base import ByValue, Floats, Ints, number
 from stepwell.sequences.graphs import Atlas, Mesostates, Routes
 
 # Numbers looked up in a search (extremes squared times branches): some seconds' worth.
@@ -50,7 +50,8 @@ class Accumulator(ByValue):
 
     def __repr__(self):
         return (
-            f"Accumulator({'>'.join(self.states)}, drive {self.low:.6g} to {self.high:.6g}, "
+            f"Accumulator({'>'.join(self.states)}, drive {number(self.low)} to "
+            f"{number(self.high)}, "
             f"transient {self.transient}, period {self.period})"
         )
 

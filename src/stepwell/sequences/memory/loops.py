@@ -7,7 +7,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from stepwell.base import ByValue, Ints
+from stepwell.base import ByValue, Ints, number
 from stepwell.sequences.graphs import Atlas
 
 
@@ -44,7 +44,7 @@ class Loop(ByValue):
         return ">".join(v for k, v in enumerate(passed) if "-" not in v or k in ends)
 
     def __repr__(self):
-        return f"Loop({self}, drive {self.low:.6g} to {self.high:.6g})"
+        return f"Loop({self}, drive {number(self.low)} to {number(self.high)})"
 
 
 def main_loop(atlas: Atlas) -> Loop:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, Drawn
 from stepwell.sequences.graphs import Atlas, Routes, TransitionGraph, atlas, drives_text
 from stepwell.sequences.memory.counting import Counting, counting
 from stepwell.sequences.memory.latches import Latch, gardens, groups_of, latches
@@ -25,7 +25,7 @@ _BY_HAND = " (set by hand)"
 
 
 @dataclass(frozen=True, eq=False)
-class MemoryReading(ByValue):
+class MemoryReading(ByValue, Drawn):
     """What a transition graph says about a machine, in terms that the literature uses.
 
     A *branch* here is all that the chain goes through to and fro without a snap; under force

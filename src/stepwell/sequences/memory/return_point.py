@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, number
 from stepwell.sequences.graphs import Atlas, Mesostates, Routes
 
 # Of all failures this many are compared for the one that is reached most simply.
@@ -47,7 +47,7 @@ class Forgetting(ByValue):
         return self.turns[-2]
 
     def __repr__(self):
-        points = ", ".join(f"{drive:.6g}" for drive in self.turns)
+        points = ", ".join(number(drive) for drive in self.turns)
         return f"Forgetting({self.first}, later {self.later}, drive {points})"
 
 
@@ -162,8 +162,8 @@ def _simplest(
 ) -> Forgetting:
     """The failure whose first turning point is reached with the fewest snaps."""
     sources: dict[int, list[int]] = {}
-    for number in np.flatnonzero(routes.reached).tolist():
-        sources.setdefault(int(branches.rise[number]), []).append(number)
+    for branch in np.flatnonzero(routes.reached).tolist():
+        sources.setdefault(int(branches.rise[branch]), []).append(branch)
     begins: list[tuple[int, int, _Lapse]] = []
     for lapse in lapses[:_COMPARED]:
         waiting = [lapse.left]

@@ -9,7 +9,18 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path as File
 
-from stepwell.base import ByValue, Quantity, Schema, StepwellError, amount, told_in, write_csv
+from stepwell.base import (
+    ByValue,
+    Drawn,
+    Quantity,
+    Schema,
+    Shown,
+    StepwellError,
+    amount,
+    brief,
+    told_in,
+    write_csv,
+)
 from stepwell.mechanism import Chain
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
@@ -71,9 +82,12 @@ class Turn(ByValue):
         """How far the turning point may be off either way."""
         return min(self.drive - self.low, self.high - self.drive)
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, eq=False)
-class Program(ByValue):
+class Program(ByValue, Drawn):
     """The shortest list of turning points from one state to another.
 
     Attributes:
@@ -241,7 +255,7 @@ class Program(ByValue):
         return f"Program({self})"
 
 
-class Unreachable(StepwellError, ValueError):
+class Unreachable(Shown, StepwellError, ValueError):
     """The actuator cannot bring the chain to the state that was asked for.
 
     Attributes:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError
+from stepwell.base import ByValue, Floats, InputError, brief
 from stepwell.robot import Robot
 from stepwell.simulation.model import Settings
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
@@ -35,6 +35,9 @@ class Resolution(NamedTuple):
     turn: float
     off: float
     jumps: float
+
+    def __repr__(self):
+        return brief(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError
+from stepwell.base import ByValue, Drawn, InputError, brief
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
 from stepwell.simulation.model import Settings, obstacle_names
@@ -57,6 +57,9 @@ class Contact(NamedTuple):
     swing: float
     moved: float
 
+    def __repr__(self):
+        return brief(self)
+
 
 class GaitChange(NamedTuple):
     """A leg that changed its gait: when [s], which, from what to what."""
@@ -66,9 +69,12 @@ class GaitChange(NamedTuple):
     before: str
     after: str
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Maze(ByValue):
+class Maze(ByValue, Drawn):
     """A robot's way through an arena.
 
     Attributes:

@@ -14,10 +14,12 @@ import numpy as np
 
 from stepwell.base import (
     ByValue,
+    Drawn,
     InputError,
     Quantity,
     Schema,
     __version__,
+    brief,
     need,
     require,
     write_atomic,
@@ -80,9 +82,12 @@ class Trial(ByValue):
             stopped=walk.stopped,
         )
 
+    def __repr__(self):
+        return brief(self)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sweep(ByValue):
+class Sweep(ByValue, Drawn):
     """What many robots did.
 
     Attributes:

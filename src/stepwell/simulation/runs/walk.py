@@ -11,6 +11,7 @@ import numpy as np
 
 from stepwell.base import (
     ByValue,
+    Drawn,
     Floats,
     InputError,
     Quantity,
@@ -54,7 +55,7 @@ SAMPLES: Schema = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Walk(ByValue):
+class Walk(ByValue, Drawn):
     """What a robot did while its actuator went out and back.
 
     Forces of what touches are means over the time since the sample before, for they pass within

@@ -1,0 +1,124 @@
+"""Bars that tell how far long work is: in notebooks, on terminals, and nowhere else."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from time import monotonic
+from typing import Any
+
+Progress = Callable[[float, float], None]
+
+# Between two looks at the bar [s]; and for how long the pace is remembered, so that work in large
+# pieces has an estimate too [s].
+_EVERY, _REMEMBERED = 0.1, 600.0
+
+
+@contextmanager
+def on_terminal(label: str) -> Iterator[Progress | None]:
+    """What to call with (done, total); None where standard error is no terminal.
+
+    The bar tells how much is done and how long the rest will take. It goes to standard error, so
+    that it never mixes with results, and vanishes when done.
+    """
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, speed_estimate_period=_REMEMBERED) as shown:
+        task = shown.add_task(label, total=None)
+        last = -_EVERY
+
+        def update(done: float, total: float) -> None:
+            nonlocal last
+            now = monotonic()
+            if done >= total or now - last >= _EVERY:
+                shown.update(task, completed=done, total=total)
+                last = now
+
+        yield update
+
+
+class _Bar:
+    """One bar at a time; work that begins anew begins a new one."""
+
+    def __init__(self) -> None:
+        self._open = ExitStack()
+        self._show: Progress | None = None
+        self._done: float | None = None
+
+    def __call__(self, done: float, total: float) -> None:
+        if self._done is None or done < self._done:
+            self._open.close()
+            shown = in_notebook() if _notebook() else on_terminal("working")
+            self._show = self._open.enter_context(shown)
+        self._done = done
+        if self._show is not None:
+            self._show(done, total)
+        if done >= total:
+            self._open.close()
+            self._show = self._done = None
+
+
+@contextmanager
+def in_notebook() -> Iterator[Progress]:
+    """What to call with (done, total) for a bar below a notebook's cell; it vanishes when done.
+
+    The bar is plain HTML: what a saved notebook keeps of it is nothing, or, of work that was
+    interrupted, how far it came.
+    """
+    display: Any = sys.modules["IPython"].display
+    place = display.display(display.HTML(""), display_id=True)
+    begun = last = monotonic()
+
+    def update(done: float, total: float) -> None:
+        nonlocal last
+        now = monotonic()
+        if now - last >= _EVERY:
+            place.update(display.HTML(_html(done, total, now - begun)))
+            last = now
+
+    yield update
+    place.update(display.HTML(""))
+
+
+def _html(done: float, total: float, spent: float) -> str:
+    rest = f", about {_span(spent * (total / done - 1.0))} left" if done > 0 else ""
+    return (
+        '<div style="display:flex;gap:0.8em;align-items:center">'
+        f'<progress value="{done:g}" max="{total:g}" style="width:16em"></progress>'
+        f"<span>{done / total:.0%}{rest}</span></div>"
+    )
+
+
+def _span(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def _notebook() -> bool:
+    """Whether a notebook's kernel runs this; a shell of IPython is a terminal."""
+    if "IPython" not in sys.modules:
+        return False
+    shell: Any = sys.modules["IPython"].get_ipython()
+    return shell is not None and hasattr(shell, "kernel")
+
+
+_bar = _Bar()
+
+
+def bar(done: float, total: float) -> None:
+    """A bar for long work: pass it as `progress=`, as in `chain.yields(progress=sw.bar)`.
+
+    In a notebook it stands below the cell, on a terminal on standard error, with the time that is
+    left; it vanishes when all is done. Elsewhere it is silent.
+
+    Args:
+        done, total: how much is done, of how much; less done than before begins a new bar.
+    """
+    _bar(done, total)

@@ -1,0 +1,81 @@
+"""What values offer to be looked at: a card in a notebook, and their usual figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+T = TypeVar("T")
+
+
+class Shown:
+    """A value that a notebook shows as a card: what it is, what it says, its main numbers."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        from stepwell.cards import card
+
+        return card(self)
+
+
+class Drawn:
+    """A value of which there is a usual figure."""
+
+    __slots__ = ()
+
+    def plot(self, **options: Any) -> Figure:
+        """Its usual figure, which a notebook shows by itself.
+
+        Args:
+            options: of the function in `stepwell.figures` that draws it; `figures.plot` tells
+                which that is.
+
+        Returns:
+            The figure, to be shown, changed or saved with `figures.save`.
+
+        Raises:
+            ValueError: it holds nothing that can be drawn, or more than can be seen.
+        """
+        from stepwell.figures import plot
+
+        return plot(self, **options)
+
+
+def brief(value: Any) -> str:
+    """What a result of plain fields prints: every number with as many digits as mean something.
+
+    Args:
+        value: a dataclass, whose fields count that its own representation would tell, or a named
+            tuple.
+    """
+    known = getattr(value, "_fields", None)
+    names = known or [one.name for one in fields(value) if one.repr]
+    told = ", ".join(f"{name}={_told(getattr(value, name))}" for name in names)
+    return f"{type(value).__name__}({told})"
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, bool | str) or value is None:
+        return repr(value)
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if hasattr(value, "shape") and value.shape:
+        return f"<{' by '.join(map(str, value.shape))} numbers>"
+    if type(value) in (tuple, list):
+        inside = ", ".join(map(_told, value))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+    return repr(value)
+
+
+def of_kind(table: Mapping[str, T], value: object) -> T | None:
+    """What a table has for a value, by the name of its class or of the nearest one above it.
+
+    By names, because a class that nobody asked about need not be opened: MuJoCo's, for instance.
+    """
+    ours = (kind for kind in type(value).__mro__ if kind.__module__.startswith("stepwell."))
+    return next((table[kind.__name__] for kind in ours if kind.__name__ in table), None)

@@ -1,0 +1,136 @@
+"""Cards of designs: found, judged, changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepwell.base import Column, Quantity, number, record
+from stepwell.cards.html import Card
+from stepwell.results import (
+    built_schema,
+    change_columns,
+    map_shares,
+    margin_changes,
+    nearest_changes,
+    share_words,
+    tolerance_words,
+)
+
+if TYPE_CHECKING:
+    from stepwell.design import (
+        Design,
+        Impossible,
+        Margin,
+        Reprogramming,
+        Robustness,
+        Survival,
+        Yield,
+    )
+
+
+def _margin(margin: Margin) -> Card:
+    chain, changes = margin.chain, margin_changes(margin)
+    near = list(nearest_changes(chain, changes).values())
+    told = " or ".join(near) or "no change that was looked at"
+    order = np.argsort([change.distance for change in margin.changes], kind="stable")
+    rows = [changes[k] for k in order]
+    method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
+    return Card(
+        "Margin: the smallest change of one thing that gives another sequence",
+        [f"{told} to another sequence. {method}"],
+        {},
+        change_columns(chain, rows),
+        rows,
+        "changes",
+    )
+
+
+def _shares(found: Yield | Survival) -> dict[str, str]:
+    low, high = map(share_words, found.interval)
+    return {
+        "works": f"{share_words(found.share)}, with 95 % confidence {low} to {high}",
+        "made": f"{found.n} mechanisms with {tolerance_words(found.tolerances, found.chain)}",
+    }
+
+
+def _outcomes(outcomes: Mapping[str, int], n: int) -> dict[str, Any]:
+    rows = [{"outcome": text, "share": count / n} for text, count in outcomes.items()]
+    columns = (
+        Quantity("outcome", head="what the others do"),
+        Column("share", lambda row: share_words(row["share"]), True),
+    )
+    return {"columns": columns, "rows": rows, "more": "outcomes"}
+
+
+def _yield(found: Yield) -> Card:
+    return Card(
+        f"Yield of {found.chain.title}" if found.chain.title else "Yield",
+        [f"Wanted: {found.wanted}.", found.advice or ""],
+        _shares(found),
+        **_outcomes(found.outcomes, found.n),
+    )
+
+
+def _survival(found: Survival) -> Card:
+    return Card(f"Survival of a program from {found.start} to {found.ends}", (), _shares(found))
+
+
+def _design(found: Design) -> Card:
+    chain = found.chain
+    schema = built_schema(chain)
+    rows = [
+        record(schema, cell, name=name) for cell, name in zip(chain.cells, chain.names, strict=True)
+    ]
+    return Card(
+        chain.title or f"A design for {found.sequence}",
+        [f"{found.method[:1].upper()}{found.method[1:]}."],
+        _shares(found.yield_),
+        schema,
+        rows,
+        "cells",
+    )
+
+
+def _impossible(why: Impossible) -> Card:
+    proved = "This is proved." if why.proved else "A search found none; that is no proof."
+    return Card("No such design", [str(why), proved])
+
+
+def _robustness(found: Robustness) -> Card:
+    return Card("Robustness", [f"{str(found)[:1].upper()}{str(found)[1:]}."])
+
+
+def _reprogramming(found: Reprogramming) -> Card:
+    return Card(f"Reprogramming by {found.by}", str(found).splitlines())
+
+
+def _map(view: Any) -> Card:
+    """Of the accessor that maps have; see `design.maps`."""
+    data = view.dataset
+    axes = (f"{axis.attrs['long_name']}, {len(axis)} values" for axis in (data["x"], data["y"]))
+    rows = [
+        {"sequence": name, "share": share}
+        for name, share in sorted(map_shares(data).items(), key=lambda one: -one[1])
+        if share
+    ]
+    columns = (
+        Quantity("sequence", head="sequence"),
+        Column("share of the map", lambda row: f"{number(100 * row['share'])} %", True),
+    )
+    title = f"Map of {data.attrs['title']}" if data.attrs["title"] else "Map"
+    return Card(title, [f"{' by '.join(axes)}."], {}, columns, rows, "sequences")
+
+
+DESIGNS: dict[str, Callable[[Any], Card]] = {
+    "Design": _design,
+    "Impossible": _impossible,
+    "MapView": _map,
+    "Margin": _margin,
+    "Reprogramming": _reprogramming,
+    "Robustness": _robustness,
+    "Survival": _survival,
+    "Yield": _yield,
+}

@@ -1,0 +1,139 @@
+"""The usual figure of every value that can be drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stepwell.base import InputError, of_kind
+from stepwell.design import Boundary, Design
+from stepwell.figures.cells import element_curve, force_plane, mechanism, unit_cell_force
+from stepwell.figures.graphs import transition_graph
+from stepwell.figures.maps import margins, transition_map, yield_bars
+from stepwell.figures.measured import (
+    band_laws,
+    calibration,
+    measured_forces,
+    measured_pairs,
+    recording,
+)
+from stepwell.figures.motion import force_stroke, overview, stroke_program
+from stepwell.figures.robots import robot_drawing
+from stepwell.figures.runs import maze, prediction, sweep, trajectory
+from stepwell.lab import BandTest, Comparison, choose_law
+from stepwell.mechanism import Chain
+
+# Mechanisms that are drawn around a design.
+_CLOUD = 600
+
+
+def plot(value: Any, **options: Any) -> Figure:
+    """The usual figure of a value; `value.plot()` is the same.
+
+    | of | drawn by |
+    |---|---|
+    | a chain, a cell, an element | `mechanism`, `unit_cell_force`, `element_curve` |
+    | a cycle, a path, a program | `overview`, `force_stroke`, `stroke_program` |
+    | a transition graph, what it remembers | `transition_graph` |
+    | a margin, a yield, a design that was found | `margins`, `yield_bars`, `force_plane` |
+    | a map | `transition_map` |
+    | a robot, a prediction | `robot_drawing`, `prediction` |
+    | a walk, a way through an arena, a sweep | `trajectory`, `maze`, `sweep` |
+    | a recording, a test of bands | `recording`, `band_laws` |
+    | a measured cell, a measured pair | `measured_forces`, `measured_pairs` |
+    | a comparison | `measured_forces`, or `measured_pairs` where there are no unit cells |
+    | a calibration | `calibration` |
+
+    Args:
+        value: any of these.
+        options: of the function that draws it.
+
+    Raises:
+        ValueError: a value of which there is no usual figure, or what that function raises.
+    """
+    draw = _map if _is_map(value) else of_kind(_USUAL, value)
+    if draw is None:
+        known = ", ".join(sorted(_USUAL))
+        raise InputError(
+            f"{type(value).__name__}: has no usual figure. Those that have one: {known}, and maps."
+        )
+    return draw(value, **options)
+
+
+def designed(found: Design) -> Figure:
+    """The force plane of a design that was found: what could be reached, what may be built.
+
+    Args:
+        found: what `design.design` returns.
+
+    Source: as `force_plane`.
+    """
+    drilled = found.holes is not None
+    # Cells of more than two phases have more switches than there are cells to be in order.
+    one_each = len(found.forces) == len(found.chain)
+    return force_plane(
+        found.chain,
+        loading=found.loading if one_each else None,
+        unloading=found.unloading if one_each else None,
+        region=() if drilled else found.region,
+        places=np.concatenate(found.region) if drilled else None,
+        clouds=found.yield_.end_forces(_CLOUD),
+    )
+
+
+def _is_map(value: Any) -> bool:
+    return type(value).__module__.startswith("xarray.") and "moved_cell" in value.attrs
+
+
+def _map(data: Any, boundaries: Sequence[Boundary] = (), **options: Any) -> Figure:
+    return transition_map(data, boundaries, **options)
+
+
+def _map_view(view: Any, **options: Any) -> Figure:
+    if not _is_map(view.dataset):
+        raise InputError(
+            "this dataset is no map: only those of transition_map and parameter_map can be drawn."
+        )
+    return _map(view.dataset, **options)
+
+
+def _chain(chain: Chain, **options: Any) -> Figure:
+    return mechanism(chain, options.pop("states", (chain.first_state, chain.last_state)), **options)
+
+
+def _band_test(test: BandTest, **options: Any) -> Figure:
+    return band_laws(test, **{"choice": choose_law(test)} | options)
+
+
+def _comparison(found: Comparison) -> Figure:
+    return measured_forces(found.cells) if found.cells else measured_pairs(found.pairs)
+
+
+_USUAL: dict[str, Callable[..., Figure]] = {
+    "BandTest": _band_test,
+    "Calibration": calibration,
+    "Cell": lambda cell, **options: unit_cell_force([cell], **options),
+    "CellTest": lambda test: measured_forces([test]),
+    "Chain": _chain,
+    "Comparison": _comparison,
+    "Cycle": overview,
+    "Design": designed,
+    "Element": element_curve,
+    "MapView": _map_view,
+    "Margin": margins,
+    "Maze": maze,
+    "MemoryReading": lambda reading, **options: transition_graph(reading.graph, **options),
+    "PairTest": lambda test: measured_pairs([test]),
+    "Path": force_stroke,
+    "Prediction": prediction,
+    "Program": stroke_program,
+    "Recording": recording,
+    "Robot": robot_drawing,
+    "Sweep": sweep,
+    "TransitionGraph": transition_graph,
+    "Walk": trajectory,
+    "Yield": yield_bars,
+}

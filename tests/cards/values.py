@@ -1,0 +1,98 @@
+"""One of every result that a user can hold, small, by the name of its class."""
+
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+import stepwell as sw
+from golden.recordings import bands, cells, rubber
+from stepwell import lab, simulation
+from stepwell.base import StepwellError
+
+
+def _refused(ask: Any) -> StepwellError:
+    try:
+        ask()
+    except StepwellError as why:
+        return why
+    raise AssertionError("it was to be refused")
+
+
+@cache
+def of_chains() -> dict[str, Any]:
+    """Of chains, of what they do and of designs."""
+    chain = sw.preset("paper-forward")
+    cycle, graph = chain.cycle(), chain.graph()
+    axis = np.linspace(0.0, 0.020, 4)
+    values = (
+        chain,
+        chain.cells[0],
+        sw.elements.trilinear(name="snap"),
+        cycle,
+        cycle.path,
+        cycle.sequence,
+        cycle.snaps[0],
+        cycle.path.landings()[0],
+        chain.program("01"),
+        _refused(lambda: sw.preset("used-before").program("01")),
+        graph,
+        graph.reading,
+        chain.implicit_graph(),
+        chain.margin(),
+        chain.robustness(),
+        chain.yields(n=60),
+        chain.survival([0.0, 0.040, 0.0], "00", n=20),
+        chain.reprogram("00>01>11>10>00", by="inner.p"),
+        sw.design("00>01>11>10>00", n=40),
+        _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),
+        sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,
+    )
+    return {type(value).__name__: value for value in values}
+
+
+@cache
+def of_robots() -> dict[str, Any]:
+    """Of robots and their runs."""
+    robot, arena = sw.preset("robot-explorer"), sw.load_arena("cylinder")
+    walk = robot.walk(cycles=1)
+    sweep = simulation.sweep([robot], values={"foot.below_mm": [0.3]}, cycles=1)
+    values = (
+        robot,
+        arena,
+        robot.predict(),
+        walk,
+        robot.maze(arena, limit=4),
+        sweep,
+        simulation.convergence(robot, [0.001, 0.0005], cycles=2),
+    )
+    return {type(value).__name__: value for value in values}
+
+
+@cache
+def of_recordings() -> dict[str, Any]:
+    """Of recordings and what they say."""
+    with TemporaryDirectory() as folder:
+        for prepare in (bands, cells, rubber):
+            prepare(Path(folder))
+        batch = lab.read_all([Path(folder) / "data"])
+        pulled = lab.read_all([Path(folder) / "bands"]).recordings
+        rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
+    compared = lab.compare(batch.recordings)
+    values = (
+        batch,
+        batch.recordings[0],
+        lab.band_test(pulled),
+        compared,
+        compared.cells[0],
+        compared.pairs[0],
+        lab.calibrate(lab.prepare(lab.sort_series(rubbers).series), "linear"),
+    )
+    return {type(value).__name__: value for value in values}
+
+
+def every() -> dict[str, Any]:
+    """All of them."""
+    return {**of_chains(), **of_robots(), **of_recordings()}

@@ -1,0 +1,92 @@
+"""The notebooks run from a fresh kernel, show what they promise, and are stored without outputs."""
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+ROOT = Path(__file__).resolve().parents[2]
+NOTEBOOKS = ROOT / "examples" / "notebooks"
+NAMES = ("maker", "researcher", "roboticist")
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
+
+
+def executed(notebook: Any, folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The outputs of a notebook that was run in an empty folder."""
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT / "src")]))
+    # What a kernel opens is on this machine only; it says so on every start.
+    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
+    for name in ("IPYTHONDIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR"):
+        monkeypatch.setenv(name, str(folder / name.lower()))
+    NotebookClient(
+        notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(folder)}}
+    ).execute()
+    return [out for cell in notebook.cells for out in cell.get("outputs", ())]
+
+
+def shown(outputs: list[Any]) -> list[str]:
+    """The HTML of what was shown, without bars that are gone."""
+    told = (output.get("data", {}).get("text/html", "") for output in outputs)
+    return [html for html in told if html]
+
+
+def code(*cells: str) -> Any:
+    return nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("name", NAMES)
+def test_a_notebook_runs_and_shows_cards_and_figures(name, tmp_path, monkeypatch):
+    notebook: Any = nbformat.read(NOTEBOOKS / f"{name}.ipynb", 4)
+    outputs = executed(notebook, tmp_path, monkeypatch)
+    assert not [out for out in outputs if out.output_type == "error"]
+    # Nothing warns, and a saved notebook holds no bar and no control character.
+    assert not [out for out in outputs if out.get("name") == "stderr"]
+    assert not CONTROL.search(str([out.get("text", out.get("data")) for out in outputs]))
+    html = shown(outputs)
+    assert "<progress" not in "".join(html)
+    assert sum(one.startswith("<img") for one in html) >= 3
+    assert sum("<strong>" in one for one in html) >= 2
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("magic", ["", "%matplotlib inline\n"])
+def test_a_figure_shows_once_and_at_one_size(magic, tmp_path, monkeypatch):
+    draw = f'{magic}import stepwell as sw\nsw.preset("paper-forward").cycle().path.plot()'
+    (output,) = executed(code(draw), tmp_path, monkeypatch)
+    (html,) = shown([output])
+    # One column of a page, 85 mm, at 144 pixels an inch.
+    assert 'width="482"' in html and "max-width:100%" in html
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_bar_says_how_far_it_is_and_leaves_nothing(tmp_path, monkeypatch):
+    slow = "from time import sleep\nimport stepwell as sw\nfor k in range(4):\n    sw.bar(k, {})\n"
+    slow += "    sleep(0.15)\n"
+    done, stopped = executed(code(slow.format(3), slow.format(9)), tmp_path, monkeypatch)
+    assert done["data"]["text/html"] == ""
+    # Of what was not finished, how far it came.
+    assert 'value="3" max="9"' in stopped["data"]["text/html"]
+    assert re.search(r"33%, about \d+ s left", stopped["data"]["text/html"])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_notebook_is_stored_as_it_was_written(name):
+    file = NOTEBOOKS / f"{name}.ipynb"
+    notebook: Any = nbformat.read(file, 4)
+    nbformat.validate(notebook)
+    for cell in notebook.cells:
+        assert not cell.get("outputs") and cell.get("execution_count") is None
+        assert set(cell.metadata) == set()
+    # One layout, so that a change of a word is a change of a line.
+    assert file.read_text("utf-8") == nbformat.writes(notebook, indent=1).rstrip() + "\n"
+    assert notebook.cells[0].source.startswith("# ")
+
+
+def test_every_notebook_is_run():
+    assert sorted(file.stem for file in NOTEBOOKS.glob("*.ipynb")) == sorted(NAMES)
