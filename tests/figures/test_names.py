@@ -23,7 +23,7 @@ from stepwell.design import (
     yields,
 )
 from stepwell.figures.common import names as _names
-from stepwell.figures.common.names import literal
+from stepwell.figures.common.words import literal
 from stepwell.lab.mechanisms.series import paper_cell
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]

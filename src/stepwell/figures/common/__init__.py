@@ -1,6 +1,6 @@
 """What figures share: style, names, labels, marks."""
 
-from stepwell.figures.common import legends, marks, told
+from stepwell.figures.common import legends, marks
 from stepwell.figures.common.dimension import (
     along_x,
     along_y,
@@ -14,7 +14,6 @@ from stepwell.figures.common.dimension import (
 )
 from stepwell.figures.common.labels import Label, beside, inside
 from stepwell.figures.common.movie import write_gif
-from stepwell.figures.common.names import literal
 from stepwell.figures.common.reading import (
     curve,
     legs,
@@ -75,5 +74,12 @@ from stepwell.figures.common.style import (
     pale,
     styled,
 )
-from stepwell.figures.common.words import minus, sequence_words, shortened, wrapped
+from stepwell.figures.common.words import (
+    literal,
+    minus,
+    sequence_words,
+    shortened,
+    told,
+    wrapped,
+)
 from stepwell.figures.common.write import KINDS, PRINT_DPI, save, svg

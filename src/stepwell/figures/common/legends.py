@@ -14,9 +14,9 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 from matplotlib.typing import ColorType
 
-from stepwell.figures.common.names import literal
 from stepwell.figures.common.sheet import in_panel, sheet_of, size_of
 from stepwell.figures.common.style import INK, cell_colours, cell_dashes
+from stepwell.figures.common.words import literal
 
 
 def line(label: str, colour: ColorType = INK, width: float = 1.4, **look: Any) -> Line2D:

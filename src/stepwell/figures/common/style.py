@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.typing import ColorType, LineStyleType
 
-from stepwell.figures.common.names import families
+from stepwell.figures.common.words import families
 from stepwell.sequences import Pathway
 
 # Millimetres in a metre, millijoules in a joule.

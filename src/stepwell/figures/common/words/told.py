@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from stepwell.base import Measure, Quantity, told_in
-from stepwell.figures.common.words import minus
+from stepwell.figures.common.words.wording import minus
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
