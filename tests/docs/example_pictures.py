@@ -62,7 +62,9 @@ DRAWN: MappingProxyType[str, Callable[[Names], Figure]] = MappingProxyType(
         "06_ten_cells": lambda of: figures.travel_stroke(of["cycle"]),
         "07_when_order_does_not_say_it_all": lambda of: figures.travel_stroke(of["cycle"]),
         "08_walk": lambda of: figures.gait(of["walk"]),
-        "09_turn_by_one_anchor": lambda of: figures.trajectory(of["around"]),
+        "09_turn_by_one_anchor": lambda of: figures.trajectories(
+            {"one anchor moved": of["around"]}
+        ),
         "10_antennas_in_the_three_wall_arena": lambda of: figures.maze(of["way"]),
         "11_calibrate_a_rubber": lambda of: figures.calibration(of["fitted"]),
         "12_turning_points": lambda of: figures.stroke_program(of["program"]),
