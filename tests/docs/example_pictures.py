@@ -40,12 +40,6 @@ def _counting(of: Names) -> Figure:
     return figures.travel_stroke(of["counter"].path([0.040, *[0.068, 0.040] * 3], start="01001"))
 
 
-def _walked(of: Names) -> Figure:
-    parts = "straight on", "anchor moved", "moved back"
-    walks = (of["straight"], of["around"], of["on"])
-    return figures.trajectories(dict(zip(parts, walks, strict=True)))
-
-
 def _placed(of: Names) -> Figure:
     made = of["made"]
     return figures.force_plane(
@@ -60,7 +54,7 @@ def _placed(of: Names) -> Figure:
 # What is drawn of the names that an example leaves behind.
 DRAWN: MappingProxyType[str, Callable[[Names], Figure]] = MappingProxyType(
     {
-        "01_sequence_of_a_leg": lambda of: figures.overview(of["cycle"]),
+        "01_sequence_of_a_leg": lambda of: figures.force_stroke(of["cycle"]),
         "02_transition_map": _map,
         "03_turning_back_early": lambda of: figures.landscape(of["past"]),
         "04_between_stroke_and_force": lambda of: figures.force_stroke(of["cycle"]),
@@ -68,7 +62,9 @@ DRAWN: MappingProxyType[str, Callable[[Names], Figure]] = MappingProxyType(
         "06_ten_cells": lambda of: figures.travel_stroke(of["cycle"]),
         "07_when_order_does_not_say_it_all": lambda of: figures.travel_stroke(of["cycle"]),
         "08_walk": lambda of: figures.gait(of["walk"]),
-        "09_turn_by_one_anchor": _walked,
+        "09_turn_by_one_anchor": lambda of: figures.trajectories(
+            {"one anchor moved": of["around"]}
+        ),
         "10_antennas_in_the_three_wall_arena": lambda of: figures.maze(of["way"]),
         "11_calibrate_a_rubber": lambda of: figures.calibration(of["fitted"]),
         "12_turning_points": lambda of: figures.stroke_program(of["program"]),
