@@ -30,7 +30,10 @@ _NAMED = "<mi>(?:sin|cos|tan|exp|max|min)</mi>"
 _THIN = '<mspace width="0.167em" />'
 
 # Who searches wants to do a thing first, then to know why it is so, then why it was built so.
-BOOST = {"how-to/": 2.0, "tutorial": 2.5, "words": 3.0, "index": 2.0, "decisions/": 0.3}
+BOOST = {
+    **{"words": 4.0, "tutorial": 2.5, "how-to/": 2.0, "lessons": 2.0, "index": 2.0},
+    **{"api": 0.3, "decisions/": 0.2},
+}
 
 
 # On these pages s_i is a symbol with an index; elsewhere what has a low line is a name in the code.
