@@ -107,12 +107,12 @@ class _Subject:
         cell = self.chain.cells[outer]
         if not isinstance(cell, Cell):
             raise InputError("the outer cell is an element and has no anchor to be moved.")
-        places = {"x": np.linspace(*_ACROSS, _PLACES), "y": np.linspace(*_UP, _PLACES)}
+        x, y = np.linspace(*_ACROSS, _PLACES), np.linspace(*_UP, _PLACES)
         anchors = {band.q for band in cell.bands}
         marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
-        data = transition_map(self.chain, outer, **places)
+        data = transition_map(self.chain, outer, x=x, y=y)
         return partial(
-            figures.transition_map, data, boundaries(self.chain, outer, **places), marked
+            figures.transition_map, data, boundaries(self.chain, outer, x=x, y=y), marked
         )
 
     @cached_property

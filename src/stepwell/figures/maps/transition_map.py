@@ -17,6 +17,7 @@ from stepwell.base import Bools, Floats, Quantity, told_in
 from stepwell.figures.common import (
     BLACK,
     BLUE,
+    COLUMN,
     FAINT,
     GREEN,
     INK,
@@ -35,6 +36,7 @@ from stepwell.figures.common import (
     keep_inside,
     literal,
     on_white,
+    page_width,
     pale,
     place,
     root,
@@ -52,7 +54,9 @@ if TYPE_CHECKING:
     from stepwell.design import Boundary
 
 
-_SIDE = 70.0
+# Of a map, as wide as it may be, and from which width of the page on the key stands beside it
+# [mm]; below it, if it is no higher than this share of the map.
+_SIDE, _WIDEST, _BESIDE, _SHORT = 70.0, 110.0, 150.0, 0.7
 # Characters that a row of the key has room for.
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
@@ -127,22 +131,29 @@ def transition_map(
         designs: the two parameters in SI of each design to be marked, by the name to write.
 
     Returns:
-        The figure, two columns wide: each region has a letter, or its name where it is one of the
-        four pathways of two cells, and each curve a number. Curves across which only the loading
-        order changes are blue, only the unloading order vermillion and dashed, all others black;
-        it is hatched where a cell whose parameter varies is stable in one state only, up to a
-        thin dashed line. Lengths in mm, angles in degrees.
+        The figure, one column wide, or two where its key is long: each region has a letter, or its
+        name where it is one of the four pathways of two cells, and each curve a number. Curves
+        across which only the loading order changes are blue, only the unloading order vermillion
+        and dashed, all others black; it is hatched where a cell whose parameter varies is stable
+        in one state only, up to a thin dashed line. Lengths in mm, angles in degrees.
 
     Source: Kamp et al. 2024, Fig. 2C.
     """
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
-    key = Key(_rows(dataset, regions, curves), PAGE - _SIDE - 24.0)
-    tall = _SIDE * _aspect(dataset, x, y)
-    height = 12.0 + max(tall, key.height - 9.0) + 3.0
-    figure = blank(PAGE, height)
-    ax = place(figure, 16.0, height - 3.0 - tall, _SIDE, tall)
+    rows = _rows(dataset, regions, curves)
+    aspect = _aspect(dataset, x, y)
+    # A long key stands beside the map; a short one, which would leave the page empty, below it.
+    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
+    page = page_width(PAGE if long else COLUMN)
+    aside = page >= _BESIDE
+    side = _SIDE if aside else min(page - 18.0, _WIDEST)
+    tall = side * aspect
+    key = Key(rows, page - side - 24.0 if aside else page - 6.0)
+    height = max(15.0 + tall, key.height + 6.0) if aside else 15.0 + tall + key.height
+    figure = blank(page, height)
+    ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
     places = _places(x), _places(y)
     shown = _spread([*regions, *_blanks(dataset)], x, y, walls)
@@ -171,7 +182,12 @@ def transition_map(
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
             inside = region.inside & free
             taken += name_regions(ax, *places, inside, forms, region.shade)
-    key.draw(place(figure, 22.0 + _SIDE, 0.0, PAGE - _SIDE - 24.0, height))
+    at = (
+        (22.0 + side, 0.0, page - side - 24.0, height)
+        if aside
+        else (4.0, 0.0, page - 6.0, key.height)
+    )
+    key.draw(place(figure, *at))
     return figure
 
 
