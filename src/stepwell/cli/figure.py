@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # A page has about this height [mm].
 _TALLEST = 247.0
+# Two columns of a page.
+_USUAL = "180mm"
 _PAPER = "paper:"
 _KINDS = ("pdf", "svg", "png")
 
@@ -33,13 +35,13 @@ def figure(
         ),
     ] = None,
     width: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="LENGTH",
             help="Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
-            "help lists them.",
+            "help lists them; 180mm by default.",
         ),
-    ] = "180mm",
+    ] = None,
     height: Annotated[
         str | None,
         typer.Option(metavar="LENGTH", help="Of the page; what the panels want by default."),
@@ -93,13 +95,15 @@ def figure(
         _list()
         return
     with usable("--width"):
-        wide = figures.length(width)
+        wide = figures.length(width or _USUAL)
     with usable("--height"):
         high = None if height is None else figures.length(height)
     file = _file(out, kind)
     free_file(file, force)
     if design.startswith(_PAPER):
-        drawn = _of_the_paper(design, {"--panels": panels, "--measured": measured})
+        drawn = _of_the_paper(
+            design, {"--panels": panels, "--width": width, "--measured": measured}
+        )
     else:
         drawn = _composed(
             design,

@@ -39,6 +39,8 @@ from stepwell.mechanism import Chain
 MOST_CELLS = 16
 _WIDE = 130.0
 _ROW = 3.6
+# Side of the plane itself [mm].
+_LEAST = 28.0
 _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
 # A normal distribution has 95 % of its draws within so many deviations in two dimensions.
 _ELLIPSE = 2.4477
@@ -104,7 +106,7 @@ def force_plane(
         order makes a staircase; the narrowest step is marked.
 
     Raises:
-        ValueError: too many cells, or an order that does not name each cell once.
+        ValueError: too many cells, a panel too narrow for them, or an order that does not name each cell once.
 
     Source: sorting theorem, theory page.
     """
@@ -128,6 +130,12 @@ def force_plane(
     # The names of switches are longer.
     edge = _LEFT + (3.0 if count > len(chain) else 0.0)
     side = width - edge - _BETWEEN - strip - _RIGHT
+    if side < _LEAST:
+        what = "switches" if chain.elements else "cells"
+        raise InputError(
+            f"the force plane of {count} {what} needs {width + _LEAST - side:.0f} mm of width, and "
+            f"has {width:.4g} mm."
+        )
     gap = _narrowest(forces, orders)
     key = _key(bool(region), places is not None, cloud is not None, gap, of.sign)
     narrow = width < _WIDE

@@ -17,6 +17,7 @@ from stepwell.base import Bools, Floats, Quantity, told_in
 from stepwell.figures.common import (
     BLACK,
     BLUE,
+    COLUMN,
     FAINT,
     GREEN,
     INK,
@@ -53,8 +54,9 @@ if TYPE_CHECKING:
     from stepwell.design import Boundary
 
 
-# Of the map, and of the key if it is to stand beside it [mm].
-_SIDE, _LEAST_KEY = 70.0, 50.0
+# Of a map, as wide as it may be, and from which width of the page on the key stands beside it
+# [mm]; below it, if it is no higher than this share of the map.
+_SIDE, _WIDEST, _BESIDE, _SHORT = 70.0, 110.0, 150.0, 0.7
 # Characters that a row of the key has room for.
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
@@ -129,26 +131,28 @@ def transition_map(
         designs: the two parameters in SI of each design to be marked, by the name to write.
 
     Returns:
-        The figure, two columns wide, or as a panel with the meanings below the map where they
-        have no room beside it: each region has a letter, or its name where it is one of the
-        four pathways of two cells, and each curve a number. Curves across which only the loading
-        order changes are blue, only the unloading order vermillion and dashed, all others black;
-        it is hatched where a cell whose parameter varies is stable in one state only, up to a
-        thin dashed line. Lengths in mm, angles in degrees.
+        The figure, one column wide, or two where its key is long: each region has a letter, or its
+        name where it is one of the four pathways of two cells, and each curve a number. Curves
+        across which only the loading order changes are blue, only the unloading order vermillion
+        and dashed, all others black; it is hatched where a cell whose parameter varies is stable
+        in one state only, up to a thin dashed line. Lengths in mm, angles in degrees.
 
     Source: Kamp et al. 2024, Fig. 2C.
     """
     x, y = _axis(dataset, "x"), _axis(dataset, "y")
     regions = _regions(dataset)
     curves = _curves(boundaries)
-    width = page_width(PAGE)
-    side = min(_SIDE, width - 19.0)
-    beside_it = width - side - 24.0
-    below = beside_it < _LEAST_KEY
-    key = Key(_rows(dataset, regions, curves), width - 4.0 if below else beside_it)
-    tall = side * _aspect(dataset, x, y)
-    height = 15.0 + (tall + key.height if below else max(tall, key.height - 9.0))
-    figure = blank(width, height)
+    rows = _rows(dataset, regions, curves)
+    aspect = _aspect(dataset, x, y)
+    # A long key stands beside the map; a short one, which would leave the page empty, below it.
+    long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
+    page = page_width(PAGE if long else COLUMN)
+    aside = page >= _BESIDE
+    side = _SIDE if aside else min(page - 18.0, _WIDEST)
+    tall = side * aspect
+    key = Key(rows, page - side - 24.0 if aside else page - 6.0)
+    height = max(15.0 + tall, key.height + 6.0) if aside else 15.0 + tall + key.height
+    figure = blank(page, height)
     ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
     places = _places(x), _places(y)
@@ -178,8 +182,12 @@ def transition_map(
             forms = [region.name, _IN_TWO_LINES.get(region.name, region.name)]
             inside = region.inside & free
             taken += name_regions(ax, *places, inside, forms, region.shade)
-    corner = (2.0, 0.0) if below else (22.0 + side, 0.0)
-    key.draw(place(figure, *corner, key.width, key.height if below else height))
+    at = (
+        (22.0 + side, 0.0, page - side - 24.0, height)
+        if aside
+        else (4.0, 0.0, page - 6.0, key.height)
+    )
+    key.draw(place(figure, *at))
     return figure
 
 

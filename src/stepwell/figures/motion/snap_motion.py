@@ -65,7 +65,6 @@ def snap_motion(
             f"landings has {len(landings)}: one to {len(_LOOKS)} can be told apart by their lines."
         )
     own = ax is None
-    figure, ax = canvas(ax, (COLUMN, 62.0), (13.0, 10.0, 2.0, 12.0))
     full = np.array([cell.full_travel for cell in chain.cells])
     y, colours, until = told.travel(chain.measure), cell_colours(len(chain)), 0.0
     moved = np.zeros(len(chain), bool)
@@ -73,7 +72,11 @@ def snap_motion(
         time, travel = _curve(name, landing, full)
         until = max(until, _MORE * time[-1])
         moved |= np.ptp(travel, axis=0) > _STILL * full
-    for look, (name, landing) in zip(_LOOKS, landings.items(), strict=False):
+    # Room for the rows of the legend.
+    top = 2.5 + 3.8 * -(-(np.count_nonzero(moved) + len(landings)) // 3)
+    figure, ax = canvas(ax, (COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
+    looks = _LOOKS if len(landings) > 1 else _LOOKS[1:]
+    for look, (name, landing) in zip(looks, landings.items(), strict=False):
         time, travel = _curve(name, landing, full)
         # It rests from then on.
         time, travel = np.append(time, until), np.vstack([travel, travel[-1]])
@@ -91,7 +94,7 @@ def snap_motion(
     lines: list[Line2D] = [
         legends.line(literal(chain.names[i]), colours[i]) for i in np.flatnonzero(moved)
     ]
-    for look, name in zip(_LOOKS, landings, strict=False):
+    for look, name in zip(looks, landings, strict=False):
         lines.append(Line2D([], [], color=FAINT, label=literal(name), **look))
     if own:
         keep_inside(ax)

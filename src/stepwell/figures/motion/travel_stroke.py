@@ -39,7 +39,7 @@ _UNLOADING_DASHES = (0, (3.2, 1.6))
 # Between the lanes of two cells, as a fraction of the longest travel.
 _GAP = 0.42
 # In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
-_LANE, _ROW = 9.0, 3.4
+_LANE, _ROW = 11.0, 3.4
 # Digits closer than this cover each other [pt].
 _DIGIT = 7.0
 

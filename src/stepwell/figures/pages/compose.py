@@ -36,7 +36,7 @@ _USUAL = 75.0
 # The name of a row [mm].
 _NAME = 4.5
 # Lower than this, curves have no room [mm].
-_LOWEST = 45.0
+_LOWEST = 38.0
 MOST_PANELS = 26
 LETTERS: dict[str, Callable[[str], str]] = {
     "A": str.upper,

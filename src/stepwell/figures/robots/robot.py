@@ -34,6 +34,8 @@ from stepwell.robot import Robot
 
 _LARGEST = 0.8  # mm of the page per mm of the robot
 _KEY = 12.0
+# What an entry of the key takes [mm], and how many there are.
+_ENTRY, _ENTRIES = 42.0, 8
 
 
 @styled
@@ -46,7 +48,8 @@ def robot_drawing(robot: Robot) -> Figure:
         robot: any robot.
 
     Returns:
-        A figure of two columns' width, dimensions in mm.
+        A figure of two columns' width, dimensions in mm; as a narrower panel of a page without
+        them.
     """
     page = page_width(PAGE)
     above, side = above_limits(robot), side_limits(robot)
@@ -54,12 +57,13 @@ def robot_drawing(robot: Robot) -> Figure:
     scale = min(_LARGEST, (page - 4.0) / (right - left))
     high = [(box[3] - box[2]) * scale for box in (above, side)]
     title = 7.0 if robot.title else 1.0
-    height = sum(high) + _KEY + title + 2.0
+    key = _rows()[1]
+    height = sum(high) + key + title + 2.0
     figure = blank(page, height)
     across = (right - left) * scale
     start = (page - across) / 2
     draw_above(place(figure, start, height - title - high[0], across, high[0]), robot)
-    draw_side(place(figure, start, _KEY, across, high[1]), robot)
+    draw_side(place(figure, start, key, across, high[1]), robot)
     for ax in figure.axes:
         ax.set_xlim(left, right)
     _key(figure, robot)
@@ -115,10 +119,17 @@ def _view(
     left, right, bottom, top = limits_of(robot)
     scale = min(_LARGEST, (page - 4.0) / (right - left))
     across, high = (right - left) * scale, (top - bottom) * scale
-    figure = blank(page, high + _KEY + 2.0)
-    draw(place(figure, (page - across) / 2, _KEY, across, high), robot)
+    key = _rows()[1]
+    figure = blank(page, high + key + 2.0)
+    draw(place(figure, (page - across) / 2, key, across, high), robot)
     _key(figure, robot)
     return figure
+
+
+def _rows() -> tuple[int, float]:
+    """Columns of the key, and its height [mm]."""
+    columns = max(1, min(4, int(page_width(PAGE) / _ENTRY)))
+    return columns, _KEY + 3.8 * (-(-_ENTRIES // columns) - 2)
 
 
 def _key(figure: Figure, robot: Robot) -> None:
@@ -134,4 +145,4 @@ def _key(figure: Figure, robot: Robot) -> None:
         handles.append(legends.line("antenna, pale at full swing", ANTENNA, 1.8))
     look = {"edgecolor": faded(INK, True), "linewidth": 0.6}
     handles.append(legends.shade("pale: every cell at 1", "white", **look))
-    legends.below(figure, handles, 4)
+    legends.below(figure, handles, _rows()[0])

@@ -17,6 +17,7 @@ from stepwell.figures.common import (
     INK,
     MM,
     ORANGE,
+    PAGE,
     VERMILLION,
     Label,
     along_x,
@@ -28,6 +29,7 @@ from stepwell.figures.common import (
     limits,
     literal,
     mm,
+    page_width,
     pale,
     plain,
     scale_bar,
@@ -43,8 +45,15 @@ from stepwell.figures.robots.robot_parts import (
 )
 from stepwell.robot import Antenna, Leg, Robot
 
+# A drawing of this width has room for its dimensions [mm].
+_DETAILED = 140.0
 FOOT, SUPPORT, ANTENNA = BLUE, VERMILLION, ORANGE
 _HOLDER: dict[str, Any] = {"color": FIXED_BLOCK, "linewidth": 3.0, "solid_capstyle": "butt"}
+
+
+def detailed() -> bool:
+    """Whether there is room for dimensions and names; narrower, a drawing has none."""
+    return page_width(PAGE) >= _DETAILED
 
 
 def above_limits(robot: Robot) -> tuple[float, float, float, float]:
@@ -60,7 +69,8 @@ def above_limits(robot: Robot) -> tuple[float, float, float, float]:
     for antenna in robot.antennas:
         swings = np.linspace(0.0, antenna.swing, 7)
         points += [antenna_line(antenna, swing) for swing in swings]
-    return limits(np.concatenate(points) * MM, (26.0, 12.0, 30.0, 4.0))
+    room = (26.0, 12.0, 30.0, 4.0) if detailed() else (6.0, 6.0, 26.0, 6.0)
+    return limits(np.concatenate(points) * MM, room)
 
 
 def draw_above(ax: Axes, robot: Robot) -> None:
@@ -82,6 +92,9 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     _carriage(ax, robot)
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
+    _scale(ax, box)
+    if not detailed():
+        return
     _dimensions(ax, robot, box)
     names = [Label(leg.at[0] * MM, leg.at[1] * MM, literal(leg.name), FOOT) for leg in robot.legs]
     for antenna in robot.antennas:
@@ -99,10 +112,14 @@ def _dimensions(ax: Axes, robot: Robot, box: tuple[float, float, float, float]) 
     if high > low:
         apart = f"{mm(high - low)} mm"
         along_y(ax, low * MM, high * MM, box[0] + 9.0, apart, feet=far[0])
+
+
+def _scale(ax: Axes, box: tuple[float, float, float, float]) -> None:
+    """What is forward, and how long 50 mm are."""
     x, y = box[1] - 26.0, box[2] + 6.0
     arrow(ax, (x, y), (x + 18.0, y), width=1.0)
     ax.text(x + 9.0, y + 1.5, "forward", ha="center", va="bottom")
-    scale_bar(ax, x - 12.0, y, 50.0)
+    scale_bar(ax, x - (12.0 if detailed() else 36.0), y, 50.0)
 
 
 def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: LegParts, *, faint: bool) -> None:

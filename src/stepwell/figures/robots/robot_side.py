@@ -25,6 +25,7 @@ from stepwell.figures.robots.robot_above import (
     SUPPORT,
     above_limits,
     centre_of_mass,
+    detailed,
     faded,
 )
 from stepwell.figures.robots.robot_parts import (
@@ -41,6 +42,8 @@ def side_limits(robot: Robot) -> tuple[float, float, float, float]:
     """left, right, bottom, top of what is drawn, x of the body and z from the floor [mm]."""
     above = above_limits(robot)
     right = max(above[1], _beyond(robot) + 44.0)
+    if not detailed():
+        return above[0], above[1], -6.0, float(robot.foot.depth(0.0)) * MM + 16.0
     return above[0], right, -12.0, float(robot.foot.depth(0.0)) * MM + 34.0
 
 
@@ -58,7 +61,8 @@ def draw_side(ax: Axes, robot: Robot) -> None:
     at_0, at_1 = (leg_parts(robot, leg, travels) for travels in rest_states(leg))
     _leg(ax, robot, at_1, pivot, faint=True)
     _leg(ax, robot, at_0, pivot, faint=False)
-    _dimensions(ax, robot, at_0, at_1, pivot)
+    if detailed():
+        _dimensions(ax, robot, at_0, at_1, pivot)
 
 
 def _body(ax: Axes, robot: Robot, pivot: float) -> None:

@@ -17,9 +17,12 @@ from stepwell.figures.common import (
     PAGE,
     VERMILLION,
     blank,
+    indent,
     literal,
     minus,
     name_rows,
+    on_white,
+    page_width,
     pale,
     place,
     styled,
@@ -32,6 +35,8 @@ if TYPE_CHECKING:
 
 _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
+# Where names stand over the bars.
+_HIGH_ROW, _HIGH_HEAD, _OVER, _NARROW = 9.0, 9.0, 0.33, 130.0
 _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
 
 
@@ -53,33 +58,43 @@ def prediction(prediction: Prediction) -> Figure:
     panels += [(_drags, len(pushes))] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
     title = [literal(prediction.robot.title)] if prediction.robot.title else []
-    height = _TOP + 4.0 * len(title) + sum(_HEAD + _ROW * rows + _FOOT for _, rows in panels)
-    figure = blank(PAGE, height)
+    page, narrow = page_width(PAGE), _is_narrow()
+    # Names and remarks stand beside bars, or over them where that is too narrow.
+    row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
+    top = _TOP + 4.0 * len(title) + 8.0 * narrow
+    rows_of = [rows + 0.8 * narrow for _, rows in panels]
+    height = top + sum(head + row * rows + _FOOT for rows in rows_of)
+    figure = blank(page, height)
     # Nothing is ever minus zero.
     advance, turn = (round(v, 2) + 0.0 for v in (prediction.advance, math.degrees(prediction.turn)))
     says = (
         f"predicted: {prediction.motion.value}, $d/u_\\mathrm{{max}}$ = {advance:.2f}, "
         f"turn {turn:.1f}° per cycle"
     )
+    says = says.replace(", $d", ",\n$d") if narrow else says
     words = "\n".join([*title, minus(says)])
-    text_at(figure, 2.0, height - 1.5, words, va="top", fontsize=8, weight="bold")
+    text_at(figure, 2.0 + indent(), height - 1.5, words, va="top", fontsize=8, weight="bold")
     doubtful = {"color": VERMILLION, "ha": "right", "va": "top"}
-    doubt = text_at(figure, PAGE - 2.0, height - 1.5, "in this colour: in doubt", **doubtful)
-    bottom = height - _TOP - 4.0 * len(title)
-    for draw, rows in panels:
-        bottom -= _HEAD + _ROW * rows
-        ax = place(figure, 2.0, bottom, PAGE - 44.0, _ROW * rows)
+    doubt = text_at(
+        figure, page - 2.0, height - 1.5 - 8.0 * narrow, "in this colour: in doubt", **doubtful
+    )
+    bottom = height - top
+    for (draw, _), rows in zip(panels, rows_of, strict=True):
+        bottom -= head + row * rows
+        ax = place(figure, 4.0 if narrow else 2.0, bottom, page - beside, row * rows)
         draw(ax, prediction)
         bottom -= _FOOT
     shown = [text for ax in figure.axes for text in ax.texts]
     doubt.set_visible(any(text.get_color() == VERMILLION for text in shown))
+    if narrow:
+        return figure
     # One width of names for all, so that the panels stand in line.
     dpi = figure.dpi / 25.4
     boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
     names = max(box.width / dpi for box in boxes if box is not None)
     for ax in figure.axes:
         at = ax.get_position()
-        left = (2.0 + names) / PAGE
+        left = (2.0 + names) / page
         ax.set_position((left, at.y0, at.x1 - left, at.height))
     return figure
 
@@ -92,7 +107,8 @@ def _margins(ax: Axes, found: Prediction) -> None:
     for i, leg in enumerate(legs):
         colour = colours[leg.name]
         look = {"color": pale(FAINT, 0.6), "gid": f"uncertainty {leg.name}"}
-        ax.barh(i, leg.uncertainty * _MN, height=0.8, zorder=1, **look)
+        tall = 0.4 if _is_narrow() else 0.8
+        ax.barh(i, leg.uncertainty * _MN, height=tall, zorder=1, **look)
         reach = leg.margin * _MN if math.isfinite(leg.margin) else most
         ax.plot([0.0, reach], [i, i], color=colour, linewidth=1.6, zorder=2)
         if math.isfinite(leg.margin):
@@ -159,6 +175,11 @@ def _flips(ax: Axes, found: Prediction) -> None:
     _rows(ax, names, most, title, "Displacement of the anchor $p$ [mm]")
 
 
+def _is_narrow() -> bool:
+    """Whether names and remarks have no room beside the bars."""
+    return page_width(PAGE) < _NARROW
+
+
 def _limit(values: Sequence[float]) -> float:
     """The right end of an axis that shows all finite values."""
     finite = np.array([value for value in values if math.isfinite(value)])
@@ -166,21 +187,31 @@ def _limit(values: Sequence[float]) -> float:
 
 
 def _remark(ax: Axes, row: int, text: str, *, doubtful: bool) -> None:
+    narrow = _is_narrow()
     ax.annotate(
-        text,
-        (1.0, row),
-        (2.0 / 25.4 * 72.0, 0.0),
+        text.replace("\n", " ") if narrow else text,
+        (1.0, row - _OVER * narrow),
+        (0.0 if narrow else 2.0 / 25.4 * 72.0, 0.0),
         xycoords=("axes fraction", "data"),
         textcoords="offset points",
-        va="center",
-        ha="left",
+        va="bottom" if narrow else "center",
+        ha="right" if narrow else "left",
         linespacing=0.95,
         color=VERMILLION if doubtful else INK,
+        bbox=on_white() if narrow else None,
+        zorder=5,
     )
 
 
 def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) -> None:
-    name_rows(ax, [*map(literal, names)])
+    narrow = _is_narrow()
+    name_rows(ax, [*map(literal, names)], 0.9 if narrow else 0.5)
+    if narrow:
+        ax.set_yticks([])
+        look = {"transform": ax.get_yaxis_transform(), "va": "bottom"}
+        for row, name in enumerate(names):
+            ax.text(0.0, row - _OVER, literal(name), **look)
+        title = title.replace("; ", ";\n")
     ax.set(xlim=(0.0, most), xlabel=xlabel)
     ax.set_title(title, loc="left")
     ax.spines[["top", "right"]].set_visible(False)
