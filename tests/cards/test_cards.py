@@ -128,7 +128,7 @@ def test_short_and_long_chains_have_cards_that_fit(cells):
     )
     for value in (chain, chain.cycle(), chain.cycle().path, chain.cycle().sequence):
         assert len(value._repr_html_()) < 14_000
-    assert ("and 12 cells more" in chain._repr_html_()) == (cells == 20)
+    assert ("and 12 more of the cells" in chain._repr_html_()) == (cells == 20)
 
 
 def test_what_has_no_usual_figure_says_what_has():

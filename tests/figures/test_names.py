@@ -64,6 +64,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.stroke_program, chain.program("01"))
     yield partial(figures.transition_graph, chain.graph())
     yield partial(figures.yield_bars, spread)
+    yield partial(figures.margin_bars, chain.margin())
     yield partial(figures.force_plane, chain, clouds=spread.end_forces(20))
     element = sw.elements.trilinear(name=name)
     yield partial(figures.element_curve, element, source=name)
@@ -143,10 +144,12 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         "mechanism", "landscape", "force_stroke", "travel_stroke",
         # No figures.
         "save", "svg", "Effect", "Sensitivity",
+        # One of the others.
+        "plot",
         # Names of laws and numbers, all ours.
         "band_laws", "calibration",
         # Below.
-        "animation", "measured_forces", "measured_energies", "measured_pairs",
+        "animation", "measured_forces", "measured_energies", "measured_pairs", "recording",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
@@ -161,6 +164,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     ):
         assert tests
         check(partial(draw, tests), ALL)
+    assert check(partial(figures.recording, replace(runs[0], source=ALL)), ALL) == 1
 
 
 def test_letters_that_a_font_has_are_drawn_and_others_are_told_once(monkeypatch, caplog):

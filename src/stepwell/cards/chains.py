@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, number, record, told_in
-from stepwell.cards.html import Card, facts, text_of
+from stepwell.cards.html import Card, counted, facts, text_of
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.results import (
     CELL,
@@ -37,10 +37,6 @@ if TYPE_CHECKING:
 _FEW = 12
 
 
-def _counted(count: int, word: str) -> str:
-    return f"{count} {word}{'s' * (count != 1)}"
-
-
 def _named(chain: Chain, kind: str) -> str:
     return f"{kind} of {chain.title}" if chain.title else kind
 
@@ -51,7 +47,7 @@ def _order(chain: Chain, cells: tuple[int, ...]) -> str:
 
 
 def _chain(chain: Chain) -> Card:
-    count = _counted(len(chain), "cell")
+    count = counted(len(chain), "cell")
     return Card(
         chain.title or f"Chain of {count}",
         [f"{count}, innermost first. {actuator_words(chain)}"],
@@ -80,7 +76,7 @@ def _element(element: Element) -> Card:
     chain = Chain([element])
     (told,) = cell_records(chain)
     shown = {q.head: text_of(q, told[q.key]) for q in cell_schema(chain)[1:] if q.head}
-    phases = _counted(len(element.phases), "phase")
+    phases = counted(len(element.phases), "phase")
     says = f"{phases}: stretches of {element.measure.travel} that hold under a constant "
     return Card(
         f"Element {element.name}".strip(),
@@ -144,7 +140,7 @@ def _program(program: Program) -> Card:
     rows = [{"turn": k} | record(turn_schema(unit), t) for k, t in enumerate(program.turns, 1)]
     return Card(
         _named(program.chain, f"Program from {program.start} to {program.to}"),
-        [f"{_counted(program.strokes, 'stroke')}; {program.reason}."],
+        [f"{counted(program.strokes, 'stroke')}; {program.reason}."],
         facts((points, slack), program),
         [Quantity("turn", head="turn"), *turn_schema(unit)[:-1]] if rows else (),
         rows,
@@ -171,7 +167,7 @@ def _graph(graph: TransitionGraph) -> Card:
 
 
 def _implicit(graph: ImplicitGraph) -> Card:
-    return Card(_named(graph.chain, "Transition graph, not listed"), str(graph).splitlines())
+    return Card(f"{_named(graph.chain, 'Transition graph')}, not listed", str(graph).splitlines())
 
 
 def _memory(reading: MemoryReading) -> Card:

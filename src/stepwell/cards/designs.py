@@ -86,7 +86,7 @@ def _design(found: Design) -> Card:
     ]
     return Card(
         chain.title or f"A design for {found.sequence}",
-        [f"{found.method[:1].upper()}{found.method[1:]}."],
+        [f"{found.method}."],
         _shares(found.yield_),
         schema,
         rows,
@@ -100,7 +100,7 @@ def _impossible(why: Impossible) -> Card:
 
 
 def _robustness(found: Robustness) -> Card:
-    return Card("Robustness", [f"{str(found)[:1].upper()}{str(found)[1:]}."])
+    return Card("Robustness", [f"{found}."])
 
 
 def _reprogramming(found: Reprogramming) -> Card:

@@ -10,7 +10,7 @@ from typing import Any
 from stepwell.base import Columns, Quantity, Schema, printable, record, shown
 
 # Lines of a table, facts and letters of a sentence; all else is in the value itself.
-_ROWS, _LETTERS = 8, 400
+_ROWS, _LETTERS = 8, 1000
 
 # No colour of its own but a grey that shows on white and on black: text keeps the notebook's.
 _LINE = "rgba(128,128,128,0.45)"
@@ -60,7 +60,8 @@ def text_of(quantity: Quantity, told: Any) -> str:
 def html(card: Card) -> str:
     """The card as HTML: inline styles, no script, nothing fetched, all text escaped."""
     parts = [f"<strong>{_safe(card.title)}</strong>"]
-    parts += [f"<div>{_safe(_short(text))}</div>" for text in card.says if text]
+    says = (_capital(_short(text)) for text in card.says if text)
+    parts += [f'<div style="max-width:52em">{_safe(text)}</div>' for text in says]
     if card.facts:
         rows = (
             f'<tr style="background:none"><th scope="row" style="{_CELL}left;{_FAINT}">'
@@ -89,7 +90,7 @@ def html(card: Card) -> str:
         parts.append(_table(f'<tr style="background:none">{"".join(heads)}</tr>', rows))
         left = len(card.rows) - _ROWS
         if left > 0:
-            parts.append(f'<div style="{_FAINT}">and {left} {_safe(card.more)} more</div>')
+            parts.append(f'<div style="{_FAINT}">and {left} more of the {_safe(card.more)}</div>')
     return f'<div style="{_CARD}">{"".join(parts)}</div>'
 
 
@@ -110,5 +111,11 @@ def _short(text: str) -> str:
 
 
 def _capital(text: str) -> str:
-    # A unit or a symbol, such as d/u_max, begins as it is written.
-    return text[:1].upper() + text[1:] if text[:2].isalpha() else text
+    # A symbol or a key, such as d/u_max or foot.below_mm, begins as it is written.
+    first = text.split(maxsplit=1)[:1]
+    return text[:1].upper() + text[1:] if first and first[0].replace("-", "").isalpha() else text
+
+
+def counted(count: int, word: str) -> str:
+    """So many of something, in words."""
+    return f"{count} {word}{'s' * (count != 1)}"

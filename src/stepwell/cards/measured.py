@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import number, record
-from stepwell.cards.html import Card, facts
+from stepwell.cards.html import Card, counted, facts
 from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 
@@ -48,7 +48,7 @@ def _calibration(found: Calibration) -> Card:
         f"Calibration with a {found.law} law",
         [
             f"RMSE {found.mean_error(n, left_out=False):.3f} k r fitted, {found.mean_error(n):.3f} "
-            f"k r predicted from the other geometries, with {n} band{'s' * (n != 1)} a cell."
+            f"k r predicted from the other geometries, with {counted(n, 'band')} a cell."
             for n in found.counts
         ],
         {},

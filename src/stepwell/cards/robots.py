@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, number, plain, record, rows_of
-from stepwell.cards.html import Card, facts
+from stepwell.base import Column, number, record, rows_of
+from stepwell.cards.html import Card, counted, facts
 from stepwell.results import CHANGE, CYCLES, MEAN, PREDICTED, RESOLUTION, ROBOT, WALKED
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def _prediction(found: Prediction) -> Card:
     named = {q.name: q for q in PREDICTED}
     columns = [named[name] for name in ("name", "gait", "advance", "margin", "nearest")]
     doubt = [leg.name for leg in found.legs if leg.near_boundary]
-    turn = f"{plain(found.turn, 180 / 3.141592653589793):z.1f}°"
+    turn = f"{math.degrees(found.turn):z.1f}°"
     return Card(
         f"Prediction for {found.robot.title}" if found.robot.title else "Prediction",
         [
@@ -79,7 +80,7 @@ def _maze(maze: Maze) -> Card:
 
 
 def _arena(arena: Arena) -> Card:
-    count = f"{len(arena.walls)} walls and {len(arena.cylinders)} cylinders"
+    count = f"{counted(len(arena.walls), 'wall')} and {counted(len(arena.cylinders), 'cylinder')}"
     return Card(arena.title or "Arena", [f"{count}{', and a goal' * (arena.goal is not None)}."])
 
 
@@ -97,7 +98,7 @@ def _sweep(sweep: Sweep) -> Card:
     ]
     failed = sum(bool(trial.stopped) for trial in sweep.trials)
     return Card(
-        f"Sweep of {len(sweep.trials)} robots",
+        f"Sweep of {counted(len(sweep.trials), 'robot')}",
         [f"{failed} did not walk to the end." if failed else ""],
         {},
         [*varied, *TRIAL],

@@ -18,6 +18,7 @@ from stepwell.base import (
     Schema,
     Vec2,
     need,
+    signed,
     told_in,
     variables,
     write_csv,
@@ -195,7 +196,7 @@ class Reprogramming(ByValue):
             return f"it does {self.before} already"
         becomes = f"{self.before} -> {self.after} ({self.method})"
         if isinstance(self.displacement, tuple):
-            x, y = (f"{part * 1e3:+.4g}" for part in self.displacement)
+            x, y = (signed(part * 1e3) for part in self.displacement)
             lines = [
                 f"move {self.by} by ({x}, {y}) mm, {self.distance * 1e3:.4g} mm: {becomes}",
                 str(self.resistance),
