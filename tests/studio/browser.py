@@ -84,6 +84,14 @@ class Opened:
         page.on("request", lambda request: self.asked.append(request.url))
 
 
+def opens(offline: Opened, folder: Path, text: str) -> Page:
+    """The page of a text that is opened from a file."""
+    file = folder / "page.html"
+    file.write_text(text, "utf-8")
+    offline.page.goto(file.as_uri())
+    return offline.page
+
+
 def output(page: Page, name: str):
     return page.get_by_role("status", name=name, exact=True)
 
