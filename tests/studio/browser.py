@@ -46,6 +46,7 @@ if not REQUIRED:
         pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
 
 from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Frame,
     Locator,
     Page,
     expect,
@@ -92,7 +93,7 @@ def opens(offline: Opened, folder: Path, text: str) -> Page:
     return offline.page
 
 
-def output(page: Page, name: str):
+def output(page: Page | Frame, name: str):
     return page.get_by_role("status", name=name, exact=True)
 
 

@@ -68,10 +68,8 @@ def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
     (frame,) = frames_of(page)
 
     def places() -> tuple[dict[str, float], dict[str, float]]:
-        found = [
-            frame.get_by_role("region", name=name).bounding_box()
-            for name in ("Mechanism", "Motion")
-        ]
+        regions = [frame.get_by_role("region", name=name) for name in ("Mechanism", "Motion")]
+        found = [region.bounding_box() for region in regions]
         assert found[0] is not None and found[1] is not None
         return dict(found[0]), dict(found[1])  # pyright: ignore[reportReturnType]
 

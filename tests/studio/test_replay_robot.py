@@ -127,5 +127,5 @@ def test_a_run_that_was_over_at_once_is_refused(left: Walk):
         for field in fields(left)
         if isinstance(getattr(left, field.name), np.ndarray)
     }
-    with pytest.raises(ValueError, match="no samples. Stopped at once."):
+    with pytest.raises(ValueError, match=r"no samples\. Stopped at once\."):
         replay(replace(left, **none, stopped="Stopped at once."))
