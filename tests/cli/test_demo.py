@@ -24,7 +24,7 @@ from stepwell.cli.screen import show
 from stepwell.reports.story import steps
 
 if TYPE_CHECKING:
-    from studio.browser import Opened
+    from chromium import Opened
 
 pytestmark = pytest.mark.slow
 pytest.importorskip("mujoco", reason="the demo's robots need MuJoCo")
@@ -79,7 +79,7 @@ def told(tmp_path_factory) -> Told:
 @pytest.fixture
 def opened(told) -> Iterator["Opened"]:
     """The page in a browser that has no network."""
-    from studio.browser import CHROMIUM, QUIET, Opened
+    from chromium import CHROMIUM, QUIET, Opened
 
     from playwright.sync_api import sync_playwright  # isort: skip
 

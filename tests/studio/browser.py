@@ -25,6 +25,7 @@ if __name__ == "__main__":
 needed("starlette", "uvicorn", "websockets")
 
 from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Frame,
     Locator,
     Page,
     expect,
@@ -48,7 +49,15 @@ def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
             server.terminate()
 
 
-def output(page: Page, name: str):
+def opens(offline: Opened, folder: Path, text: str) -> Page:
+    """The page of a text that is opened from a file."""
+    file = folder / "page.html"
+    file.write_text(text, "utf-8")
+    offline.page.goto(file.as_uri())
+    return offline.page
+
+
+def output(page: Page | Frame, name: str):
     return page.get_by_role("status", name=name, exact=True)
 
 
