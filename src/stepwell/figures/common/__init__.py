@@ -38,7 +38,6 @@ from stepwell.figures.common.sheet import (
     page_width,
     place,
     root,
-    shared,
     sheet_of,
     size_of,
     text_at,
@@ -82,4 +81,4 @@ from stepwell.figures.common.words import (
     told,
     wrapped,
 )
-from stepwell.figures.common.write import KINDS, PRINT_DPI, save, svg
+from stepwell.figures.common.write import PRINT_DPI, save, svg
