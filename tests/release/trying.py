@@ -184,7 +184,7 @@ def tables(env: Fresh) -> None:
     assert "clockwise" in env.stepwell("map", "preset:paper-forward", *places)
     env.run(
         "-c",
-        "import stepwell as sw\npath = sw.preset('paper-forward').path([0.04])\n"
+        "import stepwell as sw\npath = sw.preset('paper-forward').path([0.0, 0.04])\n"
         "assert path.to_xarray().sizes['cell'] == 2",
     )
 
