@@ -31,8 +31,13 @@ _THIN = '<mspace width="0.167em" />'
 
 # Who searches wants to do a thing first, then to know why it is so, then why it was built so.
 BOOST = {
-    **{"words": 4.0, "tutorial": 2.5, "how-to/": 2.0, "lessons": 2.0, "index": 2.0},
-    **{"api": 0.3, "decisions/": 0.2},
+    "words": 4.0,
+    "tutorial": 2.5,
+    "how-to/": 2.0,
+    "lessons": 2.0,
+    "index": 2.0,
+    "api": 0.3,
+    "decisions/": 0.2,
 }
 
 
@@ -76,8 +81,8 @@ def _mathml(source: str) -> str:
 def repository() -> str:
     """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else ''."""
     told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    found = told["project"].get("urls", {}).get("Repository", "")
-    return os.environ.get("STEPWELL_REPOSITORY", found).rstrip("/")
+    found: str = told["project"].get("urls", {}).get("Repository", "")
+    return (os.environ.get("STEPWELL_REPOSITORY") or found).rstrip("/")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
