@@ -81,8 +81,8 @@ def _mathml(source: str) -> str:
 def repository() -> str:
     """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else ''."""
     told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    found = told["project"].get("urls", {}).get("Repository", "")
-    return os.environ.get("STEPWELL_REPOSITORY", found).rstrip("/")
+    found: str = told["project"].get("urls", {}).get("Repository", "")
+    return (os.environ.get("STEPWELL_REPOSITORY") or found).rstrip("/")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
