@@ -106,7 +106,8 @@ def force_plane(
         order makes a staircase; the narrowest step is marked.
 
     Raises:
-        ValueError: too many cells, a panel too narrow for them, or an order that does not name each cell once.
+        ValueError: too many cells, a panel too narrow for them, or an order that does not name
+            each cell once.
 
     Source: sorting theorem, theory page.
     """
