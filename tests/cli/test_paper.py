@@ -50,10 +50,10 @@ def test_figures_go_into_the_folder_and_the_command_says_where(
     stepwell, tmp_path, monkeypatch, verdicts
 ):
     # One figure stands for all: drawing each of them is tested in its own room.
-    monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force})
+    monkeypatch.setattr(figures, "FIGURES", {"fig1": figures.unit_cells})
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     result = stepwell("paper", "--out", "out")
-    names = ["claims.json", "fig1d-force.png", "fig1d-force.svg"]
+    names = ["claims.json", "fig1.png", "fig1.svg"]
     assert f"Written into out: {', '.join(names)}" in result.stdout
     assert written(tmp_path / "out") == set(names)
     kept = json.loads((tmp_path / "out" / "claims.json").read_text("utf-8"))
@@ -68,6 +68,6 @@ def test_a_failure_leaves_no_figure_behind(
     def fails():
         raise failure
 
-    monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force, "broken": fails})
+    monkeypatch.setattr(figures, "FIGURES", {"fig1": figures.unit_cells, "broken": fails})
     assert stepwell("paper", "--out", "out").exit_code == code
     assert [file.name for file in tmp_path.iterdir()] == ["forward.toml"]

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -39,9 +39,12 @@ def line_of(ax: Axes, colour: str) -> Array:
     return longest[np.isfinite(longest).all(axis=1)]
 
 
-def words(figure: Figure) -> list[Text]:
+def words(figure: Figure | SubFigure) -> list[Text]:
     """Every text that is shown, tick labels included."""
-    figure.draw_without_rendering()
+    whole = figure
+    while isinstance(whole, SubFigure):
+        whole = whole.figure
+    whole.draw_without_rendering()
     found: list[Text] = list(figure.texts)
     for ax in figure.axes:
         found += ax.texts
@@ -60,7 +63,7 @@ def words(figure: Figure) -> list[Text]:
     return [text for text in unique if text.get_visible() and text.get_text().strip()]
 
 
-def says(figure: Figure) -> list[str]:
+def says(figure: Figure | SubFigure) -> list[str]:
     """What all the texts say."""
     return [text.get_text() for text in words(figure)]
 
@@ -85,7 +88,7 @@ def collisions(figure: Figure) -> list[tuple[str, str]]:
     return _covered(words(figure))
 
 
-def untidy(figure: Figure, smallest: float = 0.0) -> list[str]:
+def untidy(figure: Figure | SubFigure, smallest: float = 0.0) -> list[str]:
     """What of a figure cannot be read, with one drawing for all of it.
 
     That is texts that cover each other, reach past the edge of the page or are set smaller than
@@ -110,7 +113,7 @@ def _covered(shown: list[Text]) -> list[tuple[str, str]]:
     return [(a, b) for (a, p), (b, q) in combinations(boxes, 2) if p.overlaps(q)]
 
 
-def _outside(figure: Figure, shown: list[Text]) -> list[str]:
+def _outside(figure: Figure | SubFigure, shown: list[Text]) -> list[str]:
     page = figure.bbox
     return [
         text.get_text()

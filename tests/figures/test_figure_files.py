@@ -1,8 +1,15 @@
 """Figures as files: the same figure gives the same bytes, and never half of them."""
 
+import base64
+import io
+import re
+from xml.etree import ElementTree
+
 import pytest
+from fontTools.ttLib import TTFont
 from PIL import Image
 
+from figures.drawn import says
 from stepwell import figures, files
 
 
@@ -37,3 +44,47 @@ def test_an_unknown_kind_is_refused_and_nothing_is_written(figure, tmp_path):
     with pytest.raises(ValueError, match=r"must end in \.png, \.svg or \.pdf, not '\.xyz'"):
         figures.save(figure, tmp_path / "force.xyz")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_text_of_an_svg_is_text_in_fonts_that_it_brings_along(figure, tmp_path):
+    figures.save(figure, tmp_path / "force.svg", text=True)
+    svg = (tmp_path / "force.svg").read_text()
+    words = "".join(ElementTree.fromstring(svg).itertext())
+    assert "Actuator force [N]" in words
+    faces = re.findall(r"@font-face \{ font-family: '([^']*)';[^}]*base64,([^)]*)\)", svg)
+    assert faces
+    letters: set[str] = set()
+    for family, data in faces:
+        font = TTFont(io.BytesIO(base64.b64decode(data)))
+        assert family == font["name"].getDebugName(1)
+        letters |= set(map(chr, font.getBestCmap()))
+    # All that is shown, and not the whole alphabet.
+    shown = {letter for text in says(figure) for letter in text} - set("$\\{}_^\u200b\n")
+    assert shown <= letters
+    assert len(letters) < 80
+
+
+def test_outlines_need_no_font(figure):
+    assert "<text" not in figures.svg(figure)
+
+
+def test_fonts_of_a_pdf_are_in_it_as_truetype(figure, tmp_path):
+    figures.save(figure, tmp_path / "force.pdf")
+    pdf = (tmp_path / "force.pdf").read_bytes()
+    fonts = re.findall(rb"/FontDescriptor \d+ 0 R|/FontFile2 \d+ 0 R", pdf)
+    assert {font.split()[0] for font in fonts} == {b"/FontDescriptor", b"/FontFile2"}
+    assert b"/Subtype /Type3" not in pdf
+    # What turns glyphs back into letters, for who searches or copies.
+    assert b"/ToUnicode" in pdf
+
+
+def test_a_png_tells_how_large_it_is(figure, tmp_path):
+    figures.save(figure, tmp_path / "force.png", dpi=figures.PRINT_DPI)
+    with Image.open(tmp_path / "force.png") as image:
+        assert image.info["dpi"] == pytest.approx((600, 600), abs=0.1)
+
+
+def test_text_in_an_svg_is_the_same_every_time(figure, tmp_path):
+    for name in ("a.svg", "b.svg"):
+        figures.save(figure, tmp_path / name, text=True)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

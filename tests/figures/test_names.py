@@ -43,8 +43,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
-    yield partial(figures.landscapes, {name: cycle})
-    yield partial(figures.strokes, {name: cycle})
+    yield partial(figures.compose, {name: [partial(figures.force_stroke, cycle)]})
     yield partial(figures.unit_cell_force, chain.cells)
     yield partial(figures.unit_cell_energy, chain.cells)
     yield partial(
@@ -143,7 +142,8 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # Each draws what `standard` draws.
         "mechanism", "landscape", "force_stroke", "travel_stroke",
         # No figures.
-        "save", "svg", "Effect", "Sensitivity",
+        "save", "svg", "Effect", "Sensitivity", "length", "JournalWidth", "JOURNAL_WIDTHS",
+        "PRINT_DPI",
         # One of the others.
         "plot",
         # Names of laws and numbers, all ours.

@@ -15,23 +15,30 @@ DRAWN = figures.FIGURES | figures.ROBOT_FIGURES
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_word_covers_another_or_leaves_the_page(name):
     figure = DRAWN[name]()
-    assert untidy(figure) == []
+    assert [each for part in figure.subfigs or [figure] for each in untidy(part)] == []
 
 
-def test_every_figure_of_the_paper_about_one_and_two_cells_is_there():
-    assert [name.partition("-")[0] for name in figures.FIGURES] == [
-        "fig1d",
-        "fig1e",
-        "fig2b",
-        "fig2c",
-        "fig2d",
-    ]
+def test_every_page_of_the_paper_is_there():
+    every = figures.FIGURES | figures.ROBOT_FIGURES | figures.MANY_RUNS
+    assert [name for name in every if name.startswith("fig")] == [
+        "fig1", "fig2", "fig2c", "fig3", "fig4"
+    ]  # fmt: skip
+    for name in figures.FIGURES:
+        wide, high = figures.FIGURES[name]().get_size_inches() * 25.4
+        assert wide <= 180.1
+        assert high <= 247.0
 
 
 def test_six_cells_are_told_apart_by_their_anchors():
-    for draw in (figures.force, figures.energy):
-        anchors = [text for text in says(draw()) if "mm" in text]
+    for part in figures.unit_cells().subfigs:
+        anchors = [text for text in says(part) if "mm" in text]
         assert len(set(anchors)) == len(anchors) == 6
+
+
+def test_a_figure_is_asked_for_by_its_name():
+    assert paper.figure_of("fig1").subfigs
+    with pytest.raises(ValueError, match=r"no such figure of the paper. Did you mean fig2c\?"):
+        paper.figure_of("fig2d")
 
 
 def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
@@ -42,7 +49,7 @@ def test_the_map_names_all_four_pathways_and_marks_the_four_pairs():
 
 @pytest.mark.slow
 def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch, known_verdicts):
-    chosen = {"fig1d-force": figures.force, "fig2c-map": figures.map_}
+    chosen = {"fig1": figures.unit_cells, "fig2c": figures.map_}
     monkeypatch.setattr(figures, "FIGURES", chosen)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
     told = []
@@ -51,8 +58,8 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
         "claims.json",
         *(f"{name}{suffix}" for name in chosen for suffix in (".png", ".svg")),
     }
-    with Image.open(tmp_path / "out" / "fig2c-map.png") as picture:
-        assert picture.size[0] == pytest.approx(180 / 25.4 * 300, abs=1)
+    with Image.open(tmp_path / "out" / "fig2c.png") as picture:
+        assert picture.size[0] == pytest.approx(85 / 25.4 * 300, abs=1)
     assert told[-1] == (len(told), len(told))
     assert len(told) == len(paper.claims()) + len(chosen)
 
@@ -61,7 +68,7 @@ def test_a_figure_that_fails_leaves_an_old_folder_as_it_was(tmp_path, monkeypatc
     def fails():
         raise RuntimeError("no ink")
 
-    monkeypatch.setattr(figures, "FIGURES", {"fig1d-force": figures.force, "broken": fails})
+    monkeypatch.setattr(figures, "FIGURES", {"fig1": figures.unit_cells, "broken": fails})
     out = tmp_path / "out"
     out.mkdir()
     (out / "claims.json").write_text("old")
