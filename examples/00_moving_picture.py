@@ -41,15 +41,9 @@ from stepwell.figures.common import (
     styled,
     write_gif,
 )
-from stepwell.figures.motion import instants
-from stepwell.figures.robots import (
-    antenna_line,
-    bracket,
-    draw_arena,
-    in_world,
-    leg_parts,
-    rectangle,
-)
+from stepwell.figures.motion.instants import instants
+from stepwell.figures.robots import bracket, draw_arena, in_world
+from stepwell.figures.robots.robot_parts import antenna_line, leg_parts, rectangle
 from stepwell.robot import Arena, Robot, Wall
 from stepwell.robot.gait import states
 
