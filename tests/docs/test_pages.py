@@ -104,7 +104,10 @@ def test_every_public_name_has_a_place_in_the_reference(room):
 
 @pytest.mark.parametrize("page", ["README.md", *PAGES[1:], *HOW_TO])
 def test_every_link_to_a_file_leads_somewhere(page):
-    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", read(page)):
+    text = read(page)
+    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text) + re.findall(
+        r'src="([^"]+)"', text
+    ):
         if not target.startswith("https://"):
             assert ((ROOT / page).parent / target).exists(), target
 

@@ -73,7 +73,7 @@ def test_the_drawing_of_the_pages_is_of_the_papers_cell():
     said = says(figures.labelled_cell())
     assert "$p$ = (−10, 0) mm" in said
     assert "$q$ = (10, −15) mm" in said
-    assert "$d = q - p$ = (20, −15) mm" in said
+    assert "$d = q - p$\n= (20, −15) mm" in said
     assert "$S$ = 20 mm" in said
     assert {"state 0", "state 1", "inner block,\nheld", "outer block,\npulled"} <= set(said)
 

@@ -302,7 +302,7 @@ class _Shown:
         labels = [
             _label(high, rf"state 1: $\theta = \theta_c$ = {math.degrees(limit):.4g}°"),
             _label(low, r"state 0: $\theta = -\theta_c$"),
-            _label((self.outer + end) / 2, f"$d = q - p$ = {mm_pair(self.band.d)} mm", BLUE),
+            _label((self.outer + end) / 2, f"$d = q - p$\n= {mm_pair(self.band.d)} mm", BLUE),
             _label(end * 0.75, "band $\\ell$", self.colour),
             _label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]

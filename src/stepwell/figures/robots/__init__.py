@@ -2,8 +2,4 @@
 
 from stepwell.figures.robots.arena import OBSTACLE, TOUCHED, draw_arena, outlines
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
-from stepwell.figures.robots.robot_parts import (
-    bracket,
-    frame,
-    in_world,
-)
+from stepwell.figures.robots.robot_parts import bracket, frame, in_world
