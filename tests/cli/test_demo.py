@@ -52,17 +52,17 @@ class Seen(HTMLParser):
         given = dict(attrs)
         self.named += [value for key in ("src", "href", "data") if (value := given.get(key))]
         self.frames += tag == "iframe"
-        self._in_commands = given.get("class") == "commands" or (
-            self._in_commands and tag == "code"
-        )
+        self._in_commands |= given.get("class") == "commands"
+        if self._in_commands and tag == "code":
+            self.commands.append("")
 
     def handle_endtag(self, tag):
-        self._in_commands = self._in_commands and tag != "pre"
+        self._in_commands &= tag != "pre"
 
     def handle_data(self, data):
         self.words.append(data)
-        if self._in_commands:
-            self.commands += data.splitlines()
+        if self._in_commands and self.commands:
+            self.commands[-1] += data
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,8 @@ def test_the_lines_it_shows_of_a_design_file_are_in_it(told):
     anchors = [line for line in text["wish.toml"].splitlines() if line.startswith("q_mm")]
     assert len(anchors) == 3 and all(f"{line} # " in shown for line in anchors)
     assert text["fingers.toml"].partition("[program]")[2].strip() in shown
-    gone, come = steps._moved("outer", *steps._legs())[1:]
+    name, gone, come = steps._moved("", *steps._legs())
+    assert name in text["leg.toml"] and name in text["robot-turning.toml"]
     assert gone[1:] in text["leg.toml"] and gone[1:] not in text["leg-reversed.toml"]
     assert come[1:] in text["leg-reversed.toml"] and come[1:] in text["robot-turning.toml"]
 
@@ -162,7 +163,7 @@ def test_every_command_on_the_page_is_one(told):
     lines = Seen(told.page).commands
     assert len(lines) >= len(reports.STEPS)
     for line in lines:
-        words = shlex.split(line)
+        words = shlex.split(line.strip())
         known = [file for file in words if file.endswith(".toml")]
         assert all((told.folder / name).exists() for name in known), line
         help_ = CliRunner().invoke(app, [words[1], "--help"], prog_name="stepwell").stdout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from html import escape
 from importlib.resources import files as resources
@@ -69,14 +70,20 @@ def _step(number: int, telling: Telling, step: Step) -> str:
     told = "\n".join(f"<p>{escape(line)}</p>" for line in step.told)
     shown = "\n".join(map(_figure, step.shown))
     changed = _changed(step.changed) if step.changed else ""
-    commands = "\n".join(escape(line) for line in step.commands)
+    commands = "\n".join(map(_command, step.commands))
     return (
         f'<section id="step-{number}"><h2><span class="number">{number}</span> '
         f"{escape(telling.title)}</h2>\n{told}\n"
         f'<div class="shown{" pair" * (len(step.shown) > 1)}">\n{shown}\n</div>\n'
         f'<div class="own">{changed}<div><h3>Do it yourself</h3>'
-        f'<pre class="commands"><code>{commands}</code></pre></div></div>\n</section>'
+        f'<pre class="commands">{commands}</pre></div></div>\n</section>'
     )
+
+
+def _command(line: str) -> str:
+    """A line to be typed; on a narrow page it is folded at spaces alone."""
+    words = re.sub(r"(?<= )-\S+", r"<span>\g<0></span>", escape(line))
+    return f"<code>{words}</code>"
 
 
 def _figure(shown: Shown) -> str:

@@ -19,7 +19,7 @@ from stepwell.files import (
     preset_text,
     with_program,
 )
-from stepwell.mechanism import Band, Cell, Chain, Element
+from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports.story.shown import Shown, map_of, moving, walking
 from stepwell.sequences import Cycle
 
@@ -105,7 +105,7 @@ def _move_an_anchor(progress: Progress | None) -> Step:
             moving(after, "With that anchor moved", str(cycle.sequence), progress),
         ),
         {"leg-reversed.toml": dumps(after)},
-        _moved("outer", before, after),
+        _moved("", before, after),
         ("stepwell run leg-reversed.toml",),
     )
 
@@ -133,6 +133,8 @@ def _wish(progress: Progress | None) -> Step:
     tolerances = Tolerances(anchor=_ANCHOR, stiffness=_STIFFNESS)
     found = design(_WISH, tolerances=tolerances, progress=progress)
     made, built = with_(found.chain, title="Made to order"), found.yield_
+    text = dumps(made)
+    anchors = [line for line in text.splitlines() if line.startswith("q_mm")]
     return Step(
         (
             f"{_order(made.cycle())} Anchors for it are found. Of {built.n:,} built at "
@@ -140,11 +142,8 @@ def _wish(progress: Progress | None) -> Step:
             f"{number(_STIFFNESS * 100)} %, {built.successes:,} do it too.",
         ),
         (moving(made, "Made to order", _WISH, progress),),
-        {"wish.toml": dumps(made)},
-        tuple(
-            f"q_mm = {_place(_band(cell))} # {name}"
-            for name, cell in zip(made.names, made.cells, strict=True)
-        ),
+        {"wish.toml": text},
+        tuple(f"{line} # {name}" for line, name in zip(anchors, made.names, strict=True)),
         (
             f"stepwell design '{_WISH}' --anchor {number(_ANCHOR * 1e3)} "
             f"--stiffness-spread {number(_STIFFNESS * 100)} --out wish",
@@ -192,7 +191,7 @@ def _walk(progress: Progress | None) -> Step:
             "robot.toml": preset_text("robot-forward"),
             "robot-turning.toml": preset_text("robot-left"),
         },
-        _moved("outer, of the left leg", before, after),
+        _moved(" # of the left leg", before, after),
         ("stepwell walk robot.toml --out walk", "stepwell walk robot-turning.toml --out turn"),
     )
 
@@ -241,11 +240,8 @@ def _legs() -> tuple[Chain, Chain]:
 
 
 def _outer(chain: Chain) -> Band:
-    return _band(chain.cells[-1])
-
-
-def _band(cell: Cell | Element) -> Band:
-    """The only band of a cell that has levers."""
+    """The band of the outer cell, which has no other."""
+    cell = chain.cells[-1]
     assert isinstance(cell, Cell)
     (band,) = cell.bands
     return band
@@ -261,10 +257,10 @@ def _order(cycle: Cycle) -> str:
     return f"Out: {out}. Back: {back}."
 
 
-def _moved(name: str, before: Chain, after: Chain) -> tuple[str, ...]:
+def _moved(remark: str, before: Chain, after: Chain) -> tuple[str, ...]:
     """The line of a design file in which two chains differ, as it was and as it is."""
     was, now = (_place(_outer(chain)) for chain in (before, after))
-    return (f'name = "{name}"', f"-q_mm = {was}", f"+q_mm = {now}")
+    return (f'name = "{after.names[-1]}"{remark}', f"-q_mm = {was}", f"+q_mm = {now}")
 
 
 def _place(band: Band) -> str:
