@@ -75,4 +75,4 @@ from stepwell.figures.common.style import (
     styled,
 )
 from stepwell.figures.common.words import minus, sequence_words, shortened, wrapped
-from stepwell.figures.common.write import KINDS, PRINT_DPI, save, svg
+from stepwell.figures.common.write import PRINT_DPI, save, svg

@@ -23,7 +23,6 @@ _VECTOR: dict[Any, Any] = {
 }
 # What journals ask of line drawings.
 PRINT_DPI = 600.0
-KINDS = (".pdf", ".svg", ".png")
 _UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 _WIDTHS = (3.0, 1.3)
 _SAMPLES = 121
 _LEVELS = 16
+# Round the landscape at least [mm].
+_ROOM = 4.4
 # Longer than this, a side is drawn shorter than it is.
 _SLIMMEST = 3.0
 _FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
@@ -107,12 +109,15 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     frame = [left, right, right, left, left], [low, low, high, high, low]
     ax.plot(*frame, color=FAINT, linewidth=0.6)
 
-    pad = 0.085 * max(width, height)
+    # Room for the names of the states, which small axes have not.
+    page, dpi = ax.get_window_extent(), root(ax).dpi / 25.4
+    room = max(0.085, _ROOM * dpi / min(page.width, page.height))
+    pad = room * max(width, height)
     pads = pad, pad
     if max(width, height) < _SLIMMEST * min(width, height):
         ax.set_aspect("equal")
     else:
-        pads = 0.085 * width, 0.085 * height
+        pads = room * width, room * height
     ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines.bottom.set_bounds(left, right)
