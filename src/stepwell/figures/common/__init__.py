@@ -38,7 +38,6 @@ from stepwell.figures.common.sheet import (
     page_width,
     place,
     root,
-    shared,
     sheet_of,
     size_of,
     text_at,

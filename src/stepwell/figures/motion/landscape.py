@@ -46,6 +46,8 @@ _SAMPLES = 121
 _LEVELS = 16
 # Round the landscape at least [mm].
 _ROOM = 4.4
+# Of a panel, at most [mm].
+_WIDEST = 90.0
 # Longer than this, a side is drawn shorter than it is.
 _SLIMMEST = 3.0
 _FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
@@ -77,7 +79,8 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
     width = page_width(COLUMN)
-    size, margins = (width, width - 13.0), (11.0, 11.0, 20.0, 7.0)
+    side = min(width - 31.0, _WIDEST)
+    size, margins = (width, side + 18.0), (11.0, 11.0, width - side - 11.0, 7.0)
     figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
     filled = draw_energy(ax, path)
     if own:
@@ -85,7 +88,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         keep_inside(ax, 0.0)
     draw_path(ax, path)
     if own:
-        colour_bar(filled, place(figure, width - 17.0, 15.0, 2.5, width - 39.0))
+        colour_bar(filled, place(figure, side + 14.0, 15.0, 2.5, side - 8.0))
     return figure
 
 
