@@ -6,7 +6,7 @@ from PIL.GifImagePlugin import GifImageFile
 
 from figures.drawn import lines, points
 from stepwell import figures, files
-from stepwell.figures.motion.animation import _Scene, _timeline
+from stepwell.figures.motion.animation import _Scene, timeline
 
 
 def test_a_gif_has_the_frames_and_the_time_asked_for(tmp_path):
@@ -42,7 +42,7 @@ def test_other_chains_and_actuators_move_too(tmp_path, name):
 
 def test_snaps_are_shown_at_fixed_stroke_and_end_where_the_path_lands():
     path = files.preset("paper-forward").cycle().path
-    frames = _timeline(path, 8.0, 400)
+    frames = timeline(path, 8.0, 400)
     snapping = [k for k, frame in enumerate(frames) if frame.snap]
     stroke = np.array([np.sum(frames[k].travels) for k in snapping])
     events = [event.stroke for event in path.events if event.kind.name == "SNAP"]
@@ -56,7 +56,7 @@ def test_snaps_are_shown_at_fixed_stroke_and_end_where_the_path_lands():
 
 def test_the_actuator_moves_at_constant_speed_between_snaps():
     path = files.preset("paper-via-10").cycle().path
-    frames = _timeline(path, 8.0, 400)
+    frames = timeline(path, 8.0, 400)
     stroke = np.array([np.sum(frame.travels) for frame in frames])
     speed = np.abs(np.diff(stroke))
     moving = speed[speed > 1e-12]
@@ -86,7 +86,7 @@ def test_a_program_moves_too_with_its_plan_below(tmp_path, name):
 def test_the_plan_shows_windows_and_where_the_actuator_is():
     program = files.preset("paper-forward").program("01", start="10")
     scene = _Scene(program, program.path)
-    frames = _timeline(program.path, 4.0, 80)
+    frames = timeline(program.path, 4.0, 80)
     assert scene.plan is not None
     (bar,) = lines(scene.figure, "windows")
     (turn,) = program.turns

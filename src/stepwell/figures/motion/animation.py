@@ -107,7 +107,7 @@ def animation(
     require("frames", seconds * fps, f"{seconds:g} s are")
     hundredths = max(2, round(100 / fps))
     count = max(2, round(100 * seconds / hundredths))
-    frames = _timeline(path, seconds, count)
+    frames = timeline(path, seconds, count)
     scene = _Scene(result, path)
 
     look = [frames[k] for k in sorted({0, count // 3, 2 * count // 3, count - 1})]
@@ -136,7 +136,9 @@ def animation(
     return File(file)
 
 
-class _Frame(NamedTuple):
+class Frame(NamedTuple):
+    """What is shown at one instant; `snap` says that it lies within one."""
+
     travels: Floats
     sheets: tuple[int, ...]
     force: float
@@ -145,7 +147,7 @@ class _Frame(NamedTuple):
     way: float
 
 
-def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
+def timeline(path: Path, seconds: float, count: int) -> list[Frame]:
     """What to show in each of `count` frames."""
     snaps = snaps_of(path)
     plan = plan_of(path)
@@ -161,7 +163,7 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
     step[turns] += shrink * _REST_SECONDS
     time = np.concatenate([[0.0], np.cumsum(step)])
 
-    frames: list[_Frame] = []
+    frames: list[Frame] = []
     for at in np.linspace(0.0, seconds, count, endpoint=False):
         i = min(int(np.searchsorted(time, at, side="right")) - 1, len(time) - 1)
         j = min(i + 1, len(time) - 1)
@@ -174,7 +176,7 @@ def _timeline(path: Path, seconds: float, count: int) -> list[_Frame]:
             for column in (path.travel, path.force, plan.drive, plan.way)
         )
         sheets = tuple(path.sheet[j if part > 0.5 else i].tolist())
-        frames.append(_Frame(travels, sheets, float(force), snap, float(u), float(w)))
+        frames.append(Frame(travels, sheets, float(force), snap, float(u), float(w)))
     return frames
 
 
@@ -273,7 +275,7 @@ class _Scene:
         ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
         return ax
 
-    def _state(self, frame: _Frame) -> str:
+    def _state(self, frame: Frame) -> str:
         places = zip(self.chain.cells, frame.travels, frame.sheets, strict=True)
         found = (int(phases(cell, travel, sheet, _AT)) for cell, travel, sheet in places)
         return "".join("-" if digit < 0 else str(digit) for digit in found)
@@ -288,7 +290,7 @@ class _Scene:
         sheet.putdata([tuple(round(255 * part) for part in to_rgb(one)) for one in colours])
         return sheet.resize((width, height), Image.Resampling.NEAREST)
 
-    def shoot(self, frame: _Frame) -> Picture:
+    def shoot(self, frame: Frame) -> Picture:
         """The picture at one instant."""
         from PIL import Image
 
