@@ -17,6 +17,7 @@ from stepwell import figures, files, lab, simulation
 from stepwell.design import (
     Tolerances,
     boundaries,
+    margin,
     parameter_boundaries,
     parameter_map,
     transition_map,
@@ -43,6 +44,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     spread = yields(chain, Tolerances(anchor=0.003), n=100, sensitivity=True)
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
+    yield partial(figures.margins, margin(chain))
     yield partial(figures.landscapes, {name: cycle})
     yield partial(figures.strokes, {name: cycle})
     yield partial(figures.unit_cell_force, chain.cells)
