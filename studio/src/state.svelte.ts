@@ -339,9 +339,15 @@ class Studio {
     return this.problems.find((problem) => problem.at.startsWith(place))?.text ?? "";
   }
 
-  private dress(): void {
-    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-    this.setTheme((stored(THEME) as "light" | "dark" | null) ?? (dark ? "dark" : "light"), false);
+  /** Takes the colours that were chosen here, else the reader's, and follows those. */
+  dress(): void {
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const follow = (): void => {
+      const chosen = stored(THEME) as "light" | "dark" | null;
+      this.setTheme(chosen ?? (dark.matches ? "dark" : "light"), false);
+    };
+    dark.addEventListener("change", follow);
+    follow();
   }
 
   private evaluate(): void {

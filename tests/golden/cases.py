@@ -277,6 +277,7 @@ FILES = [
             "replay preset:paper-forward",
             "replay preset:combination-lock --out lock.html",
             "replay preset:paper-forward",
+            "replay robot-left --cycles 1 --out left.html",
         ),
     ),
     Case(
@@ -461,7 +462,8 @@ WRONG = [
             "reprogram preset:paper-forward --by inner",
             "reprogram preset:paper-forward --by inner.p --along 0:0",
             "animate preset:paper-forward --to 01",
-            "replay preset:robot-left",
+            "replay preset:paper-forward --cycles 3",
+            "replay robot-left --arena nowhere",
             "replay preset:paper-forward --out replay.txt",
             "new mine.txt",
             "new mine.toml --preset nothing",

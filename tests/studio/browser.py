@@ -46,6 +46,7 @@ if not REQUIRED:
         pytest.importorskip(package, reason=f"the page is not tested: {package} is not installed")
 
 from playwright.sync_api import (  # noqa: E402, where it is missing the tests are skipped above
+    Frame,
     Locator,
     Page,
     expect,
@@ -84,7 +85,15 @@ class Opened:
         page.on("request", lambda request: self.asked.append(request.url))
 
 
-def output(page: Page, name: str):
+def opens(offline: Opened, folder: Path, text: str) -> Page:
+    """The page of a text that is opened from a file."""
+    file = folder / "page.html"
+    file.write_text(text, "utf-8")
+    offline.page.goto(file.as_uri())
+    return offline.page
+
+
+def output(page: Page | Frame, name: str):
     return page.get_by_role("status", name=name, exact=True)
 
 

@@ -89,6 +89,21 @@ def opened(browser: Browser) -> Iterator[Opened]:
 
 
 @pytest.fixture
+def offline(browser: Browser) -> Iterator[Opened]:
+    """A page without a network, which may load one file and nothing else."""
+    from studio.browser import Opened
+
+    context = browser.new_context(offline=True, viewport={"width": 1280, "height": 800})
+    found = Opened(context.new_page())
+    yield found
+    context.close()
+    assert not found.wrong
+    # The page itself, and the empty icon that stands in it.
+    assert all(url.startswith(("file://", "data:")) for url in found.asked)
+    assert sum(url.startswith("file://") for url in found.asked) == 1
+
+
+@pytest.fixture
 def page(opened: Opened, address: str) -> Page:
     from playwright.sync_api import expect
 

@@ -8,28 +8,9 @@ import stepwell as sw
 from stepwell.mechanism import Chain
 from stepwell.studio.panels.motions.evaluate import drawn
 from stepwell.studio.replay import replay
-from studio.browser import Opened, number, output, shown_as
+from studio.browser import Opened, number, opens, output, shown_as
 
-from playwright.sync_api import Browser, expect  # isort: skip
-
-
-@pytest.fixture
-def offline(browser: Browser):
-    context = browser.new_context(offline=True, viewport={"width": 1280, "height": 800})
-    found = Opened(context.new_page())
-    yield found
-    context.close()
-    assert not found.wrong
-    # The page itself, and the empty icon that stands in it.
-    assert all(url.startswith(("file://", "data:")) for url in found.asked)
-    assert sum(url.startswith("file://") for url in found.asked) == 1
-
-
-def opens(offline: Opened, folder: Path, text: str):
-    file = folder / "replay.html"
-    file.write_text(text, "utf-8")
-    offline.page.goto(file.as_uri())
-    return offline.page
+from playwright.sync_api import expect  # isort: skip
 
 
 def chain(name: str) -> Chain:
@@ -67,6 +48,21 @@ def test_it_plays_and_goes_by_the_keyboard(offline: Opened, tmp_path: Path):
     expect(page.get_by_role("button", name="Play")).to_be_visible()
 
 
+def test_state_snap_and_actuator_are_told_at_the_cursor(offline: Opened, tmp_path: Path):
+    forward = chain("paper-forward")
+    page = opens(offline, tmp_path, replay(forward))
+    slider = page.get_by_role("slider", name="Stroke")
+    path = drawn(forward.cycle().path)
+    top = int(path.drive.argmax())
+    for k, state, way in ((0, "00", "loads"), (top, "11", "loads"), (top + 2, "–1", "unloads")):
+        slider.fill(str(k))
+        expect(output(page, "state")).to_have_text(state)
+        expect(page.get_by_role("img", name=f"The actuator {way}")).to_be_visible()
+    marks = page.locator("datalist option")
+    snaps = [int(mark.get_attribute("value") or -1) for mark in marks.all()]
+    assert snaps == path.snap_after.nonzero()[0].tolist()
+
+
 def test_a_program_ends_where_it_leads(offline: Opened, tmp_path: Path):
     program = chain("paper-forward").program("01")
     page = opens(offline, tmp_path, replay(program))
@@ -89,5 +85,5 @@ def test_a_narrow_page_needs_no_sideways_scrolling(offline: Opened, tmp_path: Pa
 
 
 def test_what_is_no_motion_is_refused():
-    with pytest.raises(ValueError, match="needs a Chain or a Program"):
+    with pytest.raises(ValueError, match="Robot: a replay needs a Chain, a Program, or a robot's"):
         replay(sw.preset("robot-left"))  # type: ignore[arg-type]

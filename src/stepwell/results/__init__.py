@@ -4,7 +4,7 @@ Every `…_record` takes a result and returns what JSON can hold of it, as docs/
 it. `design` is the text of its design file, for the hash of it; written anew by default.
 """
 
-from stepwell.results.assumptions import assumptions
+from stepwell.results.assumptions import assumptions, simulation_assumptions
 from stepwell.results.design import (
     SENSITIVITY,
     built_schema,
@@ -67,6 +67,7 @@ __all__ = [
     "run_record",
     "schema_kinds",
     "schema_of",
+    "simulation_assumptions",
     "survival_record",
     "sweep_record",
     "unreachable_record",

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Measure, amount, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
+from stepwell.robot import Antenna
+
+if TYPE_CHECKING:
+    from stepwell.simulation import Walk
 
 _RIGID = (
     "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks touch."
@@ -64,6 +68,32 @@ def assumptions(chain: Chain) -> list[str]:
         ),
         *([load] if levers else []),
     ]
+
+
+def simulation_assumptions(walk: Walk) -> list[str]:
+    """What a simulated walk rests on, a sentence each."""
+    robot, settings = walk.robot, walk.settings
+    feelers = robot.antennas
+    return [
+        f"Simulated with inertia, contact and friction by MuJoCo, in steps of "
+        f"{amount(settings.time_step, 's')}; nothing is random.",
+        "The actuator's stroke over time is the only command: what the legs do comes of bands, "
+        "weight and contact.",
+        "Levers, links, blocks and floor are rigid, joints have no play; contacts and stops give "
+        f"way with a time constant of {amount(settings.contact_time, 's')}.",
+        f"Coulomb friction on a flat floor: coefficient {number(robot.floor.foot_friction)} under "
+        f"the feet, {number(robot.support_friction)} under the supports.",
+        *(
+            [f"Antennas are rigid rods on springs, with friction {_frictions(feelers)} on walls."]
+            if feelers
+            else []
+        ),
+        "A robot of this design that is built differs from it in friction, bands and assembly.",
+    ]
+
+
+def _frictions(antennas: Iterable[Antenna]) -> str:
+    return " and ".join(dict.fromkeys(number(one.friction) for one in antennas))
 
 
 def _mobile(named: list[tuple[str, Cell | Element]], words: Measure) -> str:

@@ -56,15 +56,59 @@ export function frameOf(pose: Pose): { origin: Point; heading: number } {
 
 /** The outline of a box from above, y down. */
 export function outline(pose: Pose, part: Part): string {
-  const [a, b] = part.size_mm;
-  return [
-    [a, b],
-    [-a, b],
-    [-a, -b],
-    [a, -b],
-  ]
-    .map(([x, y]) => corner(pose, part, [x, y, 0]).join(","))
+  const signs = [-1, 1];
+  const corners = signs.flatMap((i) =>
+    signs.flatMap((j) =>
+      signs.map((k) => corner(pose, part, [i, j, k].map((sign, axis) => sign * part.size_mm[axis]))),
+    ),
+  );
+  return hull(corners)
+    .map((point) => point.join(","))
     .join(" ");
+}
+
+// What a rubber band round the points would touch.
+function hull(points: Point[]): Point[] {
+  const sorted = points.toSorted(([a, b], [c, d]) => a - c || b - d);
+  const half = (all: Point[]): Point[] => {
+    const found: Point[] = [];
+    for (const [x, y] of all) {
+      while (found.length > 1) {
+        const [[a, b], [c, d]] = found.slice(-2);
+        if ((c - a) * (y - b) - (d - b) * (x - a) > 0) break;
+        found.pop();
+      }
+      found.push([x, y]);
+    }
+    return found.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.toReversed())];
+}
+
+/** The same robot lain on its left side, ahead to the right: from above it is seen from its right. */
+export function onItsSide(pose: Pose): Pose {
+  const { origin, heading } = frameOf(pose);
+  const half = Math.SQRT1_2;
+  const [c, s] = [Math.cos(heading / 2), -Math.sin(heading / 2)];
+  const turn = times([half, -half, 0, 0], [c, 0, 0, s]);
+  const place: number[] = [];
+  const turns: number[] = [];
+  for (let body = 0; 3 * body < pose.place.length; body += 1) {
+    const [x, y, z] = pointOf(pose, body, [0, 0, 0]);
+    place.push(...turned(turn, [x - origin[0], y - origin[1], z]));
+    turns.push(...times(turn, Array.from({ length: 4 }, (_, k) => pose.turn[4 * body + k])));
+  }
+  return { place, turn: turns };
+}
+
+// One quaternion after another.
+function times([a, b, c, d]: number[], [e, f, g, h]: number[]): number[] {
+  return [
+    a * e - b * f - c * g - d * h,
+    a * f + b * e + c * h - d * g,
+    a * g - b * h + c * e + d * f,
+    a * h + b * g - c * f + d * e,
+  ];
 }
 
 /** The two ends of a rod from above, y down. */

@@ -4,7 +4,7 @@ import { type View } from "../wire";
 import { refusal, stored, store, studio } from "../state.svelte";
 import type { Arena } from "./arena";
 import type { Line, Part, Pose } from "./plan";
-import { Track } from "./track";
+import { Track, inFull } from "./track";
 
 const KEPT = "stepwell.arena";
 // While a run goes on the picture catches up with what is known of it in about this time [ms].
@@ -28,7 +28,7 @@ class RobotState {
   failed = $state("");
   /** How many samples of a run there are; 0 shows the robot at its start. */
   count = $state(0);
-  /** The sample that is shown. */
+  /** Where the cursor is: a sample, and between two of them while playing. */
   at = $state(0);
   playing = $state(false);
   speed = $state(1);
@@ -41,11 +41,21 @@ class RobotState {
   /** Where everything is. */
   pose = $derived.by((): Pose | null => {
     if (this.count) {
-      const k = Math.min(this.at, this.count - 1);
-      return { place: this.track.row("place", k), turn: this.track.row("turn", k) };
+      const at = Math.min(this.at, this.count - 1);
+      return { place: this.track.between("place", at), turn: this.track.between("turn", at) };
     }
     return this.rest ? { place: this.rest.blocks.place, turn: this.rest.blocks.turn } : null;
   });
+
+  /** The last sample that the cursor has come to. */
+  sample = $derived(Math.min(Math.floor(this.at), this.count - 1));
+
+  /** Shows a run that is there already, without anybody to be asked. */
+  replay(view: View): void {
+    this.arena = view.arena;
+    this.rest = this.result = view;
+    this.take(inFull(view));
+  }
 
   /** Asks where the robot stands, since design or arena have changed; what it did is over. */
   ask(): void {
@@ -59,6 +69,24 @@ class RobotState {
   setArena(arena: Arena | null): void {
     this.arena = arena;
     store(KEPT, JSON.stringify(arena));
+  }
+
+  /** When it is at the cursor [s]. */
+  time(at: number): number {
+    return this.track.between("time", Math.min(at, this.count - 1))[0];
+  }
+
+  /** Where the cursor is at a time [s]: a sample, or between two. */
+  sampleAt(time: number): number {
+    let [low, high] = [0, this.count - 1];
+    if (time <= this.time(low)) return low;
+    if (time >= this.time(high)) return high;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.time(middle) <= time) low = middle;
+      else high = middle;
+    }
+    return low + (time - this.time(low)) / (this.time(high) - this.time(low));
   }
 
   /** Lets it walk, or go through the arena. */

@@ -2,6 +2,25 @@
 
 import type { View } from "../wire";
 
+/** A run in full again, of which each column was told by its whole steps from sample to sample. */
+export function inFull(view: View): View {
+  const blocks: Record<string, Float64Array> = {};
+  const count = view.blocks.time.length;
+  for (const [name, told] of Object.entries<Int32Array>(view.blocks)) {
+    const width = told.length / count;
+    const full = new Float64Array(told.length);
+    for (let column = 0; column < width; column += 1) {
+      let steps = 0;
+      for (let k = 0; k < count; k += 1) {
+        steps += told[column * count + k];
+        full[k * width + column] = steps * view.steps[name];
+      }
+    }
+    blocks[name] = full;
+  }
+  return { ...view, first: 0, blocks };
+}
+
 /** Blocks that grow, sample by sample. */
 export class Track {
   count = 0;
@@ -33,6 +52,15 @@ export class Track {
   row(name: string, k: number): ArrayLike<number> {
     const own = this.held.get(name);
     return own ? own.data.subarray(k * own.width, (k + 1) * own.width) : [];
+  }
+
+  /** A row that may lie between two samples. */
+  between(name: string, at: number): ArrayLike<number> {
+    const k = Math.floor(at);
+    const from = this.row(name, k);
+    if (at === k || k + 1 >= this.count) return from;
+    const to = this.row(name, k + 1);
+    return Array.from(from, (one, i) => one + (to[i] - one) * (at - k));
   }
 
   /** One number of a block with one number a sample. */

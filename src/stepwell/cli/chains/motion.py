@@ -1,4 +1,4 @@
-"""`stepwell run`, `graph`, `program`, `animate` and `replay`: what a chain does."""
+"""`stepwell run`, `graph`, `program` and `animate`: what a chain does."""
 
 from __future__ import annotations
 
@@ -205,34 +205,6 @@ def animate(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     show_verbatim(f"Wrote {out}")
-
-
-def replay(
-    design: Design,
-    out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE.html", help="The file to write.")
-    ] = Path("replay.html"),
-    force: ForceFile = False,
-) -> None:
-    """Write a design in motion as one HTML page that plays anywhere.
-
-    It works without a server and without a network, so it can be mailed: a slider, the mechanism,
-    its curves with one cursor, and what the numbers rest on. A design with a program is shown as
-    it is programmed, any other in its full cycle. A robot has a page of its own: see `stepwell
-    walk`.
-    """
-    from stepwell import files
-    from stepwell.studio.replay import replay as page_of
-
-    if out.suffix.lower() not in (".html", ".htm"):
-        raise typer.BadParameter(f"must end in .html, as in {out.stem}.html.", param_hint=str(out))
-    free_file(out, force)
-    text, chain = read_chain(design)
-    result = own(text, design) if files.loads_program(text, design) else chain
-    with progress("margin") as tell:
-        content = page_of(result, progress=tell)
-    files.write_atomic(out, content)
-    show_lines(f"Wrote {out}")
 
 
 def _motion(design: str, program: bool, start: str | None, to: str | None) -> Cycle | Program:

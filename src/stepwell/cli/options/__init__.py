@@ -15,6 +15,7 @@ from stepwell.cli.options.common import (
     free,
     free_file,
     read_chain,
+    read_design,
     read_robot,
 )
 from stepwell.cli.options.driving import (

@@ -82,6 +82,16 @@ def read_chain(design: str) -> tuple[str, Chain]:
     return text, files.loads_chain(text, design)
 
 
+def read_design(design: str) -> tuple[str, Chain | values.Robot]:
+    """The text of a design file, and the chain or the robot that it describes."""
+    from stepwell import files
+
+    if design in files.presets() and not Path(design).exists():
+        design = f"preset:{design}"
+    text = files.text_of(design)
+    return text, files.loads(text, design)
+
+
 def read_robot(robot: str) -> tuple[str, values.Robot]:
     """The text of a robot's design file, and the robot; a preset goes by its name alone too."""
     from stepwell import files

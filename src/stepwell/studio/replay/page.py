@@ -5,24 +5,33 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace as with_
 from html import escape
 from importlib.resources import files
 from string import Template
+from typing import TYPE_CHECKING
 
-from stepwell.base import InputError
+from stepwell.base import ExtraError, InputError
 from stepwell.mechanism import Chain
 from stepwell.sequences import Program
-from stepwell.studio.panels import motion_of
+from stepwell.studio.panels import motion_of, walked
 from stepwell.studio.wire import View, packed
 
+if TYPE_CHECKING:
+    from stepwell.simulation import Maze, Walk
+
+# By which name a frame plays by itself, and how large one is: taller where it is narrow.
+_PLAYS = "plays"
+_SIZE = "display:block;width:100%;height:clamp(30rem,47rem - 20vw,40rem);border:0"
 # What would end or change a script that stands in HTML, wherever it is in a text of it.
 _MARKS = re.compile(r"<(?=!--|/?script)", re.IGNORECASE)
 
 
 def replay(
-    result: Chain | Program,
+    result: Chain | Program | Walk | Maze,
     *,
     title: str | None = None,
     progress: Callable[[float, float], None] | None = None,
@@ -30,26 +39,27 @@ def replay(
     """A motion as one HTML page that plays anywhere: no server, and nothing loaded from elsewhere.
 
     Args:
-        result: a chain, which goes through its full cycle, or a program.
-        title: the chain's own by default.
-        progress: called with (done, total) while margins are searched.
+        result: a chain, which goes through its full cycle, a program, or what a robot did: a
+            walk, or its way through an arena.
+        title: the chain's or the robot's own by default.
+        progress: called with (done, total) while margins of a chain are searched.
 
     Returns:
-        HTML text with a slider, the mechanism, force, travel and energy, and what they rest on.
+        HTML text with a slider and what its numbers rest on. Of a chain the mechanism, force,
+        travel and energy; of a robot itself from above and from the side, its way and its legs.
+        Long runs are thinned, so that the page stays below a megabyte.
 
     Raises:
-        ValueError: neither a chain nor a program.
+        ValueError: none of these, or a run that was over before its first sample.
         StaticsError: the engine could not go on; its text says what to do.
     """
-    if not isinstance(result, Chain | Program):
-        raise InputError(f"{type(result).__name__}: a replay needs a Chain or a Program.")
-    found = motion_of(result, progress)
+    found = motion_of(result, progress) if isinstance(result, Chain | Program) else _run_of(result)
     view = with_(found, header={**found.header, "title": title or found.header["title"]})
     script = _MARKS.sub(r"\\x3C", _built("replay.js"))
     style = _built("replay.css")
     page = Template((files("stepwell.studio.replay") / "page.html").read_text("utf-8"))
     return page.substitute(
-        title=escape(view.header["title"] or "A chain"),
+        title=escape(view.header["title"] or "A motion"),
         version=escape(view.header["version"]),
         script=script,
         style=style,
@@ -59,20 +69,44 @@ def replay(
     )
 
 
-def embedded(page: str, title: str) -> str:
+def embedded(page: str, title: str, *, plays: bool = False) -> str:
     """A page that is complete in itself as part of another one, kept apart from it.
+
+    In a frame a replay is compact: no bar of its own, and all in view at once. A page around it
+    that has a policy of its own must allow its inline script and styles, for frames inherit it.
 
     Args:
         page: HTML text, as of `replay`.
         title: what it shows, for those who do not see it.
+        plays: whether it plays by itself while it is in view; never for readers who want less
+            motion.
 
     Returns:
-        An `iframe` element: its scripts run, but reach neither what is around it nor any address.
+        An `iframe` element as wide as what is around it: its scripts run, but reach neither what
+        is around it nor any address.
     """
+    # A frame knows its own name, and nothing else of its surroundings.
+    name = f' name="{_PLAYS}"' if plays else ""
     return (
-        f'<iframe class="replay" title="{escape(title)}" sandbox="allow-scripts" loading="lazy" '
-        f'srcdoc="{escape(page)}"></iframe>'
+        f'<iframe class="replay" title="{_plain(title)}" sandbox="allow-scripts" loading="lazy"'
+        f'{name} style="{_SIZE}" srcdoc="{_plain(page)}"></iframe>'
     )
+
+
+def _plain(text: str) -> str:
+    """Text as a value of an attribute, the same in a page of any encoding."""
+    return escape(text).encode("ascii", "xmlcharrefreplace").decode()
+
+
+def _run_of(result: Walk | Maze) -> View:
+    """Without MuJoCo there is no run, and this is none."""
+    with suppress(ExtraError):
+        from stepwell.simulation import Maze, Walk
+
+        if isinstance(result, Walk | Maze):
+            return walked(result)
+    kind = type(result).__name__
+    raise InputError(f"{kind}: a replay needs a Chain, a Program, or a robot's Walk or Maze.")
 
 
 def _built(name: str) -> str:
@@ -85,5 +119,5 @@ def _hash(text: str) -> str:
 
 
 def _data(view: View) -> str:
-    """The view as it would come over the socket, in letters that mean nothing to HTML."""
-    return base64.b64encode(packed("replay", 0, view)).decode()
+    """The view as it would come over the socket, small, in letters that mean nothing to HTML."""
+    return base64.b64encode(zlib.compress(packed("replay", 0, view), 9)).decode()

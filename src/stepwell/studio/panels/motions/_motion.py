@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from stepwell.base import __version__, told_in
+import numpy as np
+
+from stepwell.base import Ints, __version__, told_in
 from stepwell.design import margin
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Chain, phase_at
 from stepwell.results import assumptions
 from stepwell.sequences import Program
 from stepwell.statics import Path
@@ -60,4 +62,14 @@ def _view(chain: Chain, path: Path, found: dict[str, Any]) -> View:
         "assumptions": assumptions(chain),
         **found,
     }
-    return View(header, arrays_of(few) | landscape(chain))
+    return View(header, arrays_of(few) | landscape(chain) | {"phase": _phases(few)})
+
+
+def _phases(path: Path) -> Ints:
+    """(n, N) the phase of every cell at every sample; -1 in transit."""
+    columns = zip(path.chain.stretches, path.sheet.T, path.travel.T, strict=True)
+    found = [
+        [phase_at(own, on, s) for on, s in zip(sheet.tolist(), travel.tolist(), strict=True)]
+        for own, sheet, travel in columns
+    ]
+    return np.array([[-1 if one == "-" else int(one) for one in cell] for cell in found]).T

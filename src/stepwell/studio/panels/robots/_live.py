@@ -6,17 +6,14 @@ from collections.abc import Callable
 from time import monotonic
 from typing import Any
 
-import numpy as np
-
 from stepwell.robot import Arena, Robot
-from stepwell.robot.gait import states
 from stepwell.simulation import Walk
+from stepwell.studio.panels.robots._samples import samples_of
 from stepwell.studio.panels.robots._scene import Scene
 from stepwell.studio.wire import Ask, View
 
 # So often what is new is sent [s].
 _EVERY = 0.2
-_MM = 1e3
 
 
 class Live:
@@ -47,27 +44,4 @@ class Live:
         new = slice(self._sent, None)
         header = {"first": self._sent, **told}
         self._sent = len(walk.time)
-        shares = [_shares(walk, k)[new] for k in range(len(walk.robot.legs))]
-        gears = [one.gear if one.connected else 0.0 for one in walk.robot.antennas]
-        codes = [[-1 if one is None else int(one, 2) for one in states(share)] for share in shares]
-        return View(
-            header,
-            {
-                "time": walk.time[new],
-                "x": walk.x[new] * _MM,
-                "y": walk.y[new] * _MM,
-                "yaw": np.degrees(walk.yaw[new]),
-                "stroke": walk.stroke[new] * _MM,
-                "antenna": np.degrees(walk.antenna[new]),
-                "moved": walk.antenna[new] * np.array(gears) * _MM,
-                "foot_force": walk.foot_force[new],
-                # A leg's state as a binary number; -1 in transit.
-                "state": np.array(codes, np.int32).reshape(len(shares), -1).T,
-                **self._scene.placed(walk.positions[new]),
-            },
-        )
-
-
-def _shares(walk: Walk, leg: int) -> np.ndarray[Any, Any]:
-    full = walk.robot.legs[leg].chain.full_travels
-    return walk.travel[:, leg, : len(full)] / np.array(full)
+        return View(header, samples_of(walk, self._scene, new))

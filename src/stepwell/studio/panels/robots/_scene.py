@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from stepwell.simulation import spec
 from stepwell.simulation.model import HEIGHT, mujoco, obstacle_names
 
 _MM = 1e3
-WALL_MM = HEIGHT * _MM
 _SHAPES = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "ball",
@@ -33,6 +33,7 @@ class Scene:
     """
 
     def __init__(self, robot: Robot, arena: Arena | None = None):
+        self._robot = robot
         self._model = spec(robot, arena).compile()
         self._data = mujoco.MjData(self._model)
         around = {"world", *(obstacle_names(arena) if arena is not None else ())}
@@ -49,6 +50,26 @@ class Scene:
     def start(self) -> Floats:
         """(1, nq) joint positions of the robot that stands at the start with every cell at 0."""
         return np.asarray(self._model.key_qpos[:1])
+
+    def told(self) -> dict[str, Any]:
+        """What of the robot and around it keeps its shape, and the names of legs and antennas."""
+        robot = self._robot
+        return {
+            "parts": self.parts(),
+            "lines": self.lines(),
+            "wall_mm": HEIGHT * _MM,
+            "legs": [{"name": leg.name, "cells": list(leg.chain.names)} for leg in robot.legs],
+            "antennas": [
+                {
+                    "name": one.name,
+                    "side": one.side,
+                    "swing_deg": math.degrees(one.swing),
+                    "most_mm": math.hypot(*one.moves) * _MM if one.connected else 0.0,
+                }
+                for one in robot.antennas
+            ],
+            "period_s": robot.drive.period,
+        }
 
     def parts(self) -> list[dict[str, Any]]:
         """Boxes, balls and rods with their sizes, the place of each on its body, its colour."""

@@ -1,0 +1,157 @@
+"""Replays inside another page: compact, apart from it, and still unless asked."""
+
+from pathlib import Path
+
+import pytest
+
+import stepwell as sw
+from stepwell.mechanism import Chain
+from stepwell.studio.replay import embedded, replay
+from studio.browser import Opened, opens, output
+
+from playwright.sync_api import Browser, Frame, Page, expect  # isort: skip
+
+
+def around(*frames: str) -> str:
+    """A page with frames, in an encoding that is not theirs."""
+    return f"""<!doctype html><html lang="en"><meta charset="windows-1252"><title>Around</title>
+<meta name="color-scheme" content="light dark"><style>body {{ margin: 0 }}</style>
+<main>{"".join(frames)}</main></html>"""
+
+
+def page_of(name: str) -> str:
+    chain = sw.preset(name)
+    assert isinstance(chain, Chain)
+    return replay(chain)
+
+
+def frames_of(page: Page) -> list[Frame]:
+    found = page.main_frame.child_frames
+    for frame in found:
+        expect(frame.get_by_role("slider", name="Stroke")).to_be_visible()
+    return found
+
+
+@pytest.mark.parametrize("width", [900, 340])
+@pytest.mark.parametrize("name", ["paper-forward", "metachronal-wave"])
+def test_all_of_it_is_in_view_without_a_bar_of_its_own(
+    offline: Opened, tmp_path: Path, name: str, width: int
+):
+    offline.page.set_viewport_size({"width": width, "height": 800})
+    page = opens(offline, tmp_path, around(embedded(page_of(name), "It moves")))
+    (frame,) = frames_of(page)
+    assert frame.get_by_role("banner").count() == 0
+    room = frame.evaluate("[innerWidth, innerHeight]")
+    assert room[0] == width
+    rem = 16
+    assert 30 * rem <= room[1] <= 40 * rem
+    whole = frame.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    )
+    assert whole[0] <= room[0] and whole[1] <= room[1]
+    for seen in (
+        frame.get_by_role("group", name="The mechanism at the cursor"),
+        frame.get_by_role("img", name="Force: "),
+        frame.get_by_role("img", name="Travel: "),
+        frame.get_by_role("button", name="Play"),
+        output(frame, "state"),
+    ):
+        box = seen.bounding_box()
+        assert box is not None and box["height"] > 10
+        assert box["y"] + box["height"] <= room[1] + 1
+
+
+def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
+    offline: Opened, tmp_path: Path
+):
+    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    (frame,) = frames_of(page)
+
+    def places() -> tuple[dict[str, float], dict[str, float]]:
+        regions = [frame.get_by_role("region", name=name) for name in ("Mechanism", "Motion")]
+        found = [region.bounding_box() for region in regions]
+        assert found[0] is not None and found[1] is not None
+        return dict(found[0]), dict(found[1])  # pyright: ignore[reportReturnType]
+
+    page.set_viewport_size({"width": 900, "height": 800})
+    drawing, curves = places()
+    assert drawing["y"] == curves["y"] and drawing["x"] < curves["x"]
+    page.set_viewport_size({"width": 340, "height": 800})
+    drawing, curves = places()
+    assert drawing["x"] == curves["x"] and drawing["y"] < curves["y"]
+
+
+def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path):
+    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    (frame,) = frames_of(page)
+    words = frame.get_by_text("Quasi-static")
+    expect(words).to_be_hidden()
+    frame.get_by_role("button", name="What this rests on").press("Enter")
+    expect(words).to_be_visible()
+    frame.get_by_role("button", name="Close").press("Enter")
+    expect(words).to_be_hidden()
+
+
+def test_nothing_moves_unasked_and_one_that_is_played_leaves_the_others(
+    offline: Opened, tmp_path: Path
+):
+    one = embedded(page_of("paper-forward"), "It moves")
+    page = opens(offline, tmp_path, around(one, one))
+    page.set_viewport_size({"width": 900, "height": 1400})
+    first, second = frames_of(page)
+    slider = first.get_by_role("slider", name="Stroke")
+    slider.press("ArrowRight")
+    expect(slider).to_have_value("1")
+    first.get_by_role("button", name="Play").press("Enter")
+    expect(slider).not_to_have_value("1")
+    expect(second.get_by_role("slider", name="Stroke")).to_have_value("0")
+
+
+def test_what_is_to_play_does_so_in_view_until_the_reader_takes_over(
+    offline: Opened, tmp_path: Path
+):
+    plays = embedded(page_of("paper-forward"), "It moves", plays=True)
+    page = opens(offline, tmp_path, around(plays, '<div style="height: 3000px"></div>'))
+    (frame,) = frames_of(page)
+    slider = frame.get_by_role("slider", name="Stroke")
+    expect(slider).not_to_have_value("0")
+    page.mouse.wheel(0, 2500)
+    expect(frame.get_by_role("button", name="Play")).to_be_visible()
+    page.mouse.wheel(0, -2500)
+    pause = frame.get_by_role("button", name="Pause")
+    expect(pause).to_be_visible()
+    pause.click()
+    page.mouse.wheel(0, 2500)
+    page.mouse.wheel(0, -2500)
+    page.wait_for_timeout(300)
+    expect(frame.get_by_role("button", name="Play")).to_be_visible()
+
+
+def test_readers_who_want_less_motion_have_none_unasked(browser: Browser, tmp_path: Path):
+    context = browser.new_context(offline=True, reduced_motion="reduce")
+    opened = Opened(context.new_page())
+    plays = embedded(page_of("paper-forward"), "It moves", plays=True)
+    page = opens(opened, tmp_path, around(plays))
+    (frame,) = frames_of(page)
+    page.wait_for_timeout(500)
+    expect(frame.get_by_role("slider", name="Stroke")).to_have_value("0")
+    frame.get_by_role("button", name="Play").click()
+    expect(frame.get_by_role("slider", name="Stroke")).not_to_have_value("0")
+    context.close()
+    assert not opened.wrong
+
+
+def test_a_frame_has_the_colours_that_the_reader_wants(offline: Opened, tmp_path: Path):
+    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    (frame,) = frames_of(page)
+    for scheme in ("dark", "light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        expect(frame.locator("html")).to_have_attribute("data-theme", scheme)
+
+
+def test_a_title_stays_text_in_an_attribute(offline: Opened, tmp_path: Path):
+    title = '"></iframe><img src=x onerror="document.title=1"> & \N{HIRAGANA LETTER A}'
+    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), title)))
+    frames_of(page)
+    assert page.locator("iframe").get_attribute("title") == title
+    assert page.locator("img").count() == 0
