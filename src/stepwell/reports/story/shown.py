@@ -41,23 +41,14 @@ class Shown:
 
 
 def moving(
-    result: Chain | Program,
+    result: Chain | Program | Walk | Maze,
     caption: str,
     sequence: str,
     progress: Callable[[float, float], None] | None = None,
 ) -> Shown:
-    """A chain or a program that plays."""
+    """A chain, a program or a robot that plays."""
     page = replay(result, title=caption, progress=progress)
-    return Shown(embedded(page, caption), caption, sequence, moves=True)
-
-
-def walking(run: Walk | Maze, caption: str, sequence: str) -> Shown:
-    """A robot on its way, from above."""
-    from stepwell import figures
-    from stepwell.simulation import Maze
-
-    drawn = figures.maze(run) if isinstance(run, Maze) else figures.trajectory(run)
-    return Shown(_picture(drawn, caption), caption, sequence, moves=False)
+    return Shown(embedded(page, caption, plays=True), caption, sequence, moves=True)
 
 
 def map_of(

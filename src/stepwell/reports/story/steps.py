@@ -20,7 +20,7 @@ from stepwell.files import (
     with_program,
 )
 from stepwell.mechanism import Band, Cell, Chain
-from stepwell.reports.story.shown import Shown, map_of, moving, walking
+from stepwell.reports.story.shown import Shown, map_of, moving
 from stepwell.sequences import Cycle
 
 OPENING = (
@@ -184,8 +184,8 @@ def _walk(progress: Progress | None) -> Step:
             f"{angle}° to the left with every stroke.",
         ),
         (
-            walking(straight, "Both legs alike", straight.gaits["left"][-1]),
-            walking(turned, "Its left leg reversed", turned.gaits["left"][-1]),
+            moving(straight, "Both legs alike", straight.gaits["left"][-1]),
+            moving(turned, "Its left leg reversed", turned.gaits["left"][-1]),
         ),
         {
             "robot.toml": preset_text("robot-forward"),
@@ -209,7 +209,7 @@ def _feel(progress: Progress | None) -> Step:
             f"then moves as the second leg did, and the robot turns {abs(yaw):.0f}° to the "
             f"{'left' if yaw > 0 else 'right'} and walks on.",
         ),
-        (walking(found, "Antennas meet a post", ""),),
+        (moving(found, "Antennas meet a post", ""),),
         {"robot-antennas.toml": preset_text("robot-antennas")},
         (),
         (
@@ -220,7 +220,7 @@ def _feel(progress: Progress | None) -> Step:
 
 
 # What is not needed by the engine itself, and missing in some installations.
-_DRAWS, _SIMULATES = ("matplotlib", "xarray"), ("matplotlib", "mujoco")
+_DRAWS, _SIMULATES = ("matplotlib", "xarray"), ("mujoco",)
 STEPS = (
     Telling("Pull a leg of two cells, and let it back", (), _pull),
     Telling("Move one anchor", (), _move_an_anchor),
