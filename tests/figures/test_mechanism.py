@@ -12,7 +12,7 @@ from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.cells.drawing import Drawing
 from stepwell.figures.cells.linkage import LinkageDrawing
-from stepwell.figures.common.style import blank, place
+from stepwell.figures.common.sheet import blank, place
 from stepwell.mechanism import Band, Cell, Chain
 
 mm = st.integers(-20, 20).map(lambda n: n * 1e-3)

@@ -37,7 +37,7 @@ def test_six_cells_are_told_apart_by_their_anchors():
 
 def test_a_figure_is_asked_for_by_its_name():
     assert paper.figure_of("fig1").subfigs
-    with pytest.raises(ValueError, match=r"no such figure of the paper. Did you mean fig2c\?"):
+    with pytest.raises(ValueError, match=r"no such figure of the paper. Did you mean fig2\?"):
         paper.figure_of("fig2d")
 
 
