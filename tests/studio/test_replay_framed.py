@@ -1,5 +1,6 @@
 """Replays inside another page: compact, apart from it, and still unless asked."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -90,6 +91,31 @@ def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path
     expect(words).to_be_visible()
     frame.get_by_role("button", name="Close").press("Enter")
     expect(words).to_be_hidden()
+
+
+def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp_path: Path):
+    wave = sw.preset("metachronal-wave")
+    assert isinstance(wave, Chain)
+    many = [*wave.cells, *wave.cells, *wave.cells, *wave.cells][:20]
+    cells = tuple(replace(cell, name=f"cell {k} of many") for k, cell in enumerate(many))
+    text = replay(replace(wave, cells=cells))
+    page = opens(offline, tmp_path, around(embedded(text, "Many")))
+    (frame,) = frames_of(page)
+    for width in (900, 340):
+        page.set_viewport_size({"width": width, "height": 800})
+        for role, name, least in (
+            ("group", "The mechanism at the cursor", 100),
+            ("img", "Force: ", 60),
+            ("img", "Travel: ", 60),
+        ):
+            box = frame.get_by_role(role, name=name).bounding_box()
+            assert box is not None and box["height"] > least and box["width"] > 200
+        tall = frame.evaluate("[document.documentElement.scrollHeight, innerHeight]")
+        assert tall[0] <= tall[1]
+    ties = frame.get_by_text("so friction will decide").first
+    expect(ties).to_be_hidden()
+    frame.get_by_role("button", name="What this rests on, and").click()
+    expect(ties).to_be_visible()
 
 
 def test_nothing_moves_unasked_and_one_that_is_played_leaves_the_others(

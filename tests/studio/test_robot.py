@@ -149,7 +149,7 @@ def test_the_replay_of_a_run_is_pythons():
     robot = sw.preset("robot-explorer")
     assert page(cycles=1) == replay(robot.walk(1))
     arena = files.loads_arena_tables(SMALL)
-    assert page(arena=SMALL, limit_s=3) == replay(robot.maze(arena, limit=3))
+    assert page(arena=SMALL, limit_s=3) == replay(robot.maze(arena, limit=3.0))
     # Without either it is the leg that moves.
     assert page() == replay(robot.legs[0].chain)
 
@@ -159,7 +159,7 @@ def test_the_replay_of_a_run_is_pythons():
     [
         ({"limit_s": 3}, "ask.arena: is missing"),
         ({"cycles": 1e9}, "ask.cycles"),
-        ({"cycles": 1, "turning_points_mm": [0, 1]}, "turning_points_mm: unknown key"),
+        ({"cycles": 1, "turning_points_mm": [0, 1]}, "turning_points_mm': unknown key"),
     ],
 )
 def test_a_replay_that_cannot_be_is_refused(keys: dict[str, Any], words: str):
