@@ -13,8 +13,8 @@ from stepwell.statics import StaticsError
 
 FILES = {
     *("design.toml", "path.csv", "report.html", "result.json"),
-    *(f"{name}.{kind}" for name in ("force-stroke", "travel-stroke", "landscape", "mechanism")
-      for kind in ("png", "svg")),
+    *(f"{name}.{kind}" for name in ("force-stroke", "travel-stroke", "landscape", "mechanism",
+      "margins", "around", "yield") for kind in ("png", "svg")),
 }  # fmt: skip
 
 
@@ -183,7 +183,7 @@ def test_long_chains_are_cut_on_the_screen_and_whole_in_json(stepwell, tmp_path)
 def test_a_chain_too_long_to_draw_misses_that_figure_alone(stepwell, tmp_path):
     (tmp_path / "long.toml").write_text(chain_file(13))
     assert stepwell("run", "long.toml", "--out", "out").exit_code == 0
-    drawings = {"landscape", "mechanism"}
+    drawings = {"landscape", "mechanism", "around", "yield"}
     expected = {name for name in FILES if name.partition(".")[0] not in drawings}
     assert written(tmp_path / "out") == expected
 

@@ -9,6 +9,7 @@ from stepwell.files import dumps
 from stepwell.reports.pages import maze_page, robot_page, sweep_page, walk_page
 from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
+from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +83,7 @@ def write_walk(
         "robot.toml": text,
         "walk.json": record,
         "walk.nc": walk.to_netcdf,
-        "report.html": walk_page(record, _captioned(drawn)),
+        "report.html": walk_page(record, _captioned(drawn), replay(walk) if drawn else ""),
     }
     return bundle(folder, "walk", contents, drawn, film=film, progress=progress, force=force)
 
@@ -115,7 +116,9 @@ def write_maze(
         "arena.toml": dumps(maze.arena),
         "maze.json": record,
         "walk.nc": maze.walk.to_netcdf,
-        "report.html": maze_page(record, str(maze.outcome), _captioned(drawn)),
+        "report.html": maze_page(
+            record, str(maze.outcome), _captioned(drawn), replay(maze) if drawn else ""
+        ),
     }
     return bundle(folder, "maze", contents, drawn, film=film, progress=progress, force=force)
 
