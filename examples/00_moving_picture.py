@@ -41,7 +41,7 @@ from stepwell.figures.common import (
     styled,
     write_gif,
 )
-from stepwell.figures.motion.instants import instants
+from stepwell.figures.motion.plan import instants
 from stepwell.figures.robots import bracket, draw_arena, in_world
 from stepwell.figures.robots.robot_parts import antenna_line, leg_parts, rectangle
 from stepwell.robot import Arena, Robot, Wall

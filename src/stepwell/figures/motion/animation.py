@@ -39,9 +39,16 @@ from stepwell.figures.common import (
     write_gif,
 )
 from stepwell.figures.motion.force_stroke import force_stroke
-from stepwell.figures.motion.instants import Instant, instants
 from stepwell.figures.motion.landscape import landscape
-from stepwell.figures.motion.plan import Window, draw_plan, limits, plan_of, windows_of
+from stepwell.figures.motion.plan import (
+    Instant,
+    Window,
+    draw_plan,
+    instants,
+    limits,
+    plan_of,
+    windows_of,
+)
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

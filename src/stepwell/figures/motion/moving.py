@@ -13,7 +13,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, printable, write_atomic
 from stepwell.figures.cells import MOST_CELLS, LinkageDrawing, Pose
 from stepwell.figures.common import BLOCK, FAINT, FIXED_BLOCK, INK, YELLOW, cell_colours, path_of
-from stepwell.figures.motion.instants import instants
+from stepwell.figures.motion.plan import instants
 from stepwell.figures.motion.smil import Round, short
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.figures.common import snaps_of
-from stepwell.figures.motion.plan import plan_of
+from stepwell.figures.motion.plan.strokes import plan_of
 
 if TYPE_CHECKING:
     from stepwell.statics import Path
