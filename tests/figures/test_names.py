@@ -1,6 +1,7 @@
 """Names in figures are text: never mathematics, never left out, in a font with their letters."""
 
 import logging
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -149,11 +150,13 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # Names of laws and numbers, all ours.
         "band_laws", "calibration",
         # Below.
-        "animation", "measured_forces", "measured_energies", "measured_pairs", "recording",
+        "animation", "moving", "measured_forces", "measured_energies", "measured_pairs", "recording",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
     figures.animation(cycle, tmp_path / "a.gif", seconds=0.5, fps=2)
+    drawn = figures.moving(cycle, tmp_path / "a.svg", seconds=0.5).read_text("utf-8")
+    assert ALL in "".join(ElementTree.fromstring(drawn).itertext())
     runs = [unit("friction_1.txt", None), pair("2unit_friction_1.txt", None)]
     cells = lab.compare([*runs, unit("1unit_MM_1.txt", paper_cell())]).cells
     pairs = lab.compare([*runs, pair("2unit_MMT_1.txt", cycle.chain)], [cycle.chain]).pairs

@@ -1,0 +1,195 @@
+"""The mechanism moving through its stroke as one small SVG that plays by itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from pathlib import Path as File
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, printable, write_atomic
+from stepwell.figures.cells import MOST_CELLS, LinkageDrawing, Pose
+from stepwell.figures.common import BLOCK, FAINT, FIXED_BLOCK, INK, YELLOW, cell_colours, path_of
+from stepwell.figures.motion.instants import instants
+from stepwell.figures.motion.smil import Round, short
+
+if TYPE_CHECKING:
+    from stepwell.sequences import Cycle, Program
+    from stepwell.statics import Path
+
+# Frames a second; between two of them whoever plays it goes straight on.
+_RATE = 12.5
+# Width of the picture, room around the drawing, room for words above it [px].
+_WIDE, _ROOM, _ABOVE = 480.0, 14.0, 26.0
+_FONT = 'font-family="sans-serif" font-weight="bold"'
+_SNAP = (
+    f'<rect x="{_WIDE - 62:g}" y="6" width="52" height="20" rx="4" fill="{YELLOW}"/>'
+    f'<text x="{_WIDE - 36:g}" y="20.5" text-anchor="middle" {_FONT} font-size="14">snap</text>'
+)
+
+
+def moving(
+    result: Cycle | Path | Program, file: str | os.PathLike[str], *, seconds: float = 8.0
+) -> File:
+    """Write the mechanism in motion as an SVG that plays over and over, for web pages.
+
+    It moves without a script, so it plays as an image too, and is small: some 50 kB for two cells,
+    100 for six. Its timing is that of `animation`; where a motion does not come back to where it
+    began, it begins anew.
+
+    Args:
+        result: a cycle, a path or a stroke program, of up to 12 cells.
+        file: where to; written whole or not at all.
+        seconds: how long one round lasts.
+
+    Returns:
+        The file.
+
+    Raises:
+        ValueError: a chain too long to draw, no time or more than a minute, or a file name that
+            does not end in .svg.
+    """
+    path = path_of(result)
+    if len(path.chain) > MOST_CELLS:
+        raise InputError(
+            f"the chain has {len(path.chain)} cells: at most {MOST_CELLS} can be seen."
+        )
+    if not 0 < seconds <= 60:
+        raise InputError(f"seconds = {seconds}: must be > 0 and at most 60.")
+    if File(file).suffix.lower() != ".svg":
+        raise InputError(f"{file}: a moving picture's name must end in .svg.")
+    write_atomic(File(file), _Picture(path, seconds).text)
+    return File(file)
+
+
+class _Picture:
+    """The drawing of `Drawing`, written as parts that move."""
+
+    def __init__(self, path: Path, seconds: float):
+        self.chain = path.chain
+        self.colours = cell_colours(len(self.chain))
+        ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
+        self.linkage = LinkageDrawing(self.chain, ends)
+        frames = instants(path, seconds, max(2, round(seconds * _RATE)))
+        # A cycle ends where it begins; a program rests there before it begins anew.
+        around = np.allclose(path.travel[0], path.travel[-1], atol=1e-9)
+        frames.append(frames[0] if around else frames[-1])
+        self.poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
+        self.snaps = [frame.snap for frame in frames]
+        self.round = Round(seconds)
+        self.left, self.bottom, right, top = self.linkage.bounds([f.travels for f in frames])
+        self.left = min(self.left, -1.8 * self.linkage.reach)
+        self.scale = (_WIDE - 2 * _ROOM) / (right - self.left)
+        self.high = (top - self.bottom) * self.scale + 2 * _ROOM + _ABOVE
+        self.weight = float(np.clip(self.scale * self.linkage.reach / 12.0, 0.5, 2.0))
+
+    @property
+    def text(self) -> str:
+        """The whole file."""
+        title = _plain(self.chain.title) or "A mechanism in motion"
+        drawn = (*self._linkage(), *self._bands(), *self._symbols())
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDE:g} {self.high:.0f}" '
+            f'role="img" aria-label="{title}"><title>{title}</title>'
+            f'<rect width="100%" height="100%" rx="8" fill="white"/>{"".join(drawn)}'
+            f"{self._names(self.chain.names)}{self.round.seen(_SNAP, self.snaps)}</svg>\n"
+        )
+
+    def _linkage(self) -> Iterable[str]:
+        joint = _mark("joint", "white", INK, 1.8 * self.weight)
+        yield joint + self._ground()
+        yield self._lines(lambda pose: pose.posts, FIXED_BLOCK, 2.6)
+        yield self._lines(lambda pose: pose.rods, INK, 2.0)
+        yield self._boxes(lambda pose: pose.blocks[:1], FIXED_BLOCK)
+        yield self._boxes(lambda pose: pose.blocks[1:], BLOCK)
+        yield self._lines(lambda pose: pose.levers, INK, 2.0, "joint")
+
+    def _bands(self) -> Iterable[str]:
+        for i in dict.fromkeys(self.linkage.owner.tolist()):
+            own, colour, name = self.linkage.owner == i, self.colours[i], f"anchor{i}"
+            yield _mark(name, colour, "none", 2.6 * self.weight)
+            yield self._lines(lambda pose, own=own: pose.bands[own], colour, 3.0, name)
+
+    def _symbols(self) -> Iterable[str]:
+        for m, (i, symbol) in enumerate(self.linkage.symbols.items()):
+            yield self._boxes(lambda pose, m=m: pose.boxes[m : m + 1], "white")
+            corners = self._page(np.array([pose.boxes[m, :2] for pose in self.poses]))
+            look = f'fill="none" {self._pen(self.colours[i], 2.0)}'
+            for curve in symbol.curves:
+                side = self.linkage.box * self.scale
+                few = curve[:: max(1, len(curve) // 48)]
+                points = corners[0] + few * (side, -side)
+                yield self.round.shifted(points, corners - corners[0], look)
+            for colour, width in (("white", 8.0), (INK, 6.0)):
+                at = self._page(np.array([pose.dots[m] for pose in self.poses]))
+                yield self.round.path(at, "M{} {}h0", self._pen(colour, width))
+
+    def _lines(
+        self, of: Callable[[Pose], Floats], colour: str, width: float, mark: str = ""
+    ) -> str:
+        """Lines, (n, 2, 2) in each pose, with a mark at their ends."""
+        ends = self._page(np.array([of(pose) for pose in self.poses])).reshape(len(self.poses), -1)
+        look = f'fill="none" {self._pen(colour, width)}'
+        if mark:
+            look += "".join(f' marker-{at}="url(#{mark})"' for at in ("start", "mid", "end"))
+        return self.round.path(ends, "M{} {}L{} {}" * (ends.shape[1] // 4), look)
+
+    def _boxes(self, of: Callable[[Pose], Floats], fill: str) -> str:
+        """Boxes, (n, 4) left, bottom, right, top in each pose."""
+        boxes = np.array([of(pose) for pose in self.poses])
+        corners = self._page(boxes[..., [0, 1, 2, 1, 2, 3, 0, 3]].reshape(*boxes.shape[:2], 4, 2))
+        shape = "M{} {}L{} {}L{} {}L{} {}Z" * boxes.shape[1]
+        look = f'fill="{fill}" {self._pen(INK, 0.8)}'
+        return self.round.path(corners.reshape(len(boxes), -1), shape, look)
+
+    def _ground(self) -> str:
+        """What holds the first block."""
+        reach, half = self.linkage.reach, self.linkage.half_block
+        wall = -1.15 * reach
+        strokes = [
+            [(wall, y), (wall - 0.35 * reach, y - 0.5 * half)]
+            for y in np.linspace(-1.6, 1.6, 6) * half
+        ]
+        strokes.append([(wall, -1.8 * half), (wall, 1.8 * half)])
+        page = self._page(strokes).reshape(-1, 4)
+        drawn = "".join("M{} {}L{} {}".format(*map(short, stroke)) for stroke in page)
+        return f'<path d="{drawn}" fill="none" stroke="{FAINT}" stroke-width="1.4"/>'
+
+    def _names(self, names: Sequence[str]) -> str:
+        """The names of the cells in their colours."""
+        spans = "".join(
+            f'<tspan fill="{colour}" dx="{10 if k else 0}">{_plain(name)}</tspan>'
+            for k, (name, colour) in enumerate(zip(names, self.colours, strict=True))
+        )
+        # A letter is some 0.6 of its size wide, and the word for snaps has its place.
+        letters = sum(len(name) for name in names) + 1.5 * len(self.chain)
+        size = min(13.0, (_WIDE - 90) / (0.6 * letters))
+        return f'<text x="{_ROOM:g}" y="20" {_FONT} font-size="{short(size)}">{spans}</text>'
+
+    def _pen(self, colour: str, width: float) -> str:
+        thick = short(width * self.weight, 2)
+        return f'stroke="{colour}" stroke-width="{thick}" stroke-linecap="round"'
+
+    def _page(self, points: Floats | list[list[tuple[float, float]]]) -> Floats:
+        """Points [m] on the picture [px], y down."""
+        x, y = np.moveaxis(np.asarray(points, float), -1, 0)
+        across = _ROOM + (x - self.left) * self.scale
+        return np.stack([across, self.high - _ROOM - (y - self.bottom) * self.scale], axis=-1)
+
+
+def _mark(name: str, fill: str, stroke: str, radius: float) -> str:
+    """What can stand at the ends of lines."""
+    size = short(2 * radius + 2)
+    return (
+        f'<marker id="{name}" markerUnits="userSpaceOnUse" overflow="visible" '
+        f'markerWidth="{size}" markerHeight="{size}">'
+        f'<circle r="{short(radius)}" fill="{fill}" stroke="{stroke}"/></marker>'
+    )
+
+
+def _plain(text: str) -> str:
+    """Text that XML can hold."""
+    return escape(printable(text))
