@@ -150,7 +150,8 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # Names of laws and numbers, all ours.
         "band_laws", "calibration",
         # Below.
-        "animation", "moving", "measured_forces", "measured_energies", "measured_pairs", "recording",
+        "animation", "moving", "measured_forces", "measured_energies", "measured_pairs",
+        "recording",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
