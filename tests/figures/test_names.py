@@ -18,6 +18,7 @@ from stepwell import figures, files, lab, simulation
 from stepwell.design import (
     Tolerances,
     boundaries,
+    margin,
     parameter_boundaries,
     parameter_map,
     transition_map,
@@ -45,6 +46,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.standard, cycle)
     yield partial(figures.overview, cycle)
     yield partial(figures.compose, {name: [partial(figures.force_stroke, cycle)]})
+    yield partial(figures.margins, margin(chain))
     yield partial(figures.unit_cell_force, chain.cells)
     yield partial(figures.unit_cell_energy, chain.cells)
     yield partial(

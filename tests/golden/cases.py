@@ -281,6 +281,26 @@ FILES = [
         ),
     ),
     Case(
+        "figure",
+        (
+            "figure preset:paper-forward --panels force,travel --width 88mm --out f.svg",
+            "figure preset:paper-forward --panels force/landscape --letters (a) --format png",
+            "figure preset:paper-forward --panels help",
+            "figure preset:paper-forward --panels forse",
+            "figure preset:paper-forward --panels gait",
+            "figure preset:paper-forward --panels elements",
+            "figure preset:paper-forward --panels snap",
+            "figure preset:paper-forward --width 88",
+            "figure preset:paper-forward --width nature",
+            "figure preset:paper-forward --out f.txt",
+            "figure preset:paper-forward --out f.svg --format pdf",
+            "figure preset:paper-forward --out f.svg",
+            "figure paper:fig9",
+            "figure paper:fig1 --panels force",
+        ),
+        slow=True,
+    ),
+    Case(
         "animate",
         (
             "animate preset:paper-forward --seconds 0.5 --fps 4 --out cycle.gif",

@@ -254,7 +254,7 @@ def _video(file: Path) -> list[str]:
 class _Page(HTMLParser):
     """Tags with their attributes and all text, a row of a table on a line; images only named."""
 
-    _ALONE, _BESIDE = ("meta", "img", "br", "link", "hr"), ("td", "th", "dd")
+    _ALONE, _BESIDE = ("meta", "img", "br", "link", "hr", "source"), ("td", "th", "dd")
 
     def __init__(self):
         super().__init__()
@@ -269,10 +269,9 @@ class _Page(HTMLParser):
         self.lines.append(f"<!{decl}>")
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        told = "".join(
-            f' {name}="{"<a page>" if name == "srcdoc" else _image(value)}"'
-            for name, value in attrs
-        )
+        # The heading of a number on a phone stands above its column too.
+        kept = ((name, value) for name, value in attrs if name != "data-head")
+        told = "".join(f' {name}="{_brief(name, value)}"' for name, value in kept)
         self._add(f"<{tag}{told}>", tag in self._BESIDE)
         self.beside = tag not in self._ALONE
         self.built = ("class", "built") in attrs
@@ -299,7 +298,9 @@ class _Page(HTMLParser):
             self.lines.append(f"{' ' * len(self.open)}{text}")
 
 
-def _image(value: str | None) -> str:
+def _brief(name: str, value: str | None) -> str:
+    if name == "srcdoc":
+        return "<page>"
     return "<image>" if value and value.startswith("data:") else _lasting(value or "")
 
 

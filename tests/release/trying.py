@@ -134,7 +134,6 @@ def core(env: Fresh) -> None:
     assert "As it was given." in env.stepwell("program", "preset:finger-selector")
     assert "100000" in env.stepwell("design", "00>10>11>01>00")
     assert "%" in env.stepwell("yield", "preset:paper-forward", "--samples", "1000")
-    assert "u_max" in env.stepwell("robot", "show", "robot-forward")
     env.stepwell("replay", "preset:paper-forward")
     env.run(
         "-c",

@@ -36,3 +36,10 @@ def test_chains_and_robots_as_values_need_no_simulator():
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout.strip() == "00>10>11>01>00"
+
+
+def test_what_robots_are_can_be_shown_without_a_simulator():
+    result = run(
+        "from stepwell.cli.text.robots import robot\nfrom stepwell.results import robot_record"
+    )
+    assert result.returncode == 0, result.stderr

@@ -12,6 +12,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.robot import Robot
 from stepwell.simulation import Maze
+from stepwell.studio.replay import replay
 from studio.browser import Opened, middle, number, output, served, settled, shown_as
 
 from playwright.sync_api import Page, expect  # isort: skip
@@ -168,6 +169,22 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
     tip.press("ArrowUp")
     assert design_kept(page).antennas[0] != before
     button(page, "Undo").click()
+
+
+def test_a_walk_is_exported_as_a_replay(robot_page: Page):
+    page = robot_page
+    typed(page, "Cycles to walk", "1")
+    button(page, "Export").click()
+    expect(button(page, "Run as HTML")).to_have_count(0)
+    button(page, "Close").click()
+    button(page, "Walk").click()
+    expect(output(page, "distance")).to_be_visible(timeout=PATIENT)
+    button(page, "Export").click()
+    with page.expect_download(timeout=PATIENT) as saved:
+        button(page, "Run as HTML").click()
+    assert saved.value.suggested_filename.endswith("-run.html")
+    text = saved.value.path().read_text("utf-8")
+    assert text == replay(sw.preset("robot-explorer").walk(1))
 
 
 def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):

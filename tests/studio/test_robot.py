@@ -12,6 +12,7 @@ import stepwell as sw
 from stepwell import files
 from stepwell.results import maze_record, robot_record, walk_record
 from stepwell.studio.panels import answer, is_long
+from stepwell.studio.replay import replay
 from stepwell.studio.wire import Ask, Design, View
 from studio.test_panels import ask, tables
 
@@ -138,3 +139,29 @@ def test_what_cannot_be_is_told_in_words(kind: str, keys: Any, said: str):
 def test_a_chain_is_no_robot(kind: str):
     problem = ask(kind, tables("paper-forward")).header["problems"][0]
     assert "this needs a robot" in problem["text"]
+
+
+def test_the_replay_of_a_run_is_pythons():
+    def page(**keys: Any) -> str:
+        view = answer("replay", Design(tables("robot-explorer")), Ask(keys))
+        return view.blocks["file"].tobytes().decode()
+
+    robot = sw.preset("robot-explorer")
+    assert page(cycles=1) == replay(robot.walk(1))
+    arena = files.loads_arena_tables(SMALL)
+    assert page(arena=SMALL, limit_s=3) == replay(robot.maze(arena, limit=3))
+    # Without either it is the leg that moves.
+    assert page() == replay(robot.legs[0].chain)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"limit_s": 3}, "ask.arena: is missing"),
+        ({"cycles": 1e9}, "ask.cycles"),
+        ({"cycles": 1, "turning_points_mm": [0, 1]}, "turning_points_mm: unknown key"),
+    ],
+)
+def test_a_replay_that_cannot_be_is_refused(keys: dict[str, Any], words: str):
+    with pytest.raises(ValueError, match=words):
+        answer("replay", Design(tables("robot-explorer")), Ask(keys))

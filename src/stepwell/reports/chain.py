@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 # The longest chain that is built by chance, and plays, in a report; how many are built by the
 # engine, and in closed form; the width of a figure that fills a phone [mm].
-_MOST_BUILT, _FEW, _MANY, _PHONE = 12, 100, 20_000, 85.0
+_MOST_BUILT, _FEW, _MANY, _PHONE, _MOST_NARROW = 12, 100, 20_000, 85.0, 8
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
 
@@ -74,7 +74,8 @@ def write_run(
         shown(drawn),
         source,
         landings,
-        narrow=shown(figures.standard(cycle, width=_PHONE)),
+        # Of more cells a phone shows too little.
+        narrow=shown(figures.standard(cycle, width=_PHONE)) if len(chain) <= _MOST_NARROW else {},
         margins=shown(of_margin),
         built=built,
         built_as=shown(of_yield),

@@ -13,6 +13,7 @@ from stepwell.results.design import (
     reprogram_record,
     share_words,
     survival_record,
+    tolerance_schema,
     tolerance_words,
     yield_record,
 )

@@ -24,6 +24,8 @@ class RobotState {
   done = $state(0);
   /** What came out of the last run; null while there is none. */
   result = $state.raw<View | null>(null);
+  /** What it was asked with; null while there is none. */
+  asked: object | null = null;
   /** Why the last run did not come to an end. */
   failed = $state("");
   /** How many samples of a run there are; 0 shows the robot at its start. */
@@ -93,11 +95,12 @@ class RobotState {
   start(type: "walk" | "maze", ask: object): void {
     this.leave();
     const run = this.run;
+    const asked = this.withArena(ask);
     this.running = type;
     this.done = 0;
     studio.once(
       type,
-      this.withArena(ask),
+      asked,
       (view) => {
         if (run !== this.run) return;
         this.running = "";
@@ -107,6 +110,7 @@ class RobotState {
           return;
         }
         this.take(view);
+        this.asked = asked;
         this.result = view;
       },
       (view) => {

@@ -99,8 +99,14 @@ class Sheet:
     height: float
 
 
-def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None) -> Sheet:
-    """Lay the drawings out in rows."""
+def arrange(
+    chain: Chain,
+    states: Iterable[State],
+    *,
+    columns: int | None = None,
+    tallest: float = _TALLEST,
+) -> Sheet:
+    """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
     wanted = list(states)
     if len(chain) > MOST_CELLS:
         raise InputError(
@@ -138,7 +144,7 @@ def arrange(chain: Chain, states: Iterable[State], *, columns: int | None = None
         columns = max((c for c in range(2, most + 1) if sized(c)[2] >= _SMALLEST_WANTED), default=1)
         # As many rows as that needs, filled evenly.
         columns = math.ceil(most / math.ceil(most / columns))
-        while columns < most and sized(columns)[3] > _TALLEST:
+        while columns < most and sized(columns)[3] > tallest:
             columns += 1
     grid, edges, scale, height = sized(columns)
     row = high * scale + _ABOVE + _BELOW

@@ -84,13 +84,13 @@ def _rule(face: _Face, letters: set[str]) -> str:
     options.recalc_timestamp = False
     options.layout_features = ["kern", "mark", "mkmk", "ccmp"]
     logging.getLogger("fontTools").setLevel(logging.ERROR)
-    font = subset.load_font(_file(face), options)
-    cutter = subset.Subsetter(options)
-    cutter.populate(text="".join(sorted(letters)))
-    cutter.subset(font)
     written = io.BytesIO()
-    font.flavor = "woff"
-    font.save(written, reorderTables=False)
+    with subset.load_font(_file(face), options) as font:
+        cutter = subset.Subsetter(options)
+        cutter.populate(text="".join(sorted(letters)))
+        cutter.subset(font)
+        font.flavor = "woff"
+        font.save(written, reorderTables=False)
     data = base64.b64encode(written.getvalue()).decode()
     look = f"font-weight: {face.weight}; font-style: {face.slant}"
     source = f"url(data:font/woff;base64,{data}) format('woff')"

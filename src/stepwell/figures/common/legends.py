@@ -53,17 +53,25 @@ def cells(
     return found
 
 
-def above(ax: Axes, handles: Iterable[Artist] | None = None, columns: int = 3, **look: Any) -> None:
+def above(
+    ax: Axes,
+    handles: Iterable[Artist] | None = None,
+    columns: int = 3,
+    *,
+    fit: bool = False,
+    **look: Any,
+) -> None:
     """A legend 1.2 mm above the axes, of these handles or of all that has a label.
 
-    In a panel of a page it has as many columns as have room, and the axes make room for its rows.
+    With `fit`, and in a panel of a page, it has as many columns as have room, and the axes make
+    room for its rows.
     """
     # In mm, not as a share of the axes: on high ones that would leave the page.
     lifted = ax.transAxes + ScaledTranslation(0.0, 1.2 / 25.4, sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
     legend = ax.legend(**given, **place | {"ncols": columns} | look)
-    if not in_panel():
+    if not fit and not in_panel():
         return
     page, per_mm = sheet_of(ax).bbox, sheet_of(ax).dpi / 25.4
     while columns > 1 and legend.get_window_extent().x1 > page.x1:

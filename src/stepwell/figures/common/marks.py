@@ -150,8 +150,10 @@ def legend(
     widths: tuple[float, float],
     unloading_style: LineStyleType = "-",
     more: Sequence[Artist] = (),
+    *,
+    fit: bool = False,
 ) -> None:
-    """Above the axes, what the lines of a path mean, and more.
+    """Above the axes, what the lines of a path mean, and more; axes of our own may `fit` it.
 
     Where panels share a legend, what the lines mean goes there.
     """
@@ -164,7 +166,7 @@ def legend(
         look = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
         found.append(legends.line("snap", width=1.1, **look))
     if (all_share := shared()) is None:
-        legends.above(ax, [*found, *more])
+        legends.above(ax, [*found, *more], fit=fit)
     else:
         known = {one.get_label() for one in all_share}
         all_share.extend(one for one in found if one.get_label() not in known)

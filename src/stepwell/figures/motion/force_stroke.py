@@ -72,7 +72,7 @@ def force_stroke(
     ax.autoscale_view()
     if own:
         keep_inside(ax)
-    marks.legend(ax, path, _WIDTHS, more=recorded)
+    marks.legend(ax, path, _WIDTHS, more=recorded, fit=own)
 
     marks.headings(ax, path, stroke, force)
     rests = vertices(path)

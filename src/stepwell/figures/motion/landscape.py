@@ -44,6 +44,10 @@ if TYPE_CHECKING:
 _WIDTHS = (3.0, 1.3)
 _SAMPLES = 121
 _LEVELS = 16
+# Round the landscape at least [mm].
+_ROOM = 4.4
+# Of a panel, at most [mm].
+_WIDEST = 90.0
 # Longer than this, a side is drawn shorter than it is.
 _SLIMMEST = 3.0
 _FRAME: dict[str, Any] = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 2.5}
@@ -75,7 +79,8 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     require_two_cells(path.chain, "an energy landscape")
     own = ax is None
     width = page_width(COLUMN)
-    size, margins = (width, width - 13.0), (11.0, 11.0, 20.0, 7.0)
+    side = min(width - 31.0, _WIDEST)
+    size, margins = (width, side + 18.0), (11.0, 11.0, width - side - 11.0, 7.0)
     figure, ax = canvas(ax, size, margins, rigid=True, keyed=True)
     filled = draw_energy(ax, path)
     if own:
@@ -83,7 +88,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
         keep_inside(ax, 0.0)
     draw_path(ax, path)
     if own:
-        colour_bar(filled, place(figure, width - 17.0, 15.0, 2.5, width - 39.0))
+        colour_bar(filled, place(figure, side + 14.0, 15.0, 2.5, side - 8.0))
     return figure
 
 
@@ -107,12 +112,15 @@ def draw_energy(ax: Axes, path: Path) -> QuadContourSet:
     frame = [left, right, right, left, left], [low, low, high, high, low]
     ax.plot(*frame, color=FAINT, linewidth=0.6)
 
-    pad = 0.085 * max(width, height)
+    # Room for the names of the states, which small axes have not.
+    page, dpi = ax.get_window_extent(), root(ax).dpi / 25.4
+    room = max(0.085, _ROOM * dpi / min(page.width, page.height))
+    pad = room * max(width, height)
     pads = pad, pad
     if max(width, height) < _SLIMMEST * min(width, height):
         ax.set_aspect("equal")
     else:
-        pads = 0.085 * width, 0.085 * height
+        pads = room * width, room * height
     ax.set(xlim=(left - pads[0], right + pads[0]), ylim=(low - pads[1], high + pads[1]))
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines.bottom.set_bounds(left, right)

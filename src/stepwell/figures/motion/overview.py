@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle
 
 
+# Height of a page, and of the lanes of many cells on it [mm].
+_PAGE, _LANES = 247.0, 120.0
+
+
 @styled
 def overview(cycle: Cycle) -> Figure:
     """The mechanism in every state of its cycle, its energy landscape and its force loop.
@@ -31,10 +35,11 @@ def overview(cycle: Cycle) -> Figure:
     """
     chain = cycle.chain
     drawable = len(chain) <= MOST_CELLS
-    sheet = arrange(chain, cycle.sequence) if drawable else None
-    above = sheet.height + 3.0 if sheet is not None else 0.0
-    lanes = max(46.0, min(20.0, 200.0 / len(chain)) * len(chain))
+    lanes = max(46.0, min(20.0, (_LANES if drawable else 200.0) / len(chain)) * len(chain))
     body = 58.0 if len(chain) == 2 else lanes
+    tallest = _PAGE - body - 23.0
+    sheet = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
+    above = sheet.height + 3.0 if sheet is not None else 0.0
     height = above + body + 20.0
     figure = blank(PAGE, height)
     letters: list[tuple[str, float, float]] = []

@@ -143,16 +143,27 @@ def _rows(
     if not all(map(callable, panels)):
         return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
     most = columns or max(1, round(width / _USUAL))
+    each = (width - _BETWEEN * (most - 1)) / most
     found: list[list[Draw]] = []
     free = 0
     for draw in panels:
         assert callable(draw)
-        alone = columns is None and measured(draw, panel).width >= PAGE
+        alone = columns is None and not _may_share(draw, each, panel)
         if alone or not free:
             found.append([])
         found[-1].append(draw)
         free = 0 if alone else (free or most) - 1
     return found
+
+
+def _may_share(draw: Draw, width: float, panel: Panel) -> bool:
+    """Whether a panel is not two columns wide by itself, and can have this width [mm]."""
+    if measured(draw, panel).width >= PAGE:
+        return False
+    try:
+        return measured(draw, replace(panel, width=width)).width <= width + 1e-6
+    except InputError:
+        return False
 
 
 def _laid(row: list[Draw], width: float, panel: Panel) -> list[_Cell]:

@@ -102,6 +102,10 @@ def _over_one(shown: _Shown, foot: float) -> Figure:
     return figure
 
 
+# Width and height of the numbers beside a disc [mm].
+_NUMBERS = 9.0, 6.2
+
+
 def _over_two(shown: _Shown, foot: float) -> Figure:
     tall = 92.0
     figure = blank(PAGE, foot + _BOTTOM + tall + _TOP)
@@ -113,10 +117,12 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
     if columns * rows > 4 * len(x):
         columns = rows = max(2, int(np.sqrt(len(x))) * 2)
     size = float(np.clip(min(wide / (columns + 1), tall / (rows + 1)) * 0.55, 1.0, 7.0))
+    # Two lines of numbers beside every disc, if they have room.
+    roomy = wide / (columns + 1) > size + _NUMBERS[0] and tall / (rows + 1) > _NUMBERS[1]
     size *= 72 / 25.4
     _discs(ax, x, y, shown, size)
-    if columns <= 10 and rows <= 14:
-        look = {"textcoords": "offset points", "va": "center", "fontsize": 6.0, "linespacing": 1.0}
+    if roomy:
+        look = {"textcoords": "offset points", "va": "center", "linespacing": 1.0}
         for at, d, w in zip(zip(x, y, strict=True), shown.advance, shown.turn, strict=True):
             if np.isfinite(d):
                 text = minus(f"{_whole(d, 0.005):.2f}\n{_whole(w, 0.05):.1f}°")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number, signed, told_in
+from stepwell.base import Column, Quantity, number, shown, signed, told_in
 from stepwell.design.margins import WAY
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
@@ -60,7 +60,7 @@ def design_page(found: Design, drawn: Mapping[str, Figure]) -> str:
             parts.part(
                 "How to build it",
                 parts.table(
-                    built_schema(chain),
+                    shown(built_schema(chain)),
                     record["cells"],
                     "Cells, innermost first; p is the anchor on the inner, q on the outer block.",
                 ),
@@ -217,14 +217,14 @@ def reprogramming_page(found: Reprogramming) -> str:
             if isinstance(by, tuple)
             else f"{signed(by * factor)}{tell}"
         )
-        answer = f"{number(found.distance * factor, 3)}{tell} of {record['by']}"
+        answer = f"{record['by']} changed by {number(found.distance * factor, 3)}{tell}"
         said = [
             f"It goes {record['before']}. With {record['by']} changed by {moved} it would go "
             f"{record['after'] or wanted}.".replace(">", " → ")
         ]
     force = record.get("largest_force_N")
     numbers = {
-        "Largest force on the way": "" if force is None else f"{number(force, 3)} N",
+        "Most force against it on the way": "" if force is None else f"{number(force, 3)} N",
         "How it was found": record["method"],
     }
     columns = [Quantity("moved", unit, "moved"), *WAY[1:]]

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # Longer tables help nobody; the files beside the page have everything.
 MOST_ROWS = 200
+# Tables and lists with more rows than this are shown when they are asked for.
+_FOLDED = 24
 # What is wider than this does not stand beside another figure [CSS px].
 _WIDE = 400
 # Below this width of the window a figure is shown as it is drawn for phones.
@@ -75,8 +77,10 @@ def paragraph(text: str, kind: str = "") -> str:
 
 def listed(lines: Iterable[str]) -> str:
     """Lines of plain text as a list; nothing of none."""
-    items = "\n".join(f"<li>{escape(minus(line))}</li>" for line in lines)
-    return f"<ul>\n{items}\n</ul>" if items else ""
+    items = [f"<li>{escape(minus(line))}</li>" for line in lines]
+    if not items:
+        return ""
+    return _folded("\n".join(["<ul>", *items, "</ul>"]), len(items), "lines")
 
 
 def verbatim(text: str, about: str) -> str:
@@ -145,7 +149,7 @@ def table(columns: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> st
     if len(rows) > MOST_ROWS:
         about += f" The first {MOST_ROWS} of {len(rows)} are shown."
 
-    heads = [escape(one.heading[:1].upper() + one.heading[1:]) for one in columns]
+    heads = [escape(_headed(one.heading)) for one in columns]
     kinds = ["" if one.numeric else ' class="left"' for one in columns]
     head = "".join(f'<th scope="col"{k}>{h}</th>' for h, k in zip(heads, kinds, strict=True))
     # On a phone a row is a list, and each of its numbers has its heading beside it.
@@ -157,12 +161,26 @@ def table(columns: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> st
         for row in rows[:MOST_ROWS]
     )
     inside = f"<table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table>"
-    return paragraph(about, "quiet") + _scrolled(inside, about.partition(".")[0])
+    shown = _scrolled(inside, about.partition(".")[0])
+    return paragraph(about, "quiet") + _folded(shown, min(len(rows), MOST_ROWS), "rows")
+
+
+def _folded(content: str, count: int, what: str) -> str:
+    """Content that is shown when it is asked for, if it is long."""
+    if count <= _FOLDED:
+        return content
+    return f"<details><summary>Show {count} {what}</summary>\n{content}\n</details>"
+
+
+def _headed(heading: str) -> str:
+    """A heading that begins with a capital, if it begins with a word and no symbol."""
+    return heading[:1].upper() + heading[1:] if heading[:2].isalpha() else heading
 
 
 def percent(share: float) -> str:
     """A share, with digits enough that 99.99 % is not told as certain."""
-    return f"{share * 100:.{1 if 0.01 < share < 0.99 else 2}f} %".replace(".00 %", " %")
+    digits = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
+    return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
 
 
 def minus(text: str) -> str:

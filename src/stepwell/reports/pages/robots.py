@@ -230,7 +230,7 @@ def _cycle(record: Mapping[str, Any]) -> str:
     side = "left" if turn >= 0 else "right"
     return (
         f"{after} goes {way} by {number(abs(advance), 2)} of its longest step, "
-        f"{number(record['u_max_mm'])} mm, in every cycle, and turns by {number(abs(turn), 2)}° "
+        f"{number(record['u_max_mm'])} mm, in every cycle, and turns by {abs(turn):.1f}° "
         f"to the {side}."
     )
 

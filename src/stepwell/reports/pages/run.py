@@ -30,11 +30,10 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle
     from stepwell.statics import Landing
 
-_LONGEST_SEQUENCE = 400
-_NOT_BUILT = "Not computed here: `stepwell yield` on the design file counts them."
+_LONGEST_SEQUENCE = 100
+_NOT_BUILT = "Not computed here: the command stepwell yield counts them."
 _NOT_PLAYED = (
-    "The motion is not played here: `stepwell replay` on the design file writes it as a page of "
-    "its own."
+    "The motion is not played here: the command stepwell replay writes it as a page of its own."
 )
 
 

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from stepwell.design import Change, Margin, Survival, Yield
     from stepwell.sequences import Cycle
 
-# More names than these are not read, nor the sequences of longer chains.
-_MOST_NAMES, MOST_SPELLED = 12, 12
+# More names than these are not read, nor longer sequences in a sentence; of longer chains nobody
+# asks what they become.
+_MOST_NAMES, _MOST_LETTERS, MOST_SPELLED = 6, 60, 12
 _DRIVEN = {
     Measure.TRAVEL: "Pulled out and let back",
     Measure.VOLUME: "Filled and emptied",
@@ -33,7 +34,7 @@ def motion(cycle: Cycle) -> str:
     """What a chain does in a full cycle."""
     chain, snaps = cycle.chain, sum(e.kind is EventKind.SNAP for e in cycle.events)
     way = _DRIVEN[chain.measure]
-    if len(chain) <= MOST_SPELLED:
+    if len(str(cycle.sequence)) <= _MOST_LETTERS:
         way += f", it goes {arrows(str(cycle.sequence))}"
     else:
         way += f", it goes through {len(cycle.sequence)} states"
@@ -82,7 +83,8 @@ def _instead(change: Change) -> str:
     chain = change.chain
     becomes = change.becomes if len(chain) <= MOST_SPELLED else ""
     name = chain.names[change.cell]
-    what = arrows(becomes) if becomes and "no answer" not in becomes else "another way"
+    spelled = 0 < len(becomes) <= _MOST_LETTERS and "no answer" not in becomes
+    what = arrows(becomes) if spelled else "another way"
     return f"{what} if {_changed(change, name)}"
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from stepwell.results import walk_record
-from stepwell.studio.panels.robots._arena import arena_of
+from stepwell.studio.panels.robots._arena import walk_asked
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
-_MOST_CYCLES = 1000
 
 
 def answer(design: Design, ask: Ask) -> View:
     """The record that `stepwell walk --json` prints, and every sample."""
-    arena = arena_of(ask)
-    cycles = ask.number("cycles", 0.01, _MOST_CYCLES, 8.0)
-    ask.close()
+    arena, cycles = walk_asked(ask)
     robot = design.robot
     from stepwell.simulation import walk
     from stepwell.studio.panels.robots._live import Live
