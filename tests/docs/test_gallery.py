@@ -22,7 +22,7 @@ from docs.gallery import FOLDER, computed, draw, entries
 from docs.pages import ROOT
 from stepwell import files
 from stepwell.simulation import Walk
-from stepwell.studio.panels.motions.evaluate import drawn
+from stepwell.studio.panels.motions.evaluate import arrays_of, drawn
 from stepwell.studio.wire.message import unpacked
 
 LOOK = SimpleNamespace(**runpy.run_path(str(ROOT / "docs" / "look" / "machines.py")))
@@ -90,9 +90,9 @@ def test_what_is_kept_is_what_the_engine_says_now(name, tmp_path):
             now = np.interp(time, walk.time[begin:], getattr(walk, axis)[begin:] * 1e3)
             assert told == pytest.approx(now, abs=0.1), AGAIN.format(name)
     else:
-        path = drawn(machine.motion.path)
-        assert arrays["force"] == pytest.approx(path.force, rel=1e-4, abs=1e-6)
-        assert arrays["stroke"] == pytest.approx(path.stroke, rel=1e-4, abs=1e-7)
+        now = arrays_of(drawn(machine.motion.path))
+        for block in ("drive", "stroke", "force", "energy", "travel"):
+            assert arrays[block] == pytest.approx(now[block], rel=1e-4, abs=1e-4), block
 
 
 def test_all_is_small():
@@ -128,7 +128,8 @@ def test_a_still_is_between_the_frames_around_it():
         '<path d="M0 0"><animate attributeName="d" keyTimes="0;0.2;0.4;1" '
         'values="M0 0;M10 2;M30 -2;M0 0"/></path><g opacity="0"><animate attributeName="opacity" '
         'calcMode="discrete" keyTimes="0;0.25" values="0;1"/>snap</g><path d="M1 1">'
-        '<animateTransform attributeName="transform" type="translate" keyTimes="0;1" values="0 0;10 -10"/></path>'
+        '<animateTransform attributeName="transform" type="translate" keyTimes="0;1" '
+        'values="0 0;10 -10"/></path>'
     )
     assert LOOK.still(part) == (
         '<path d="M20.0 0.0"></path><g opacity="1">snap</g>'
