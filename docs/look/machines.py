@@ -1,6 +1,6 @@
 """The gallery while MkDocs builds it: a card and a page of every machine, made and not written.
 
-What each does was computed before, by tests/docs/gallery.py, and stands in docs/gallery.
+What each does was computed before, by tests/docs/machines.py, and stands in docs/gallery.
 """
 
 import json

@@ -18,7 +18,7 @@ pytest.importorskip("mujoco", reason="the gallery's robots are not tested: mujoc
 import runpy
 
 import stepwell as sw
-from docs.gallery import FOLDER, computed, draw, entries
+from docs.machines import FOLDER, computed, draw, entries
 from docs.pages import ROOT
 from stepwell import files
 from stepwell.simulation import Walk
@@ -27,7 +27,7 @@ from stepwell.studio.wire.message import unpacked
 
 LOOK = SimpleNamespace(**runpy.run_path(str(ROOT / "docs" / "look" / "machines.py")))
 PRESETS = list(files.presets())
-AGAIN = "run `python tests/docs/gallery.py {}`"
+AGAIN = "run `python tests/docs/machines.py {}`"
 
 
 def kept(name: str) -> tuple[dict[str, Any], dict[str, Any]]:

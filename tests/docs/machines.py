@@ -1,4 +1,4 @@
-"""The gallery's machines, computed: `python tests/docs/gallery.py [NAME...]` writes docs/gallery.
+"""The gallery's machines, computed: `python tests/docs/machines.py [NAME...]` writes docs/gallery.
 
 Of every preset, or of those named: what moves on its card (NAME.svg), what its replay plays
 (NAME.motion) and its entry in machines.json. The pages are made of them by docs/look/machines.py.
