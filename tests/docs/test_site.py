@@ -19,10 +19,13 @@ from docs.pages import ROOT
 from docs.screenshots import FOLDER, SCHEMES, labels, taken
 from docs.site import Read, lost, outside, shown
 from docs.test_pages import difference
+from stepwell import files
+from stepwell.files import preset_text
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+expect = pytest.importorskip("playwright.sync_api", reason="playwright is not installed").expect
 pytest.importorskip("material", reason="the site is not tested: mkdocs-material is not installed")
 pytestmark = pytest.mark.slow
 
@@ -178,13 +181,88 @@ def test_a_search_finds_first_what_one_wants_to_do(window, home, words):
 
 
 @pytest.mark.parametrize("look", LOOKS)
-@pytest.mark.parametrize("path", ["", "tutorial/", "theory/", "commands/"])
+@pytest.mark.parametrize(
+    "path", ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
+)
 def test_the_pages_keep_nobody_out(chromium, home, axe, path, look):
     context = chromium.new_context(**LOOKS[look])
     page = context.new_page()
     page.goto(home + path)
     nothing_found(page, axe)
     context.close()
+
+
+@pytest.mark.parametrize("name", ["paper-forward", "countdown", "dome", "robot-explorer"])
+def test_a_machine_of_the_gallery_has_its_file_its_lines_and_its_replay(
+    chromium, site, home, window, name, tmp_path
+):
+    """One of every kind; its replay is opened from a file, with no network."""
+    assert (site / "gallery" / f"{name}.toml").read_text("utf-8") == preset_text(name)
+    window.goto(f"{home}gallery/{name}/")
+    # Who copies a block takes what is in its element "code".
+    blocks = window.locator("article pre > code").all_inner_texts()
+    assert blocks[0].strip() == f"$ stepwell studio preset:{name}"
+    assert f"stepwell replay preset:{name}" in blocks[1]
+    assert f'sw.preset("{name}")' in blocks[2]
+    assert files.tables_in(blocks[3], name) == files.tables_in(preset_text(name), name)
+    saved = tmp_path / "saved.html"
+    saved.write_bytes((site / "gallery" / f"{name}.html").read_bytes())
+    context = chromium.new_context(offline=True, **LOOKS["light"])
+    opened = Opened(context.new_page())
+    opened.page.goto(saved.as_uri())
+    slider = opened.page.get_by_role("slider").first
+    began = slider.input_value()
+    opened.page.get_by_role("button", name=re.compile("^Play")).first.click()
+    expect(slider).not_to_have_value(began)
+    context.close()
+    assert not opened.wrong
+    assert [url for url in opened.asked if not url.startswith("data:")] == [saved.as_uri()]
+
+
+def shots(page: Page, name: str) -> tuple[bytes, bytes]:
+    """The card of a machine, twice, half a second apart."""
+    card = page.locator(f"#{name}-card a").first
+    card.scroll_into_view_if_needed()
+    expect(card.locator("img:visible")).to_have_js_property("complete", True)
+    first = card.screenshot()
+    page.wait_for_timeout(500)
+    return first, card.screenshot()
+
+
+@pytest.mark.parametrize("name", ["metachronal-wave", "robot-left"])
+def test_pictures_of_the_gallery_move_unless_they_are_asked_not_to(chromium, home, name):
+    context = chromium.new_context(**LOOKS["light"])
+    page = context.new_page()
+    page.goto(home + "gallery/")
+    first, second = shots(page, name)
+    assert first != second
+    page.get_by_role("checkbox", name="Hold all pictures still").check()
+    first, second = shots(page, name)
+    assert first == second
+    context.close()
+    context = chromium.new_context(reduced_motion="reduce", **LOOKS["light"])
+    opened = Opened(context.new_page())
+    opened.page.goto(home + "gallery/")
+    first, second = shots(opened.page, name)
+    assert first == second
+    assert not [url for url in opened.asked if url.endswith(f"/{name}.svg")]
+    context.close()
+
+
+def test_the_gallery_on_a_phone_has_one_card_beside_another_and_loads_few_at_first(chromium, home):
+    context = chromium.new_context(**LOOKS["dark on a phone"])
+    opened = Opened(context.new_page())
+    sizes: list[int] = []
+    opened.page.on("response", lambda one: sizes.append(len(one.body())) if one.ok else None)
+    opened.page.goto(home + "gallery/", wait_until="load")
+    boxes = [card.bounding_box() for card in opened.page.locator(".machines > .card").all()]
+    assert len(boxes) == len(files.presets())
+    assert len({box["x"] for box in boxes if box}) == 1
+    pictures = [url for url in opened.asked if url.endswith(".svg") and "/gallery/" in url]
+    assert 0 < len(pictures) < len(boxes) / 2
+    context.close()
+    # As they come, before anybody packs them.
+    assert sum(sizes) < 3_000_000
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

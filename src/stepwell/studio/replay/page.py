@@ -55,17 +55,28 @@ def replay(
     """
     found = motion_of(result, progress) if isinstance(result, Chain | Program) else _run_of(result)
     view = with_(found, header={**found.header, "title": title or found.header["title"]})
+    return filled(view.header["title"], view.header["version"], _data(view))
+
+
+def filled(title: str, version: str, data: str) -> str:
+    """The page of a motion that is at hand in letters, as in the element "motion" of a replay.
+
+    Args:
+        title: what it shows.
+        version: that computed it.
+        data: a view, packed, compressed and in base 64.
+    """
     script = _MARKS.sub(r"\\x3C", _built("replay.js"))
     style = _built("replay.css")
     page = Template((files("stepwell.studio.replay") / "page.html").read_text("utf-8"))
     return page.substitute(
-        title=escape(view.header["title"] or "A motion"),
-        version=escape(view.header["version"]),
+        title=escape(title or "A motion"),
+        version=escape(version),
         script=script,
         style=style,
         script_hash=_hash(script),
         style_hash=_hash(style),
-        data=_data(view),
+        data=data,
     )
 
 
