@@ -1,4 +1,4 @@
-"""A path in time: the strokes it makes one after the other, and what is seen of it at each instant."""
+"""A path in time: its strokes one after the other, and what is seen of it at each instant."""
 
 from stepwell.figures.motion.plan.instants import Instant, instants
 from stepwell.figures.motion.plan.strokes import (
