@@ -19,7 +19,8 @@ def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     result = stepwell("design", BACK, *FEW, "--out", "out")
     assert result.exit_code == 0
     assert f"Sequence  {BACK}" in result.stdout.splitlines()
-    names = {"design.toml", "design.json", "yield.csv", "force-plane.png", "force-plane.svg"}
+    names = {"design.toml", "design.json", "report.html", "yield.csv"}
+    names |= {"force-plane.png", "force-plane.svg"}
     assert written(tmp_path / "out") == names
     assert str(sw.load("out/design.toml").cycle().sequence) == BACK
     assert f"Sequence    {BACK}" in stepwell("run", "out/design.toml").stdout.splitlines()

@@ -77,7 +77,7 @@ def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
     assert band.stiffness == pytest.approx(28.5, abs=0.1)
     assert band.rest_length == pytest.approx(0.010, abs=2e-4)
     names = sorted(written(tmp_path / "band"))
-    assert names == ["band.json", "band.toml", "laws.png", "laws.svg"]
+    assert names == ["band.json", "band.toml", "laws.png", "laws.svg", "report.html"]
 
 
 @pytest.mark.slow
@@ -119,7 +119,7 @@ def test_comparison_gives_a_verdict_for_every_series_and_writes_figures(stepwell
     kinds = {
         f"{name}.{kind}" for name in ("forces", "energies", "pairs") for kind in ("png", "svg")
     }
-    assert names == {"compare.json", "curves.csv"} | kinds
+    assert names == {"compare.json", "curves.csv", "report.html"} | kinds
 
 
 def test_baselines_and_designs_can_be_given(stepwell, data, tmp_path):

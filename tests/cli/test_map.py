@@ -48,7 +48,7 @@ def test_the_folder_holds_picture_data_and_boundaries(stepwell, tmp_path):
     result = stepwell("map", "forward.toml", *SMALL, "--out", "out", "--json")
     record = json.loads(result.stdout)
     out = tmp_path / "out"
-    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
+    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv", "report.html"}
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())
@@ -121,7 +121,7 @@ def test_any_two_parameters_span_a_map(stepwell, tmp_path):
     result = stepwell("map", "forward.toml", *axes, "--out", "out", "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
     out = tmp_path / "out"
-    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv"}
+    names = {"map.nc", "map.json", "map.png", "map.svg", "boundaries.csv", "report.html"}
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "map.json").read_text())

@@ -8,7 +8,7 @@ import xarray
 from cli.folders import written
 from stepwell.files import arenas, load_arena, load_robot, preset_text
 
-WRITTEN = {"arena.toml", "maze.json", "robot.toml", "walk.nc"} | {
+WRITTEN = {"arena.toml", "maze.json", "report.html", "robot.toml", "walk.nc"} | {
     f"{name}{kind}" for name in ("maze", "timeline") for kind in (".png", ".svg")
 }
 

@@ -10,7 +10,7 @@ import stepwell as sw
 from cli.folders import written
 from stepwell import files
 
-OUT = {"design.toml", "program.csv", "program.json", "program.png", "program.svg"}
+OUT = {"design.toml", "program.csv", "program.json", "program.png", "program.svg", "report.html"}
 
 
 def test_it_prints_the_turning_points_their_windows_and_the_states_passed(stepwell):

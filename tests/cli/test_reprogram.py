@@ -43,7 +43,7 @@ def test_the_folder_holds_the_design_past_the_change_and_the_way(stepwell, tmp_p
     options = ("--by", "inner.p", "--target", BACK, "--out", "out", "--json")
     record = json.loads(stepwell("reprogram", "forward.toml", *options).stdout)
     out = tmp_path / "out"
-    names = {"design.toml", "reprogram.json", "way.csv"}
+    names = {"design.toml", "report.html", "reprogram.json", "way.csv"}
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
     assert record == json.loads((out / "reprogram.json").read_text())
@@ -57,7 +57,7 @@ def test_where_nothing_in_reach_does_it_the_code_is_3(stepwell, tmp_path):
     result = stepwell("reprogram", "forward.toml", *options)
     assert result.exit_code == 3
     assert "No displacement of inner.p up to 1 mm makes it another sequence" in result.stdout
-    assert written(tmp_path / "out") == {"reprogram.json"}
+    assert written(tmp_path / "out") == {"report.html", "reprogram.json"}
     record = json.loads(
         (tmp_path / "out" / "reprogram.json").read_text(), parse_constant=pytest.fail
     )

@@ -50,7 +50,7 @@ def test_show_draws_the_robot_and_keeps_its_design(stepwell, tmp_path):
     assert [leg["gait"] for leg in record["prediction"]["legs"]] == ["00>10>11>01>00"] * 2
     names = written(tmp_path / "out")
     drawn = {f"{name}{kind}" for name in ("robot", "prediction") for kind in (".png", ".svg")}
-    assert names == {"robot.toml", "robot.json"} | drawn
+    assert names == {"report.html", "robot.toml", "robot.json"} | drawn
 
 
 @pytest.mark.slow
@@ -61,7 +61,9 @@ def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, 
     )  # fmt: skip
     assert result.exit_code == 0
     names = written(tmp_path / "out")
-    assert names == {"sweep.csv", "sweep.json", "sweep.nc", "sweep.png", "sweep.svg"}
+    assert names == {
+        *("report.html", "sweep.csv", "sweep.json", "sweep.nc", "sweep.png", "sweep.svg")
+    }
     with open(tmp_path / "out" / "sweep.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["foot.below_mm"]) for row in rows] == [-1, 1, -1, 1]

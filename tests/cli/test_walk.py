@@ -15,7 +15,7 @@ from stepwell.files import load_robot, preset_text
 FIGURES = {
     f"{name}{kind}" for name in ("contacts", "gait", "trajectory") for kind in (".png", ".svg")
 }
-WRITTEN = {"robot.toml", "walk.json", "walk.nc"} | FIGURES
+WRITTEN = {"report.html", "robot.toml", "walk.json", "walk.nc"} | FIGURES
 
 
 def test_a_forward_robot_is_told_with_its_gaits_its_numbers_and_what_is_assumed(stepwell):
