@@ -106,7 +106,7 @@ def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
     result = stepwell("yield", "forward.toml", *ROUGH, "--out", "out", "--json")
     record = json.loads(result.stdout)
     out = tmp_path / "out"
-    names = {"design.toml", "yield.json", "yield.csv"}
+    names = {"design.toml", "report.html", "yield.json", "yield.csv"}
     names |= {f"{name}.{kind}" for name in ("yield", "force-plane") for kind in ("png", "svg")}
     assert written(out) == names
     assert {tmp_path / name for name in record.pop("files")} == {out / name for name in names}
