@@ -166,17 +166,19 @@ def _draw(ax: Axes, panel: _Panel, rows: Sequence[_Row]) -> None:
     ax.set_ylim(size_of(root(ax))[1] * ax.get_position().height, 0.0)
     y = 0.0
     for row in rows:
-        tall = _LINE * len(row.lines) + _BAR
-        ax.barh(y + tall / 2, row.off, tall, color=_OFF, linewidth=0, zorder=0, gid="off")
         known = math.isfinite(row.far)
         for k, line in enumerate(row.lines):
             look: dict[str, Any] = {"fontweight": "bold" if k == 0 and known else "normal"}
-            ax.text(0.0, y + _LINE / 2, literal(line), va="center_baseline", zorder=3, **look)
+            at = 0.012 * ax.get_xlim()[1], y + _LINE / 2
+            ax.text(*at, literal(line), va="center_baseline", zorder=3, **look)
             y += _LINE
         if known:
             colour = _pale(VERMILLION if row.near else GREEN)
             look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
             ax.barh(y + _BAR / 2, row.far, _BAR, **look)
+        # In the bar, so that whichever is longer is seen to be.
+        inner = {"color": _OFF, "edgecolor": INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
+        ax.barh(y + _BAR / 2, row.off, 0.5 * _BAR, **inner)
         y += _BAR + _GAP
     ax.set_yticks([])
     ax.spines[["top", "right", "left"]].set_visible(False)
