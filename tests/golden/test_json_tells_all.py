@@ -26,7 +26,8 @@ COMMANDS = (
     "reprogram preset:paper-forward --by inner.p",
     "robot show robot-left",
     "robot show robot-explorer",
-    "robot sweep robot-forward chain.cell.outer.q_mm[0]=5:20:2 foot.below_mm=-1:1:2 --cycles 1",
+    "robot sweep robot-forward chain.cell.outer.q_mm[0]=5:20:2 foot.below_mm=-1:1:2 --cycles 1 "
+    "--out out",
     "robot converge robot-forward --cycles 2",
     "walk robot-explorer --cycles 2",
     "maze robot-explorer cylinder --limit 12",
