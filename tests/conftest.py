@@ -101,9 +101,10 @@ def axe(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    from playwright.sync_api import sync_playwright
+    from chromium import CHROMIUM, QUIET, needed
 
-    from chromium import CHROMIUM, QUIET
+    needed()
+    from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))

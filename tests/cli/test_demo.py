@@ -23,6 +23,8 @@ from stepwell.cli.screen import show
 from stepwell.reports.story import steps
 
 if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
     from chromium import Opened
 
 pytestmark = pytest.mark.slow
@@ -76,19 +78,15 @@ def told(tmp_path_factory) -> Told:
 
 
 @pytest.fixture
-def opened(told) -> Iterator["Opened"]:
+def opened(told, browser: "Browser") -> Iterator["Opened"]:
     """The page in a browser that has no network."""
-    from chromium import CHROMIUM, QUIET, Opened
+    from chromium import Opened
 
-    from playwright.sync_api import sync_playwright  # isort: skip
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        context = browser.new_context(offline=True, viewport={"width": 360, "height": 780})
-        found = Opened(context.new_page())
-        found.page.goto((told.folder / "index.html").as_uri())
-        yield found
-        browser.close()
+    context = browser.new_context(offline=True, viewport={"width": 360, "height": 780})
+    found = Opened(context.new_page())
+    found.page.goto((told.folder / "index.html").as_uri())
+    yield found
+    context.close()
 
 
 def test_it_says_what_the_engine_says(told):

@@ -11,7 +11,9 @@ def pictures(*names: str) -> tuple[str, ...]:
     return tuple(f"{name}{suffix}" for name in names for suffix in (".png", ".svg"))
 
 
-# By command: files beside its report.html, and figures by their names.
+# Of every command but one, which has a page of its own.
+_PAGE = "report.html"
+# By command: files, and figures by their names.
 _OF_COMMANDS = {
     "demo": (
         "index.html leg.toml leg-reversed.toml wish.toml fingers.toml robot.toml "
@@ -40,7 +42,11 @@ _OF_COMMANDS = {
 _EXTRAS = {".png": "figures", ".svg": "figures", ".gif": "figures", ".nc": "tables"}
 OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
-        command: (*files.split(), "report.html", *pictures(*figures.split()))
+        command: (
+            *files.split(),
+            *([] if "index.html" in files else [_PAGE]),
+            *pictures(*figures.split()),
+        )
         for command, (files, figures) in _OF_COMMANDS.items()
     }
 )
