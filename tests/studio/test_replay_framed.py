@@ -103,12 +103,12 @@ def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp
     (frame,) = frames_of(page)
     for width in (900, 340):
         page.set_viewport_size({"width": width, "height": 800})
-        for role, name, least in (
-            ("group", "The mechanism at the cursor", 100),
-            ("img", "Force: ", 60),
-            ("img", "Travel: ", 60),
+        for part, least in (
+            (frame.get_by_role("group", name="The mechanism at the cursor"), 100),
+            (frame.get_by_role("img", name="Force: "), 60),
+            (frame.get_by_role("img", name="Travel: "), 60),
         ):
-            box = frame.get_by_role(role, name=name).bounding_box()
+            box = part.bounding_box()
             assert box is not None and box["height"] > least and box["width"] > 200
         tall = frame.evaluate("[document.documentElement.scrollHeight, innerHeight]")
         assert tall[0] <= tall[1]

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from chromium import needed
 from stepwell import files
 from stepwell.design import margin, yields
 from stepwell.reports import write_run, write_yield
-from studio.browser import QUIET  # noqa: F401, skips this where there is no browser
 
-from playwright.sync_api import Browser, Page  # isort: skip
+needed()
+
+from playwright.sync_api import Browser, Page  # noqa: E402, where it is missing the tests are skipped above # isort: skip
 
 WINDOWS = {
     "laptop": {"viewport": {"width": 1280, "height": 800}, "color_scheme": "light"},
