@@ -40,7 +40,7 @@ def test_json_alone_says_everything(stepwell, tmp_path):
         assert told["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
     again = yields(chain, Tolerances(0.0003, 0.05), n=2000)
     assert record["yield"]["share"] == again.share
-    assert len(record.pop("files")) == 5
+    assert len(record.pop("files")) == 6
     assert record == json.loads((tmp_path / "out" / "design.json").read_text())
 
 

@@ -465,7 +465,7 @@ def test_a_reading_is_printed_in_millimetres_or_newtons():
         "0 scrambled pairs, 0 accumulators, 0 latches)"
     )
     assert repr(graph(NESTED).reading.return_point_memory) == (
-        "ReturnPointMemory(Forgetting(-11, later 1-1, drive 0, 0.0542318, 0.0157682, 0.0542318))"
+        "ReturnPointMemory(Forgetting(-11, later 1-1, drive 0, 0.05423, 0.01577, 0.05423))"
     )
     assert repr(graph(NESTED, "force").reading.return_point_memory) == "ReturnPointMemory(holds)"
     assert repr(graph(NESTED, "force").reading.counting) == "Counting(0 accumulators)"

@@ -257,7 +257,7 @@ def test_a_landing_says_in_words_whether_it_holds():
     told = [str(landing) for landing in RACE.cycle().path.landings()]
     assert told[0].startswith("holds for mobilities up to 10 apart: ")
     assert "lands elsewhere: 00- in " in told[-1]
-    assert "SNAP at 4.69327 mm unloading" in repr(RACE.cycle().path.landings()[-1])
+    assert "SNAP at 4.693 mm unloading" in repr(RACE.cycle().path.landings()[-1])
 
 
 def test_snaps_that_leave_a_saddle_at_once_have_one_landing():

@@ -234,4 +234,4 @@ def test_a_compliant_actuator_tells_position_from_stroke():
 
 def test_events_print_what_happened_in_millimetres():
     snap = next(e for e in LEG.cycle().events if e.kind is EventKind.SNAP)
-    assert repr(snap).startswith("SNAP at 37.2309 mm loading: cell 1 20→17.23 mm")
+    assert repr(snap).startswith("SNAP at 37.23 mm loading: cell 1 20→17.23 mm")
