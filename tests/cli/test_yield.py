@@ -131,7 +131,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
     assert record["successes"] == found.successes
     assert 0 < found.successes < 30
     assert record["turning_points_mm"] == [0, 60, 20]
-    assert written(tmp_path / "out") == {"design.toml", "survival.json"}
+    assert written(tmp_path / "out") == {"design.toml", "report.html", "survival.json"}
     text = stepwell("yield", "preset:finger-selector", *options[:-3]).stdout
     assert "Wanted    00000 to 00100 by the program" in text
 
