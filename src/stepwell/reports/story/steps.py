@@ -8,7 +8,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from stepwell.base import amount, number
+from stepwell.base import ByValue, amount, number
 from stepwell.design import Tolerances, boundaries, design, margin, transition_map
 from stepwell.files import (
     WrittenProgram,
@@ -39,8 +39,8 @@ _ARENA, _LIMIT = "cylinder", 44.0  # [s]
 Progress = Callable[[float, float], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+@dataclass(frozen=True, eq=False, slots=True)
+class Step(ByValue):
     """What one step of the story made.
 
     Attributes:
@@ -58,8 +58,8 @@ class Step:
     commands: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Telling:
+@dataclass(frozen=True, eq=False, slots=True)
+class Telling(ByValue):
     """A step before it is made.
 
     Attributes:
