@@ -3,16 +3,24 @@
 /** Whether another page is around this one, which has a title and a bar of its own. */
 export const framed = window.self !== window.top;
 
-/** Whether whoever put it there wants it to play by itself, and the reader minds no motion. */
-const plays = (): boolean =>
-  framed && window.name === "plays" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
-
-/** Plays while it is in view, where that is wanted, until the reader takes over. */
+/**
+ * Plays while it is in view, where whoever put it there wants that, until the reader takes over;
+ * never for a reader who minds motion, who may say so at any time.
+ */
 export function whileInView(play: (on: boolean) => void): () => void {
-  if (!plays()) return () => {};
-  const watch = new IntersectionObserver(([seen]) => play(seen.isIntersecting), { threshold: 0.5 });
-  const stop = (): void => watch.disconnect();
+  if (!framed || window.name !== "plays") return () => {};
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  const look = ([seen]: IntersectionObserverEntry[]): void => play(seen.isIntersecting && !calm.matches);
+  const watch = new IntersectionObserver(look, { threshold: 0.5 });
+  const hold = (): void => {
+    if (calm.matches) play(false);
+  };
+  const stop = (): void => {
+    watch.disconnect();
+    calm.removeEventListener("change", hold);
+  };
   watch.observe(document.documentElement);
+  calm.addEventListener("change", hold);
   for (const hand of ["pointerdown", "keydown"]) addEventListener(hand, stop, { once: true });
   return stop;
 }

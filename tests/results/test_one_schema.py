@@ -88,7 +88,7 @@ def test_console_page_and_json_tell_the_same_numbers_of_a_run(seed, capsys):
         found = results.run_record(cycle, limits)
         texts.run(found, chain)
         screen = on_screen(capsys, "Cells")
-        cells, events, changes = Tables(report(cycle, limits, {})).found
+        changes, cells, events = Tables(report(cycle, limits, {})).found
         heads = [q.heading for q in shown(results.CELL)]
         assert screen[0] == heads
         assert [cells[0][0], *cells[0][2:]] == [head[:1].upper() + head[1:] for head in heads]
@@ -231,7 +231,7 @@ def test_a_new_quantity_is_told_everywhere(tmp_path, capsys, monkeypatch):
     ]
     texts.run(found, chain)
     screen = on_screen(capsys, "Cells")
-    table = Tables(report(cycle, limits, {})).found[0]
+    _, table, _ = Tables(report(cycle, limits, {})).found
     told = number(found["cells"][0]["lever_mm"])
     assert (screen[0][-1], table[0][-1]) == ("lever arm [mm]", "Lever arm [mm]")
     assert screen[1][-1] == table[1][-1] == told
