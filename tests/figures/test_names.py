@@ -48,7 +48,8 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.margins, margin(chain))
     yield partial(figures.unit_cell_force, chain.cells)
     yield partial(figures.unit_cell_energy, chain.cells)
-    yield partial(figures.labelled_cell, chain.cells[0])
+    cell = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0)), name=name)
+    yield partial(figures.labelled_cell, cell)
     yield partial(figures.labelled_chain, chain)
     yield partial(
         figures.transition_map,
