@@ -26,6 +26,8 @@ def start(opened: Opened, tmp_path: Path) -> Iterator[Any]:
         return opened.page
 
     yield begun
+    # The page leaves first, lest it looks for a studio that is gone.
+    opened.page.goto("about:blank")
     for studio in studios:
         studio.__exit__(None, None, None)
 
