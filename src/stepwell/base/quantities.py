@@ -323,6 +323,17 @@ def amount(value: float, unit: str, digits: int = 4) -> str:
     return f"{number(value * factor, digits)} {Quantity('', told).sign}"
 
 
+def percent(share: float) -> str:
+    """A share for people, with digits enough that 99.99 % is not told as certain."""
+    digits = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
+    return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
+
+
+def counted(count: int, what: str) -> str:
+    """How many there are of something that has a plural in s."""
+    return f"{number(count)} {what}{'s' * (count != 1)}"
+
+
 def signed(value: float) -> str:
     """A change for people, with its sign."""
     return f"{_whole(value):+.4g}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Quantity, number, record, told_in
-from stepwell.cards.html import Card, counted, facts, text_of
+from stepwell.base import Quantity, counted, number, record, told_in
+from stepwell.cards.html import Card, facts, text_of
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.results import (
     CELL,

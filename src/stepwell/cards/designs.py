@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Column, Quantity, number, record
+from stepwell.base import Column, Quantity, number, percent, record
 from stepwell.cards.html import Card
 from stepwell.results import (
     built_schema,
@@ -15,7 +15,6 @@ from stepwell.results import (
     map_shares,
     margin_changes,
     nearest_changes,
-    share_words,
     tolerance_words,
 )
 
@@ -49,9 +48,9 @@ def _margin(margin: Margin) -> Card:
 
 
 def _shares(found: Yield | Survival) -> dict[str, str]:
-    low, high = map(share_words, found.interval)
+    low, high = map(percent, found.interval)
     return {
-        "works": f"{share_words(found.share)}, with 95 % confidence {low} to {high}",
+        "works": f"{percent(found.share)}, with 95 % confidence {low} to {high}",
         "made": f"{found.n} mechanisms with {tolerance_words(found.tolerances, found.chain)}",
     }
 
@@ -60,7 +59,7 @@ def _outcomes(outcomes: Mapping[str, int], n: int) -> dict[str, Any]:
     rows = [{"outcome": text, "share": count / n} for text, count in outcomes.items()]
     columns = (
         Quantity("outcome", head="what the others do"),
-        Column("share", lambda row: share_words(row["share"]), True),
+        Column("share", lambda row: percent(row["share"]), True),
     )
     return {"columns": columns, "rows": rows, "more": "outcomes"}
 

@@ -114,8 +114,3 @@ def _capital(text: str) -> str:
     # A symbol or a key, such as d/u_max or foot.below_mm, begins as it is written.
     first = text.split(maxsplit=1)[:1]
     return text[:1].upper() + text[1:] if first and first[0].replace("-", "").isalpha() else text
-
-
-def counted(count: int, word: str) -> str:
-    """So many of something, in words."""
-    return f"{count} {word}{'s' * (count != 1)}"

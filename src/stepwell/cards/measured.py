@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import number, record
-from stepwell.cards.html import Card, counted, facts
+from stepwell.base import counted, number, record
+from stepwell.cards.html import Card, facts
 from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 

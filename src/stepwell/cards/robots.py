@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, number, record, rows_of
-from stepwell.cards.html import Card, counted, facts
+from stepwell.base import Column, counted, number, record, rows_of
+from stepwell.cards.html import Card, facts
 from stepwell.results import CHANGE, CYCLES, MEAN, PREDICTED, RESOLUTION, ROBOT, WALKED
 
 if TYPE_CHECKING:

@@ -29,8 +29,6 @@ _PAGE = 180.0
 _ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
 # A robot's gait is shown after it has settled.
 _CYCLES = 4
-# What `panels` has to say for a row to end.
-ROW = "/"
 
 
 class Panel(NamedTuple):

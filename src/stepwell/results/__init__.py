@@ -11,7 +11,6 @@ from stepwell.results.design import (
     design_record,
     impossible_record,
     reprogram_record,
-    share_words,
     survival_record,
     tolerance_schema,
     tolerance_words,

@@ -119,11 +119,6 @@ def _share(value: float) -> str:
     return f"{max(0.0, value):.2f}"
 
 
-def share_words(share: float) -> str:
-    """A share in %, with digits enough that 99.99 % is not told as certain."""
-    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")
-
-
 def tolerance_words(given: Tolerances | dict[str, float], chain: Chain) -> str:
     """The tolerances of a chain, themselves or their record, in words."""
     schema = tolerance_schema(chain)

@@ -90,9 +90,7 @@ def read_design(design: str) -> tuple[str, Chain | values.Robot]:
     """The text of a design file, and the chain or the robot that it describes."""
     from stepwell import files
 
-    if design in files.presets() and not Path(design).exists():
-        design = f"preset:{design}"
-    text = files.text_of(design)
+    text, design = _by_name(design)
     return text, files.loads(text, design)
 
 
@@ -100,10 +98,17 @@ def read_robot(robot: str) -> tuple[str, values.Robot]:
     """The text of a robot's design file, and the robot; a preset goes by its name alone too."""
     from stepwell import files
 
-    if robot in files.presets() and not Path(robot).exists():
-        robot = f"preset:{robot}"
-    text = files.text_of(robot)
+    text, robot = _by_name(robot)
     return text, files.loads_robot(text, robot)
+
+
+def _by_name(design: str) -> tuple[str, str]:
+    """The text of a design file or of a preset, whose name is enough, and what it is called."""
+    from stepwell import files
+
+    if design in files.presets() and not Path(design).exists():
+        design = f"preset:{design}"
+    return files.text_of(design), design
 
 
 def free(out: Path | None, command: str, force: bool, **texts: str) -> None:

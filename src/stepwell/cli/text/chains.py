@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from stepwell.base import Column, Quantity, number, signed, told_in
+from stepwell.base import Column, Quantity, number, percent, signed, told_in
 from stepwell.cli.screen import (
     show_facts,
     show_lines,
@@ -27,7 +27,6 @@ from stepwell.results import (
     event_columns,
     landings_told,
     nearest_changes,
-    share_words,
     tolerance_words,
 )
 from stepwell.sequences import ImplicitGraph, Pathway
@@ -357,7 +356,7 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
         "What the others do",
         [
             Column("outcome", lambda one: one["outcome"]),
-            Column("share", lambda one: share_words(one["count"] / record["samples"]), True),
+            Column("share", lambda one: percent(one["count"] / record["samples"]), True),
         ],
         record["outcomes"],
         most=MOST_ROWS,
@@ -370,7 +369,7 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
             most=MOST_ROWS,
         )
         if record["gap_agreement"] is not None:
-            agreed = share_words(record["gap_agreement"])
+            agreed = percent(record["gap_agreement"])
             show_lines(f"The gap tells what the engine finds in {agreed}")
     show_text(record["assumptions"])
 
@@ -378,9 +377,9 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
 def _shares(record: dict[str, Any], chain: Chain) -> dict[str, str]:
     """Share, tolerances and critical pair of a yield."""
     tolerances = tolerance_words(record["tolerances"], chain)
-    low, high = share_words(record["share_low"]), share_words(record["share_high"])
+    low, high = percent(record["share_low"]), percent(record["share_high"])
     return {
-        "Yield": f"{share_words(record['share'])}, with 95 % confidence {low} to {high}",
+        "Yield": f"{percent(record['share'])}, with 95 % confidence {low} to {high}",
         "Wanted": record.get("wanted") or f"{record['from']} to {record['to']} by the program",
         "Made": f"{record['samples']} mechanisms with {tolerances}",
         "Critical": _critical(record.get("critical"), chain.names),
@@ -393,5 +392,5 @@ def _critical(pair: dict[str, Any] | None, names: Sequence[str]) -> str:
     first, second = pair.get("names") or (names[pair["first"]], names[pair["second"]])
     return (
         f"{first} before {second} while {pair['while']}: in the other order in "
-        f"{share_words(pair['share'])}"
+        f"{percent(pair['share'])}"
     )

@@ -22,6 +22,7 @@ from stepwell.base import (
     brief,
     check,
     need,
+    percent,
     require,
     write_csv,
 )
@@ -85,7 +86,7 @@ class Critical(ByValue):
         before, after = self.names
         return (
             f"{before} before {after} while {self.way} ({self.by}): "
-            f"in the other order in {_percent(self.share)}"
+            f"in the other order in {percent(self.share)}"
         )
 
     def __repr__(self):
@@ -208,13 +209,13 @@ class Yield(Counted, Drawn):
     def __str__(self):
         low, high = self.interval
         lines = [
-            f"{_percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
-            f"(95 % confidence: {_percent(low)} to {_percent(high)})"
+            f"{percent(self.share)} of {self.n} mechanisms do {short(self.wanted)} "
+            f"(95 % confidence: {percent(low)} to {percent(high)})"
         ]
         if self.advice:
             lines.append(self.advice)
         shown = list(self.outcomes.items())[:_SHOWN]
-        lines += [f"{_percent(count / self.n)}: {short(text)}" for text, count in shown]
+        lines += [f"{percent(count / self.n)}: {short(text)}" for text, count in shown]
         if len(self.outcomes) > _SHOWN:
             lines.append(f"and {len(self.outcomes) - _SHOWN} other outcomes")
         if self.critical is not None:
@@ -226,8 +227,8 @@ class Yield(Counted, Drawn):
     def __repr__(self):
         low, high = self.interval
         return (
-            f"Yield({short(self.wanted)}: {_percent(self.share)} of {self.n}, "
-            f"{_percent(low)} to {_percent(high)}, {self.tolerances!r})"
+            f"Yield({short(self.wanted)}: {percent(self.share)} of {self.n}, "
+            f"{percent(low)} to {percent(high)}, {self.tolerances!r})"
         )
 
 
@@ -409,8 +410,3 @@ def _whatever_mobilities(tally: Tally, ratio: float) -> str:
     sampled = tally.successes - tally.proved
     rest = f", and {sampled} had landings that were only sampled" if sampled else ""
     return f"{told}: of {tally.proved} that is proved{rest}"
-
-
-def _percent(share: float) -> str:
-    # Enough digits that 99.99 % is not printed as certain.
-    return f"{share * 100:.{2 if 0.01 < share < 0.99 else 4}f} %".replace(".0000 %", " %")

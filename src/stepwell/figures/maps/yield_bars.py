@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepwell.base import percent
 from stepwell.figures.common import (
     COLUMN,
     FAINT,
@@ -91,9 +92,9 @@ def _outcomes(result: Yield) -> list[_Outcome]:
     """What was wanted, then the most frequent other outcomes."""
     others = list(result.outcomes.items())
     shown = others[:_OUTCOMES]
-    low, high = map(_percent, result.interval)
+    low, high = map(percent, result.interval)
     # On a line of its own: beside or on the bar, the interval would strike it through.
-    words = f"{_percent(result.share)} ({low} to {high}) as wanted"
+    words = f"{percent(result.share)} ({low} to {high}) as wanted"
     found = [_Outcome([*_lines(result.wanted), words], result.share, GREEN)]
     found += [_Outcome(_lines(text), count / result.n, VERMILLION) for text, count in shown]
     rest = sum(count for _, count in others[_OUTCOMES:])
@@ -124,7 +125,7 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[_Outcome]) -> Non
             ax.plot(ends, [middle] * 2, "|-", color=INK, linewidth=1.0, gid="interval")
         else:
             x = 2.0 if share > 0.5 else 100.0 * share + 2.0
-            ax.text(x, middle, _percent(share), va="center_baseline")
+            ax.text(x, middle, percent(share), va="center_baseline")
         y += _BAR + _GAP
     ax.set_yticks([])
     _bare(ax)
@@ -167,9 +168,3 @@ def _bare(ax: Axes) -> None:
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.spines.bottom.set_color(FAINT)
     ax.tick_params(axis="y", length=0.0)
-
-
-def _percent(share: float) -> str:
-    """With enough digits that 99.99 % does not look certain."""
-    decimals = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
-    return f"{100.0 * share:.{decimals}f} %".replace(".0000 %", " %")

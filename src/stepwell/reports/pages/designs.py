@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number, shown, signed, told_in
+from stepwell.base import Column, Quantity, counted, number, percent, shown, signed, told_in
 from stepwell.design.margins import WAY
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # A list of more states than these helps nobody.
 _MOST_STATES = 16
-_COUNT = Column("share", lambda row: parts.percent(row["share"]), True)
+_COUNT = Column("share", lambda row: percent(row["share"]), True)
 
 
 def design_page(found: Design, drawn: Mapping[str, Figure]) -> str:
@@ -48,11 +48,11 @@ def design_page(found: Design, drawn: Mapping[str, Figure]) -> str:
         listed = f": {', '.join(states)}"
     return parts.page(
         chain.title or "A design",
-        f"Found by search. {parts.counted(len(chain), 'cell')}, innermost first.",
+        f"Found by search. {counted(len(chain), 'cell')}, innermost first.",
         record["sequence"] if spelled else f"{len(chain)} cells in the order wanted",
         [words.motion(cycle), words.built(found.yield_)],
         {
-            "Of those built do it": parts.percent(found.yield_.share),
+            "Of those built do it": percent(found.yield_.share),
             "Largest error of all anchors at once": _worst(record["robustness"]),
             "States in reach": reach,
         },
@@ -108,14 +108,14 @@ def yield_page(found: Yield, drawn: Mapping[str, Figure]) -> str:
     parts_of = sorted(record["sensitivities"] or (), key=lambda one: -one["total"])
     return parts.page(
         chain.title or "A yield",
-        f"{parts.counted(len(chain), 'cell')}, innermost first. Wanted: {found.wanted}".replace(
+        f"{counted(len(chain), 'cell')}, innermost first. Wanted: {found.wanted}".replace(
             ">", " → "
         ),
-        f"{parts.percent(found.share)} of those built do it",
+        f"{percent(found.share)} of those built do it",
         [words.built(found), parts.sentence(record["advice"] or "")],
         {
             "Do what is wanted": f"{found.successes} of {found.n}",
-            "Surely between": " and ".join(map(parts.percent, found.interval)),
+            "Surely between": " and ".join(map(percent, found.interval)),
         },
         [
             parts.part(
@@ -157,7 +157,7 @@ def _critical(found: Yield) -> str:
     before, after = pair.names
     return parts.paragraph(
         f"The order that goes wrong first: {before} before {after} while {pair.way}, the other way "
-        f"round in {parts.percent(pair.share)}."
+        f"round in {percent(pair.share)}."
     )
 
 
@@ -174,16 +174,16 @@ def survival_page(found: Survival) -> str:
     where = ", ".join(number(point * unit[1]) for point in found.turning_points)
     return parts.page(
         chain.title or "A program on mechanisms as they are built",
-        f"{parts.counted(len(chain), 'cell')}, innermost first. The program goes from "
+        f"{counted(len(chain), 'cell')}, innermost first. The program goes from "
         f"{found.start} to {found.ends}.",
-        f"On {parts.percent(found.share)} of those built the program works",
+        f"On {percent(found.share)} of those built the program works",
         [
             words.built(found, "end where they should"),
             f"The actuator turns at {where} {Quantity('', unit[0]).sign}.",
         ],
         {
             "Arrive where they should": f"{found.successes} of {found.n}",
-            "Surely between": " and ".join(map(parts.percent, found.interval)),
+            "Surely between": " and ".join(map(percent, found.interval)),
         },
         [
             parts.part(
@@ -240,7 +240,7 @@ def reprogramming_page(found: Reprogramming) -> str:
     ]
     return parts.page(
         chain.title or "Something else",
-        f"{parts.counted(len(chain), 'cell')}, innermost first. Wanted: {wanted}.",
+        f"{counted(len(chain), 'cell')}, innermost first. Wanted: {wanted}.",
         answer,
         said,
         numbers if math.isfinite(found.distance) else {},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number
+from stepwell.base import Column, Quantity, counted, number, percent
 from stepwell.reports.pages import parts
 
 if TYPE_CHECKING:
@@ -31,9 +31,9 @@ def map_page(record: Mapping[str, Any], drawn: Figure, narrow: Figure) -> str:
     return parts.page(
         record["title"],
         f"Across: {axes[0]}. Up: {axes[1]}.",
-        parts.counted(len(rows), "sequence") if rows[1:] else f"{largest['sequence']} everywhere",
+        counted(len(rows), "sequence") if rows[1:] else f"{largest['sequence']} everywhere",
         [
-            f"The most frequent, {largest['sequence']}, takes {parts.percent(largest['share'])} of "
+            f"The most frequent, {largest['sequence']}, takes {percent(largest['share'])} of "
             f"the map."
             if rows[1:]
             else "",
@@ -49,7 +49,7 @@ def map_page(record: Mapping[str, Any], drawn: Figure, narrow: Figure) -> str:
                 parts.table(
                     [
                         Column("sequence", lambda row: row["sequence"]),
-                        Column("share of the map", lambda row: parts.percent(row["share"]), True),
+                        Column("share of the map", lambda row: percent(row["share"]), True),
                     ],
                     rows,
                     "Most frequent first.",
@@ -74,7 +74,7 @@ def map_page(record: Mapping[str, Any], drawn: Figure, narrow: Figure) -> str:
                     f"{record['engine_designs']} followed by the engine; "
                     f"{record['degenerate_designs']} sit on a boundary. "
                     f"{record['moved_cell']} is stable in one state only on "
-                    f"{parts.percent(record['monostable_fraction'])} of the map."
+                    f"{percent(record['monostable_fraction'])} of the map."
                 ),
             ),
         ],

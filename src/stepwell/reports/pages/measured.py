@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number
+from stepwell.base import Column, Quantity, counted, number, percent
 from stepwell.reports.pages import parts
 
 if TYPE_CHECKING:
@@ -29,9 +29,9 @@ def readings_page(record: Mapping[str, Any], columns: Sequence[Any]) -> str:
     count = sum(row["samples"] for row in rows)
     return parts.page(
         "Recordings",
-        f"{parts.counted(len(rows) + len(refused), 'file')} tried.",
-        f"{parts.counted(len(rows), 'recording')} read",
-        [f"{parts.counted(count, 'sample')} in all; {len(refused)} could not be read."],
+        f"{counted(len(rows) + len(refused), 'file')} tried.",
+        f"{counted(len(rows), 'recording')} read",
+        [f"{counted(count, 'sample')} in all; {len(refused)} could not be read."],
         {},
         [
             parts.part("What they hold", parts.table(columns, rows, "A row a recording.")),
@@ -70,7 +70,7 @@ def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
             f"confidence."
             if k["next_low"] is not None
             else "One sample shows no scatter, so nothing is said of the next band.",
-            f"A cycle loses {parts.percent(loss['value'])} of the work." if loss else "",
+            f"A cycle loses {percent(loss['value'])} of the work." if loss else "",
             parts.sentence(record["law_told"]),
         ],
         {
@@ -112,16 +112,15 @@ def comparison_page(
     series = record["series"]
     told = {kind: [row for row in series if row["kind"] == kind] for kind in ("cell", "pair")}
     means = "; ".join(
-        f"{one['rmse_over_kr']:.3f} k r with {parts.counted(one['bands'], 'band')}"
+        f"{one['rmse_over_kr']:.3f} k r with {counted(one['bands'], 'band')}"
         for one in record["mean_rmse_over_kr"]
     )
     ordered = [row for row in told["pair"] if not row["order_tie"]]
     right = sum(row["order_shown"] == row["order_predicted"] for row in ordered)
     return parts.page(
         "Measured against model",
-        f"{parts.counted(len(told['cell']), 'unit cell')} and "
-        f"{parts.counted(len(told['pair']), 'pair')}.",
-        f"{right} of {parts.counted(len(ordered), 'pair')} in the order predicted"
+        f"{counted(len(told['cell']), 'unit cell')} and {counted(len(told['pair']), 'pair')}.",
+        f"{right} of {counted(len(ordered), 'pair')} in the order predicted"
         if ordered
         else f"Unit cells are off by {means}",
         [f"On average the force of unit cells is off by {means}." if means and ordered else ""],
@@ -172,7 +171,7 @@ def calibration_page(
     """
     means = "; ".join(
         f"{one['fit_over_kr']:.3f} k r fitted and {one['left_out_over_kr']:.3f} left out, with "
-        f"{parts.counted(one['bands'], 'band')}"
+        f"{counted(one['bands'], 'band')}"
         for one in record["mean_errors"]
     )
     tied = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in record["not_told_apart"])

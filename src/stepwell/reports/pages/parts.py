@@ -10,7 +10,7 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Columns, __version__, number
+from stepwell.base import Column, Columns, __version__
 from stepwell.studio.replay import embedded
 
 if TYPE_CHECKING:
@@ -177,12 +177,6 @@ def _headed(heading: str) -> str:
     return heading[:1].upper() + heading[1:] if heading[:2].isalpha() else heading
 
 
-def percent(share: float) -> str:
-    """A share, with digits enough that 99.99 % is not told as certain."""
-    digits = 1 if 0.01 < share < 0.99 else 2 if 0.0001 < share < 0.9999 else 4
-    return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
-
-
 def minus(text: str) -> str:
     """Text whose negative numbers have a minus sign."""
     return _MINUS.sub("\N{MINUS SIGN}", text)
@@ -191,11 +185,6 @@ def minus(text: str) -> str:
 def sentence(text: str) -> str:
     """Words as a sentence."""
     return f"{text[:1].upper()}{text[1:]}{'' if text[-1:] in '.!?' else '.'}" if text else ""
-
-
-def counted(count: int, what: str) -> str:
-    """How many there are of something that has a plural in s."""
-    return f"{number(count)} {what}{'s' * (count != 1)}"
 
 
 def _numbers(numbers: Mapping[str, str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stepwell.base import Quantity, number, told_in
+from stepwell.base import Quantity, counted, number, told_in
 from stepwell.reports.pages import parts
 from stepwell.results import assumptions, drive_schema, event_columns, landings_told, program_record
 from stepwell.sequences.programs import turn_schema
@@ -32,7 +32,7 @@ def program_page(program: Program, drawn: Figure, replay: str = "") -> str:
     chain, record = program.chain, program_record(program)
     unit, _ = told_in(chain.drive_unit)
     points, _, _, off = drive_schema(unit)
-    times = parts.counted(record["strokes"], "stroke")
+    times = counted(record["strokes"], "stroke")
     does = record["does_it"]
     verdict = f"{times} bring it there" if does else f"it ends in {record['arrives']} instead"
     turns = record[points.key]
@@ -57,7 +57,7 @@ def program_page(program: Program, drawn: Figure, replay: str = "") -> str:
     return parts.page(
         title,
         f"A program from {record['from']} to {record['to'] or record['arrives']} for "
-        f"{parts.counted(len(chain), 'cell')}, innermost first.",
+        f"{counted(len(chain), 'cell')}, innermost first.",
         f"{record['from']} to {record['to'] or record['arrives']}: {verdict}",
         [said, safe, parts.sentence(record["reason"])],
         {

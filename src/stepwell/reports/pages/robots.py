@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, number, rows_of
+from stepwell.base import Column, Quantity, counted, number, rows_of
 from stepwell.reports.pages import parts
 from stepwell.results import CHANGE, CONTACT, CYCLES, FLIP, PREDICTED, TOUCHED
 
@@ -91,17 +91,16 @@ def walk_page(record: Mapping[str, Any], drawn: Mapping[str, Figure], replay: st
     """
     title = record["title"] or "A walk"
     cycles = rows_of({q.key: record[q.key] for q in CYCLES})
-    per_cycle = record["work_mJ"] / record["cycles"] if record["cycles"] else None
     return parts.page(
         title,
-        f"Simulated: {parts.counted(record['cycles'], 'cycle')} of "
+        f"Simulated: {counted(record['cycles'], 'cycle')} of "
         f"{number(record['period_s'])} s on the floor.",
         f"It went {number(record['distance_mm'], 3)} mm",
         [_cycle(record), parts.sentence(record["stopped"])],
         {
             "A cycle, of the longest step": _number(record["mean_advance_over_u_max"], 3),
             "Turn in a cycle": _degrees(record["mean_turn_deg"]),
-            "Work in a cycle": "" if per_cycle is None else f"{number(per_cycle, 3)} mJ",
+            "Work in a cycle": _number(record["work_per_cycle_mJ"], 3, " mJ"),
             "Cost of transport": _number(record["cost_of_transport"], 3),
         },
         [
@@ -147,10 +146,10 @@ def maze_page(
     off = [one["name"] for one in record["antennas"] if not one["connected"]]
     legs = {one["name"]: one["leg"] for one in record["antennas"] if one["connected"]}
     leg = Column("reprograms", lambda row: legs.get(row["antenna"], "nothing"))
-    touches = f"It touched {len(touched)} of {parts.counted(len(record['touched']), 'obstacle')}"
+    touches = f"It touched {len(touched)} of {counted(len(record['touched']), 'obstacle')}"
     pressed = (
-        f", its antennas were pressed {parts.counted(len(record['contacts']), 'time')}, and "
-        f"{parts.counted(len(record['changes']), 'change')} of gait followed"
+        f", its antennas were pressed {counted(len(record['contacts']), 'time')}, and "
+        f"{counted(len(record['changes']), 'change')} of gait followed"
         if record["antennas"]
         else ""
     )
@@ -209,9 +208,9 @@ def sweep_page(
         for k, key in enumerate(keys)
     ]
     return parts.page(
-        parts.counted(len(trials), "robot"),
+        counted(len(trials), "robot"),
         f"Varied: {', '.join(keys) or 'nothing'}.",
-        f"{len(trials) - len(failed)} of {parts.counted(len(trials), 'robot')} walked to the end",
+        f"{len(trials) - len(failed)} of {counted(len(trials), 'robot')} walked to the end",
         [f"The first that did not: {failed[0]['stopped']}" if failed else ""],
         {},
         [
@@ -254,8 +253,8 @@ def _gaits(legs: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
     return found
 
 
-def _number(value: float | None, digits: int) -> str:
-    return "" if value is None else number(value, digits)
+def _number(value: float | None, digits: int, sign: str = "") -> str:
+    return "" if value is None else number(value, digits) + sign
 
 
 def _degrees(value: float | None) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Column, number, shown
+from stepwell.base import Column, counted, number, percent, shown
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
@@ -77,7 +77,7 @@ def report(
     other = words.otherwise(margin, tied=bool(record["ties"]))
     return parts.page(
         title,
-        f"{origin}. {parts.counted(len(chain), 'cell')}, innermost first.",
+        f"{origin}. {counted(len(chain), 'cell')}, innermost first.",
         _sequence(cycle),
         [said + pathway, other],
         _numbers(chain, record, built),
@@ -135,7 +135,7 @@ def _numbers(chain: Chain, record: dict[str, Any], built: Yield | None) -> dict[
         nearest = next((changes[kind] for kind in kinds if kind in changes), "none within reach")
         found["Nearest other sequence"] = nearest
     if built is not None:
-        found["Of those built do it"] = parts.percent(built.share)
+        found["Of those built do it"] = percent(built.share)
     return found
 
 

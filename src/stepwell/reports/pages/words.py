@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepwell.base import Measure, number, told_in
-from stepwell.reports.pages.parts import percent
+from stepwell.base import Measure, number, percent, told_in
 from stepwell.statics import EventKind
 
 if TYPE_CHECKING:
