@@ -10,7 +10,7 @@ export NO_MKDOCS_2_WARNING := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo paper test types style pages page test-lowest coverage bench docs release lock clean
+.PHONY: help venv demo paper test types style suite page test-lowest coverage bench docs release lock clean
 
 help:
 	@echo "make demo         show in a minute what springs can be told to do, on one page in out/demo"
@@ -36,12 +36,15 @@ paper: .venv/.ready
 	.venv/bin/stepwell walk robot-forward --cycles 4 --out out/walk
 	.venv/bin/stepwell maze robot-antennas three-walls --out out/maze
 
+# Two at a time: types keep one core busy, so that tests begin on the other. They build the docs.
 test: .venv/.ready
-	@# What the tests run most is compiled beside the checks, of which two go on at a time.
+	@$(MAKE) --no-print-directory --jobs=2 types style suite
+
+suite: .venv/.ready
+	@# What the tests run most is compiled once, before two processes ask for it.
 	@for preset in paper-forward three-wave; do \
 	  STEPWELL_KERNELS=compiled .venv/bin/stepwell run preset:$$preset >/dev/null 2>&1; \
-	done &
-	@$(MAKE) --no-print-directory --jobs=2 types style pages
+	done
 	.venv/bin/pytest
 
 types: .venv/.ready
@@ -51,9 +54,6 @@ style: .venv/.ready
 	.venv/bin/ruff check
 	.venv/bin/ruff format --check
 	.venv/bin/lint-imports
-
-pages: .venv/.ready
-	.venv/bin/mkdocs build --strict --quiet
 
 # By itself, for it makes all of Python half as fast again.
 coverage: .venv/.ready

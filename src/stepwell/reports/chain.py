@@ -79,7 +79,7 @@ def write_run(
         margins=shown(of_margin),
         built=built,
         built_as=shown(of_yield),
-        replay=_replay(chain, chain.title or source or ""),
+        replay=_replay(chain, chain.title or source or "", margin),
     )
     contents = {
         "design.toml": text,
@@ -131,12 +131,12 @@ def _narrow(draw: Callable[[], Figure]) -> Figure:
     return figures.compose([draw], width=_PHONE)
 
 
-def _replay(result: Chain | Program, title: str) -> str:
+def _replay(result: Chain | Program, title: str, margin: Margin | None = None) -> str:
     """The motion as a page; nothing where it would be too heavy to look at."""
     if len(result if isinstance(result, Chain) else result.chain) > _MOST_BUILT:
         return ""
     try:
-        return replay(result, title=title)
+        return replay(result, title=title, margin=margin)
     except StepwellError:
         return ""
 

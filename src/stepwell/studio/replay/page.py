@@ -21,6 +21,7 @@ from stepwell.studio.panels import motion_of, walked
 from stepwell.studio.wire import View, packed
 
 if TYPE_CHECKING:
+    from stepwell.design import Margin
     from stepwell.simulation import Maze, Walk
 
 # By which name a frame plays by itself, and how large one is: taller where it is narrow.
@@ -34,6 +35,7 @@ def replay(
     result: Chain | Program | Walk | Maze,
     *,
     title: str | None = None,
+    margin: Margin | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> str:
     """A motion as one HTML page that plays anywhere: no server, and nothing loaded from elsewhere.
@@ -42,6 +44,7 @@ def replay(
         result: a chain, which goes through its full cycle, a program, or what a robot did: a
             walk, or its way through an arena.
         title: the chain's or the robot's own by default.
+        margin: that of the chain, where it has been found already.
         progress: called with (done, total) while margins of a chain are searched.
 
     Returns:
@@ -53,7 +56,10 @@ def replay(
         ValueError: none of these, or a run that was over before its first sample.
         StaticsError: the engine could not go on; its text says what to do.
     """
-    found = motion_of(result, progress) if isinstance(result, Chain | Program) else _run_of(result)
+    if isinstance(result, Chain | Program):
+        found = motion_of(result, margin, progress)
+    else:
+        found = _run_of(result)
     view = with_(found, header={**found.header, "title": title or found.header["title"]})
     return filled(view.header["title"], view.header["version"], _data(view))
 

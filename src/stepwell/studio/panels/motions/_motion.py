@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Ints, __version__, told_in
-from stepwell.design import margin
+from stepwell.design import Margin, margin
 from stepwell.mechanism import Chain, phase_at
 from stepwell.results import assumptions
 from stepwell.sequences import Program
@@ -28,12 +28,15 @@ from stepwell.studio.wire import View
 
 
 def motion_of(
-    result: Chain | Program, progress: Callable[[float, float], None] | None = None
+    result: Chain | Program,
+    known: Margin | None = None,
+    progress: Callable[[float, float], None] | None = None,
 ) -> View:
     """The full cycle of a chain with its margins, or a program with its windows.
 
     Args:
         result: what moves.
+        known: the margins of a chain, where they have been found already.
         progress: called with (done, total) while margins are searched.
     """
     if isinstance(result, Program):
@@ -44,7 +47,7 @@ def motion_of(
         "sequence": str(cycle.sequence),
         "pathway": "" if cycle.pathway is None else cycle.pathway.label,
         "ties": [tie.advice for tie in cycle.degenerate],
-        **margins_of(margin(result, progress=progress)),
+        **margins_of(margin(result, progress=progress) if known is None else known),
     }
     return _view(result, cycle.path, found)
 
