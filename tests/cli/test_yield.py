@@ -19,7 +19,7 @@ def test_the_share_its_interval_and_the_critical_pair_are_printed(stepwell):
     lines = result.stdout.splitlines()
     assert result.exit_code == 0
     assert (
-        f"Yield     {100 * found.share:.4f} %, with 95 % confidence {low:.4f} % to {high:.4f} %"
+        f"Yield     {100 * found.share:.2f} %, with 95 % confidence {low:.2f} % to {high:.2f} %"
         in lines
     )
     assert "Made      20000 mechanisms with anchors ±2 mm, stiffness ±10 %" in lines
