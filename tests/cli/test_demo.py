@@ -173,7 +173,7 @@ def test_all_that_moves_plays_with_the_network_off(told, opened):
     page = opened.page
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     frames = page.locator("iframe")
-    moving = [step for step in reports.STEPS if "xarray" not in step.needs]
+    moving = [step for step in reports.STEPS if "tables" not in step.needs]
     assert frames.count() == Seen(told.page).frames >= len(moving)
     for k in range(frames.count()):
         frames.nth(k).scroll_into_view_if_needed()
@@ -221,7 +221,7 @@ def test_the_page_opens_only_where_somebody_sits(tmp_path, monkeypatch, screen, 
 
 def test_what_is_not_installed_is_left_out_and_said_first(tmp_path, monkeypatch):
     monkeypatch.setattr(reports, "STEPS", (reports.STEPS[0], *reports.STEPS[-2:]))
-    monkeypatch.setattr(steps, "find_spec", lambda name: None)
+    monkeypatch.setattr("stepwell.base.extras.find_spec", lambda name: None)
     result = CliRunner().invoke(app, ["demo", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     missing = [telling.title for telling in reports.STEPS[1:]]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepwell import figures
+from stepwell.base import have
 from stepwell.design import boundaries, transition_map
 from stepwell.paper.mechanisms import (
     PAIRS,
@@ -106,7 +106,7 @@ MANY_RUNS: MappingProxyType[str, Callable[[], Figure]] = MappingProxyType(
 def figures_of(everything: bool) -> dict[str, Callable[[], Figure]]:
     """The figures that can be drawn here, by name; those of many runs only when asked for."""
     found = dict(FIGURES)
-    if find_spec("mujoco") is not None:
+    if have("robot"):
         found |= ROBOT_FIGURES
         found |= MANY_RUNS if everything else {}
     return found

@@ -13,6 +13,7 @@ from stepwell.reports.pages.measured import (
     comparison_page,
     readings_page,
 )
+from stepwell.reports.pages.parts import image_of
 from stepwell.reports.pages.programs import program_page
 from stepwell.reports.pages.robots import maze_page, robot_page, sweep_page, walk_page
 from stepwell.reports.pages.run import report

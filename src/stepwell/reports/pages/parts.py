@@ -118,12 +118,12 @@ def figure(caption: str, drawn: Figure, narrow: Figure | None = None) -> str:
         drawn: as it is on a wide window and on paper.
         narrow: as it is on a phone; where there is none, a wide one is moved sideways there.
     """
-    source, width, height = _data(drawn)
+    source, width, height = image_of(drawn)
     text, size = escape(caption), f'width="{width}" height="{height}"'
     image = f'<img alt="{text}" {size} src="{source}">'
     wide = ' class="wide"' if width > _WIDE else ""
     if wide and narrow is not None:
-        other, across, tall = _data(narrow)
+        other, across, tall = image_of(narrow)
         smaller = f'<source media="{_PHONE}" width="{across}" height="{tall}" srcset="{other}">'
         image = f"<picture>{smaller}{image}</picture>"
     elif wide:
@@ -202,7 +202,7 @@ def _scrolled(content: str, about: str) -> str:
     return f"<div {region}>{content}</div>"
 
 
-def _data(drawn: Figure) -> tuple[str, int, int]:
+def image_of(drawn: Figure) -> tuple[str, int, int]:
     """A figure as an address that holds all of it, with its width and height [CSS px]."""
     from stepwell.figures import svg
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
 from stepwell.mechanism import Chain
+from stepwell.reports.pages import image_of
 from stepwell.sequences import Program
 from stepwell.studio.replay import embedded, replay
 
@@ -65,13 +65,9 @@ def map_of(
 
 
 def _picture(figure: Figure, caption: str) -> str:
-    from stepwell.figures import svg
-
-    # An image, not inline markup: two SVGs on one page would share their ids.
-    data = base64.b64encode(svg(figure).encode()).decode()
-    width, height = (round(96 * inches) for inches in figure.get_size_inches())
+    source, width, height = image_of(figure)
     name = escape(caption)
     return (
         f'<div tabindex="0" role="group" aria-label="{name}"><img alt="{name}" '
-        f'width="{width}" height="{height}" src="data:image/svg+xml;base64,{data}"></div>'
+        f'width="{width}" height="{height}" src="{source}"></div>'
     )

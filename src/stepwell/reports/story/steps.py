@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace as with_
-from importlib.util import find_spec
 
 import numpy as np
 
-from stepwell.base import ByValue, amount, number
+from stepwell.base import ByValue, amount, have, number
 from stepwell.design import Tolerances, boundaries, design, margin, transition_map
 from stepwell.files import (
     WrittenProgram,
@@ -64,7 +63,7 @@ class Telling(ByValue):
 
     Attributes:
         title: what is done, in plain words.
-        needs: packages that it uses and that some installations do without.
+        needs: extras that it uses and that some installations do without.
         make: computes it; takes what to call with (done, total), or None.
     """
 
@@ -75,7 +74,7 @@ class Telling(ByValue):
     @property
     def can_be_told(self) -> bool:
         """Whether all that it needs is installed."""
-        return all(find_spec(name) for name in self.needs)
+        return have(*self.needs)
 
 
 def _pull(progress: Progress | None) -> Step:
@@ -220,7 +219,7 @@ def _feel(progress: Progress | None) -> Step:
 
 
 # What is not needed by the engine itself, and missing in some installations.
-_DRAWS, _SIMULATES = ("matplotlib", "xarray"), ("mujoco",)
+_DRAWS, _SIMULATES = ("figures", "tables"), ("robot",)
 STEPS = (
     Telling("Pull a leg of two cells, and let it back", (), _pull),
     Telling("Move one anchor", (), _move_an_anchor),
