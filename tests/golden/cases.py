@@ -266,7 +266,7 @@ ELEMENTS = [
 ]
 
 FILES = [
-    Case("demo", ("demo --out out",), within=SIMULATED, slow=True),
+    Case("demo", ("demo --no-open --out out",), within=SIMULATED, slow=True),
     Case("new", ("new mine.toml", "new other.toml --preset robot-forward")),
     Case("presets", ("presets", "presets --json")),
     Case("schema", ("schema", "schema presets", "schema ru")),
@@ -284,6 +284,8 @@ FILES = [
         (
             "figure preset:paper-forward --panels force,travel --width 88mm --out f.svg",
             "figure preset:paper-forward --panels force/landscape --letters (a) --format png",
+            "figure preset:paper-forward --panels snap,force --mass 0.02 --damping 0.5 --columns 1 "
+            "--height 110mm --measured data/2unit_00_11/x/2unit_MMT_1.txt --out g.svg",
             "figure preset:paper-forward --panels help",
             "figure preset:paper-forward --panels forse",
             "figure preset:paper-forward --panels gait",
@@ -297,6 +299,7 @@ FILES = [
             "figure paper:fig9",
             "figure paper:fig1 --panels force",
         ),
+        prepare=cells,
         slow=True,
     ),
     Case(

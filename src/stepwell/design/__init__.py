@@ -37,6 +37,7 @@ from stepwell.design.tolerances import (
     Survival,
     Tolerances,
     Yield,
+    made,
     survival,
     yields,
 )
@@ -68,6 +69,7 @@ __all__ = [
     "Yield",
     "boundaries",
     "design",
+    "made",
     "margin",
     "parameter",
     "parameter_boundaries",
