@@ -328,6 +328,21 @@ LABS = [
     ),
     _both("lab/compare", "lab compare data", prepare=cells),
     Case(
+        "lab/as-built",
+        (
+            "lab as-built preset:paper-forward --seen '00>01>11>10>00' --snaps-out 35.5 "
+            "--snaps-back 4.5 --samples 100 --out out",
+            "lab as-built preset:paper-forward --data data/2unit_00_11/x/2unit_MMT_1.txt "
+            "--scale 0.05 --anchor 0.5 --stiffness-spread 5 --rest-length-spread 2 "
+            "--friction 0.02 --travel-spread 0 --samples 100 --seed 1 --json",
+            "lab as-built preset:paper-forward --pulls 5:0.3,30:-0.1 --snaps-out none --ruler 2 "
+            "--hole-mm 4 --want '00>01>11>10>00' --samples 100",
+        ),
+        prepare=cells,
+        within=FITTED,
+        slow=True,
+    ),
+    Case(
         "lab/compare-options",
         (
             "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf",

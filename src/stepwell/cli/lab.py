@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stepwell.base import __version__, versions
+from stepwell.cli import as_built
 from stepwell.cli.options import Force, Json, Out, free, window as read_window
 from stepwell.cli.screen import EXIT_CODES, finish, progress, usable, warn
 
@@ -251,6 +252,9 @@ def calibrate(
     }
     write = partial(write_calibration, calibration, record)
     finish(record, texts.calibration, as_json, out, force, write)
+
+
+commands.command("as-built", epilog=EXIT_CODES)(as_built.as_built)
 
 
 def _head(command: str, recordings: Sequence[Recording]) -> dict[str, Any]:

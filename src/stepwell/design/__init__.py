@@ -25,7 +25,7 @@ from stepwell.design.margins import (
     reprogram,
     robustness,
 )
-from stepwell.design.orders import Reached
+from stepwell.design.orders import Reached, checked_cycle
 from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.placement import PAPER_BAND, PAPER_BOX, AnchorBox, AnchorPolygon, Stock
 from stepwell.design.plane import Boundary, BoundaryKind, Method
@@ -33,11 +33,11 @@ from stepwell.design.synthesis import Design, Impossible, design
 from stepwell.design.tolerances import (
     USUAL,
     Critical,
+    Draws,
     Sensitivities,
     Survival,
     Tolerances,
     Yield,
-    made,
     survival,
     yields,
 )
@@ -53,6 +53,7 @@ __all__ = [
     "Change",
     "Critical",
     "Design",
+    "Draws",
     "Impossible",
     "Margin",
     "Method",
@@ -68,8 +69,8 @@ __all__ = [
     "Tolerances",
     "Yield",
     "boundaries",
+    "checked_cycle",
     "design",
-    "made",
     "margin",
     "parameter",
     "parameter_boundaries",

@@ -36,6 +36,7 @@ _OF_COMMANDS = {
     "lab read": ("recordings.csv recordings.nc recordings.json", ""),
     "lab band": ("band.toml band.json", "laws"),
     "lab compare": ("compare.json curves.csv", "forces energies pairs"),
+    "lab as-built": ("built.toml moved.toml built.json", ""),
     "lab calibrate": ("band.toml calibration.json calibration.nc", "calibration"),
 }
 # What writes a file, by the end of its name. An MP4 is left out where its encoder is not there.

@@ -11,6 +11,7 @@ It returns the names of the files, and raises OverwriteError where a file there 
 wrote, and OSError where the folder cannot be written; nothing has changed then.
 """
 
+from stepwell.reports.as_built import write_as_built
 from stepwell.reports.chain import (
     checked_suffix,
     write_graph,
@@ -39,6 +40,7 @@ __all__ = [
     "checked_suffix",
     "figure",
     "report",
+    "write_as_built",
     "write_band",
     "write_calibration",
     "write_comparison",

@@ -1,6 +1,6 @@
 """Mechanisms as a workshop makes them: tolerances, yields, the survival of programs."""
 
-from stepwell.design.tolerances.draws import made
+from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.survival import Survival, survival
 from stepwell.design.tolerances.tolerances import (
     USUAL,

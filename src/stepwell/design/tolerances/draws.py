@@ -9,13 +9,12 @@ whichever tolerances are given, and two designs compared with one seed are made 
 """
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from stepwell.base import Floats, StepwellError
+from stepwell.base import Floats
 from stepwell.concave import in_disc
 from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.tolerances import Tolerances, levers_of
@@ -160,22 +159,3 @@ class Draws:
             longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
             cells.append(replace(cell, band=bands, lever=longer, friction=rub, mobility=mobility))
         return replace(self.chain, cells=tuple(cells))
-
-
-def made(chain: Chain, tolerances: Tolerances, n: int, seed: int = 0) -> Iterator[Chain]:
-    """The first n mechanisms that a workshop makes after a drawing, one after another.
-
-    Args:
-        chain: the drawing.
-        tolerances: how far its parts may be off.
-        n: how many are tried; those that cannot be built are left out.
-        seed: which.
-
-    Returns:
-        The mechanisms, those of `yields` for the same seed.
-    """
-    draws = Draws(chain, tolerances, seed)
-    for rows in draws.chunks(n):
-        for row in rows:
-            with suppress(StepwellError):
-                yield draws.built(row)

@@ -1,7 +1,8 @@
-"""Which anchor to move by one hole, for a build that is known as far as it was seen."""
+"""Which anchor to move to another hole, for a build that is known as far as it was seen."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +17,7 @@ _FIRST, _BEST = 32, 3
 
 @dataclass(frozen=True, eq=False)
 class Move(ByValue):
-    """One anchor moved by one hole.
+    """One anchor moved to another hole.
 
     Attributes:
         anchor: p or q of a cell.
@@ -46,34 +47,42 @@ def best_moves(
     drawing: Chain,
     built: Sequence[Chain],
     wanted: str,
-    hole: float,
+    far: float,
+    share: float,
     tried: Callable[[], None],
-) -> tuple[float, tuple[Move, ...]]:
-    """How many builds do what is wanted as they are, and with each of the best moves.
+) -> tuple[Move, ...]:
+    """The best moves of one anchor, if they are better than leaving it, beyond what chance does.
 
     Args:
         drawing: whose anchors are named.
         built: as they may be, each as likely as the others.
         wanted: the sequence of states.
-        hole: how far apart holes are [m].
+        far: how far an anchor is moved, along x or y [m].
+        share: how many of the builds do it as they are.
         tried: called after each move that was tried.
 
     Returns:
-        The share as they are, and moves, the best one first; none of a chain without levers.
+        Moves, the best one first.
     """
     moves: list[Move] = []
     for anchor in parameters(drawing):
         if not anchor.is_anchor:
             continue
         was: Any = anchor.value(drawing)
-        for dx, dy in ((hole, 0.0), (-hole, 0.0), (0.0, hole), (0.0, -hole)):
+        for dx, dy in ((far, 0.0), (-far, 0.0), (0.0, far), (0.0, -far)):
             move = Move(anchor, was, (was[0] + dx, was[1] + dy), 0.0)
             moves.append(_judged(move, built[:_FIRST], wanted))
             tried()
     best = sorted(moves, key=lambda move: -move.share)[:_BEST]
     again = [_judged(move, built, wanted) for move in best]
-    as_it_is = sum(does(one, wanted) for one in built) / len(built)
-    return as_it_is, tuple(sorted(again, key=lambda move: -move.share))
+    better = [move for move in again if move.share - share > _chance(move.share, share, len(built))]
+    return tuple(sorted(better, key=lambda move: -move.share))
+
+
+def _chance(one: float, other: float, n: int) -> float:
+    """By how much two shares of n differ by chance, twice the standard deviation."""
+    both = (one + other) / 2
+    return 2.0 * math.sqrt(2.0 * both * (1.0 - both) / n)
 
 
 def moves_of(chain: Chain) -> int:

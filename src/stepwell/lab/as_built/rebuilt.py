@@ -9,19 +9,23 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, StepwellError, check, number, percent
-from stepwell.design import Parameter, Tolerances, made, parameters
-from stepwell.lab.as_built.moves import Move, best_moves, moves_of
-from stepwell.lab.as_built.seen import Seen
+from stepwell.base import ByValue, InputError, StepwellError, check, number, percent
+from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
+from stepwell.lab.as_built.moves import Move, best_moves, does, moves_of
+from stepwell.lab.as_built.observed import Observed
+from stepwell.lab.as_built.population import STEPS, Population, population
 from stepwell.lab.recordings import LabError
 from stepwell.mechanism import Chain
 
 # What is believed of a first build before it is tried: drilled by hand, bands of one bag.
 FIRST_BUILD = Tolerances(anchor=0.001, stiffness=0.10, travel=0.05)
-# So many that agree say enough; where fewer do, parts may be further off, at most so many times.
-_ENOUGH, _WIDER, _MOST_WIDE, _WIDEST = 40.0, 2.0, 3, 0.24
-# Moves are tried on so many of them.
-_BUILT = 200
+# Where fewer than this move so, or those that do agree badly, parts may be further off; at most so
+# many times, and the spread of a band ends below a quarter.
+_FEW, _MOST_WIDE, _WIDEST = 0.02, 8.0, 0.24
+# Half the squared errors of a number are a half in the mean; of a build that disagrees, more.
+_AGREE = 2.0
+# Further than so many holes another design is the better answer.
+_MOST_HOLES = 3
 # A doubt that shrank by less than this was not told by what was seen.
 _TOLD = 0.8
 # What is told of every cell. Of anchors a motion knows d = q - p alone, so p is as drawn.
@@ -68,17 +72,18 @@ class AsBuilt(ByValue):
         tolerances: how far parts were taken to be off at most.
         wider: how many times as far as first thought; 1 where that sufficed.
         n, seed: how many were drawn, and which.
-        agreeing: to how many equally likely ones those that agree amount; few make it rough.
+        agreeing: of those drawn, how many move as was seen, whatever the strokes and forces [1].
         known: every number of every cell.
         chain: the build, at the means; where these together do something else, the one drawn
             that agrees best.
         share: of those that agree, how many do what is wanted as they are.
-        moves: the best three, by one hole each, the best first.
+        moves: the best three of one anchor, the best first, by as few holes as make it better than
+            leaving it beyond what chance does; none where up to three do not.
         hole: how far apart holes are [m].
     """
 
     drawing: Chain = field(repr=False)
-    seen: Seen
+    seen: Observed
     wanted: str
     tolerances: Tolerances
     wider: float
@@ -92,23 +97,16 @@ class AsBuilt(ByValue):
     hole: float
 
     @property
-    def move(self) -> Move | None:
-        """The move to make; None where none is better than leaving it, beyond what chance does."""
-        if not self.moves:
-            return None
-        best = self.moves[0]
-        both = (best.share + self.share) / 2
-        chance = math.sqrt(2 * both * (1 - both) / min(_BUILT, max(self.agreeing, 1.0)))
-        return best if best.share - self.share > 2 * chance else None
-
-    @property
     def advice(self) -> str:
         """What to do next, with the shares before and after."""
         now = f"{percent(self.share)} of the builds that would do this do what is wanted"
-        if self.move is None:
-            far = number(self.hole * 1e3)
-            return f"leave it: {now}, and no move of one anchor by {far} mm makes them more"
-        return f"{self.move}: {now} as they are, {percent(self.move.share)} after it"
+        if self.moves:
+            best = self.moves[0]
+            return f"{best}: {now} as they are, {percent(best.share)} after it"
+        if not moves_of(self.drawing):
+            return f"{now}; it has no anchor that could be moved"
+        far = number(_MOST_HOLES * self.hole * 1e3)
+        return f"leave its anchors: {now}, and no move of one of them by up to {far} mm helps"
 
     def __repr__(self):
         return f"AsBuilt({self.advice})"
@@ -116,20 +114,20 @@ class AsBuilt(ByValue):
 
 def as_built(
     drawing: Chain,
-    seen: Seen,
+    seen: Observed,
     tolerances: Tolerances = FIRST_BUILD,
     *,
     wanted: str | None = None,
     hole: float = 0.005,
-    n: int = 1000,
+    n: int = 200,
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
 ) -> AsBuilt:
     """Find out what a build must be like to do what it was seen to do, and what to move.
 
-    Builds are drawn within the tolerances and weighed by how well each agrees with what was seen
-    (importance sampling); where too few agree, parts may be twice as far off, and so on. The
-    numbers are means over those that agree. Moves of one anchor by one hole are tried on them.
+    Builds are drawn within the tolerances until they agree with what was seen as well as its doubt
+    asks for; where they cannot, parts may be twice as far off, and so on. The numbers are means
+    over these builds. On them one anchor is moved, by up to three holes.
 
     Args:
         drawing: what was meant to be built.
@@ -137,7 +135,7 @@ def as_built(
         tolerances: how far its parts may be off.
         wanted: what it should do; what the drawing does by default.
         hole: how far apart holes are [m].
-        n: how many are drawn at a time.
+        n: how many builds.
         seed: which.
         progress: called with (done, total) builds and moves.
 
@@ -147,110 +145,92 @@ def as_built(
     Raises:
         LabError: nothing that is drawn within eight times the tolerances does what was seen.
         ValueError: an argument out of range.
-
-    Source: importance sampling, Kahn and Marshall 1953.
     """
     check.whole("n", n, 100)
     check.whole("seed", seed, 0)
     if not 0 < hole < math.inf:
         raise InputError(f"hole = {hole} m: must be > 0, how far apart holes are.")
-    want = str(drawing.cycle().sequence) if wanted is None else wanted
-    total = n + moves_of(drawing)
-    done = 0
+    last = drawing.last_state
+    want = str(drawing.cycle().sequence) if wanted is None else checked_cycle(wanted, last)
+    if seen.sequence is not None:
+        checked_cycle(seen.sequence, last, "seen")
+    done, total = 0, n * (1 + 4 * STEPS) + _MOST_HOLES * moves_of(drawing)
 
-    def tell(_: Any = None) -> None:
+    def tell() -> None:
         nonlocal done
         done += 1
         if progress is not None:
-            progress(min(done, total), total)
+            progress(done, max(done, total))
 
-    wider, given = 1.0, tolerances
-    for _ in range(_MOST_WIDE + 1):
-        done = 0
-        built, misfits = _drawn(drawing, given, seen, n, seed, tell)
-        weights, agreeing = _weights(misfits)
-        if agreeing >= _ENOUGH:
+    wider = 1.0
+    while True:
+        given = _wide(tolerances, wider, drawing)
+        found = population(Draws(drawing, given, seed), seen, n, tell)
+        if (found is not None and _agrees(found, seen)) or wider >= _MOST_WIDE:
             break
-        if wider < _WIDER**_MOST_WIDE:
-            wider *= _WIDER
-            given = _wide(tolerances, wider)
-    if not agreeing:
+        wider *= 2.0
+        total += n * (1 + 4 * STEPS)
+    if found is None:
         raise LabError(
             "what was seen",
-            f"none of {n} builds with parts up to {number(wider)} times as far off as "
-            f"{tolerances!r} does this: check that this design was built, which cell is "
-            f"innermost, and where strokes were counted from.",
+            f"none of {n} builds with parts up to {wider:g} times as far off as {tolerances!r} "
+            f"does this: check that this design was built, which cell is innermost, and from "
+            f"where strokes were counted.",
         )
-    known = _known(drawing, built, weights)
+    known = _known(drawing, found)
     likely = _at_means(drawing, known)
     if likely is None or math.isinf(_misfit(likely, seen)):
-        likely = built[int(np.argmin(misfits))]
-    # As many of each as its weight says, in even steps, which no chance disturbs.
-    places = np.searchsorted(np.cumsum(weights), (np.arange(_BUILT) + 0.5) / _BUILT)
-    some = [built[min(int(k), len(built) - 1)] for k in places]
-    share, moves = best_moves(drawing, some, want, hole, tell)
+        likely = found.built[int(np.argmin(found.misfits))]
+    share = sum(does(one, want) for one in found.built) / n
+    moves: tuple[Move, ...] = ()
+    for holes in range(1, _MOST_HOLES + 1):
+        moves = best_moves(drawing, found.built, want, holes * hole, share, tell)
+        if moves or share == 1.0:
+            break
     return AsBuilt(
-        drawing, seen, want, given, wider, n, seed, agreeing, known, likely, share, moves, hole
+        drawing, seen, want, given, wider, n, seed, found.share, known, likely, share, moves, hole
     )
 
 
-def _drawn(
-    drawing: Chain,
-    tolerances: Tolerances,
-    seen: Seen,
-    n: int,
-    seed: int,
-    tell: Callable[[], None],
-) -> tuple[list[Chain], Floats]:
-    """Builds at random, and how badly each agrees with what was seen."""
-    built: list[Chain] = []
-    misfits: list[float] = []
-    for one in made(drawing, tolerances, n, seed):
-        built.append(one)
-        misfits.append(_misfit(one, seen))
-        tell()
-    return built, np.array(misfits)
+def _agrees(found: Population, seen: Observed) -> bool:
+    """Whether enough builds move as was seen, with strokes and forces within their doubts."""
+    if found.share < _FEW:
+        return False
+    return float(np.mean(found.misfits)) <= _AGREE * seen.numbers
 
 
-def _misfit(chain: Chain, seen: Seen) -> float:
+def _misfit(chain: Chain, seen: Observed) -> float:
     try:
         return seen.misfit(chain.cycle())
     except StepwellError:
         return math.inf
 
 
-def _weights(misfits: Floats) -> tuple[Floats, float]:
-    """The weight of each, their sum 1, and to how many equal ones they amount (Kish 1965)."""
-    best = float(np.min(misfits, initial=math.inf))
-    if math.isinf(best):
-        return np.zeros(len(misfits)), 0.0
-    weights = np.exp(best - misfits)
-    weights /= np.sum(weights)
-    return weights, float(1.0 / np.sum(weights**2))
+def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
+    """The tolerances so many times as wide; an anchor is in another hole before a band is another.
+
+    Of a chain of elements, which has no anchors, the scales are.
+    """
+    found = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
+    if len(drawing.elements) < len(drawing):
+        return found
+    scales = {"stiffness": given.stiffness, "travel": given.travel}
+    return replace(found, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
 
 
-def _wide(given: Tolerances, wider: float) -> Tolerances:
-    """The tolerances so many times as wide; bands keep a stiffness."""
-    shares = ("stiffness", "rest_length", "travel")
-    return replace(
-        given,
-        anchor=wider * given.anchor,
-        friction=wider * given.friction,
-        **{name: min(wider * getattr(given, name), _WIDEST) for name in shares},
-    )
-
-
-def _known(drawing: Chain, built: list[Chain], weights: Floats) -> tuple[Known, ...]:
+def _known(drawing: Chain, builds: Population) -> tuple[Known, ...]:
     found: list[Known] = []
     for one in parameters(drawing):
         if one.part not in _PARTS:
             continue
-        values = np.array([_value(one, chain, drawing) for chain in built])
-        before = float(np.std(values))
-        if before > 0.0:
-            mean = float(weights @ values)
-            doubt = math.sqrt(float(weights @ (values - mean) ** 2))
-            found.append(Known(one, _value(one, drawing, drawing), mean, doubt, before))
+        before, after = (
+            [_value(one, chain, drawing) for chain in chains]
+            for chains in (builds.before, builds.built)
+        )
+        spread = float(np.std(before))
+        if spread > 0.0:
+            drawn = _value(one, drawing, drawing)
+            found.append(Known(one, drawn, float(np.mean(after)), float(np.std(after)), spread))
     return tuple(found)
 
 

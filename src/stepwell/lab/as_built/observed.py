@@ -8,8 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, InputError, brief
+from stepwell.base import ByValue, Floats, InputError, brief
+from stepwell.lab.recordings import LabError, Recording, from_zero
 from stepwell.sequences import Cycle
+
+# Forces of a recording that are compared, each way; more of them are no more independent.
+_PLACES = 12
+# Of the stroke, what a recording must reach over to be one of this design.
+_REACH = 0.5
 
 
 class Pull(NamedTuple):
@@ -27,7 +33,7 @@ class Pull(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Seen(ByValue):
+class Observed(ByValue):
     """What a build did when it was pulled out and let back once.
 
     Args:
@@ -59,6 +65,11 @@ class Seen(ByValue):
             if field.name in ("ruler", "scale") and not 0 < value < math.inf:
                 raise InputError(f"{field.name} = {value}: must be > 0, as doubts are.")
 
+    @property
+    def numbers(self) -> int:
+        """How many strokes and forces were read."""
+        return len(self.out or ()) + len(self.back or ()) + len(self.pulls)
+
     def misfit(self, cycle: Cycle) -> float:
         """Half the sum of squared errors in standard deviations; infinite where it did otherwise.
 
@@ -84,7 +95,7 @@ class Seen(ByValue):
         return brief(self)
 
 
-def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> np.ndarray:
+def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> Floats:
     """Forces of the model [N] where some were read."""
     stroke, force = cycle.path.stroke, cycle.path.force
     top = int(np.argmax(stroke))
@@ -93,3 +104,34 @@ def _forces(cycle: Cycle, pulls: tuple[Pull, ...]) -> np.ndarray:
         -1: (stroke[top:][::-1], force[top:][::-1]),
     }
     return np.array([np.interp(pull.stroke, *ways[pull.direction]) for pull in pulls])
+
+
+def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
+    """Forces at even strokes of a recording, each the mean of what lies about it.
+
+    Args:
+        recording: pulled out, let back, or both.
+        full: stroke with every cell at state 1 [m].
+
+    Raises:
+        LabError: it does not reach over half of that stroke, or over more than half as much again.
+    """
+    stroke = from_zero(recording, full)
+    reached = float(np.ptp(stroke))
+    if not _REACH * full <= reached <= (1.0 + _REACH) * full:
+        raise LabError(
+            recording.source,
+            f"its stroke is {reached * 1e3:.4g} mm and that of the design {full * 1e3:.4g} mm: "
+            f"check the unit in the header, and that this design was tested.",
+        )
+    edges = np.linspace(0.0, full, _PLACES + 1)
+    found: list[Pull] = []
+    for half in recording.halves:
+        direction = 1 if recording.direction_of(half) == "loading" else -1
+        place = np.digitize(stroke[half], edges) - 1
+        for k in range(_PLACES):
+            here = place == k
+            if np.any(here):
+                u, force = stroke[half][here], recording.force[half][here]
+                found.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
+    return tuple(found)

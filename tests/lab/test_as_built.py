@@ -1,0 +1,148 @@
+"""A first build: what is found out of it from what it did, and whether the advice is good."""
+
+import math
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from lab.machine import pair
+from sizes import examples
+from stepwell.base import StepwellError
+from stepwell.design import Draws, Parameter, Tolerances, parameter
+from stepwell.lab import LabError, Observed, Pull, as_built, pulls_of
+
+LEG = sw.preset("paper-forward")
+WANTED = "00>10>11>01>00"
+OFF = Tolerances(anchor=0.001, stiffness=0.05)
+
+
+def of(number: Parameter, chain: sw.Chain) -> float:
+    """Its value in a chain, in SI."""
+    value = number.value(chain)
+    assert isinstance(value, float)
+    return value
+
+
+def seen(
+    build: sw.Chain, rng: np.random.Generator, pulls: tuple[Pull, ...] = (), scale: float = 0.02
+) -> Observed:
+    """What somebody with a ruler writes down."""
+    cycle = build.cycle()
+
+    def snaps(way: int) -> tuple[float, ...]:
+        strokes = (e.drive for e in cycle.snaps if e.direction == way)
+        return tuple(float(u + rng.normal(0, 1e-3)) for u in strokes)
+
+    return Observed(str(cycle.sequence), snaps(1), snaps(-1), pulls, scale=scale)
+
+
+def test_numbers_of_a_build_lie_within_their_doubt():
+    """The truth is drawn as the builds are, so errors in doubts are about normal."""
+    rng = np.random.default_rng(1)
+    errors: list[float] = []
+    for k in range(examples(4)):
+        truth = Draws(LEG, OFF, 101).sample(k)
+        found = as_built(LEG, seen(truth, rng), OFF, n=100)
+        for one in found.known:
+            value = of(one.parameter, truth)
+            if one.parameter.part.startswith("q."):
+                p = parameter(LEG, one.parameter.name.replace(".q.", ".p."))
+                value += of(p, LEG) - of(p, truth)
+            errors.append((value - one.value) / one.doubt)
+    assert float(np.mean(np.square(errors))) < 1.5
+    assert max(map(abs, errors)) < 4.5
+
+
+def test_forces_tell_a_stiffness_better_than_strokes_alone():
+    truth = parameter(LEG, "outer.stiffness").scaled(LEG, 1.12)
+    truth = parameter(truth, "inner.stiffness").scaled(truth, 1.12)
+    cycle = truth.cycle()
+    top = int(np.argmax(cycle.path.stroke))
+    strokes = np.linspace(0.002, 0.036, 8)
+    forces = np.interp(strokes, cycle.path.stroke[: top + 1], cycle.path.force[: top + 1])
+    pulls = tuple(Pull(1, u, f) for u, f in zip(strokes.tolist(), forces.tolist(), strict=True))
+    blind = as_built(LEG, seen(truth, np.random.default_rng(2)), n=100)
+    weighed = as_built(LEG, seen(truth, np.random.default_rng(2), pulls=pulls, scale=0.01), n=100)
+    for before, after in zip(blind.known, weighed.known, strict=True):
+        if before.parameter.part == "stiffness":
+            assert after.told
+            assert after.doubt < 0.5 * before.doubt
+            assert abs(after.value - of(after.parameter, truth)) < 3 * after.doubt
+
+
+def test_the_move_that_is_advised_mends_builds_that_were_reversed():
+    """By the engine, on the true builds, which the advice never saw."""
+    rng = np.random.default_rng(3)
+    reversed_ = parameter(LEG, "outer.q").displaced(LEG, (-0.013, 0.0))
+    mended, promised = [], []
+    for k in range(examples(2)):
+        truth = Draws(reversed_, OFF, 7).sample(k)
+        assert str(truth.cycle().sequence) != WANTED
+        found = as_built(LEG, seen(truth, rng), n=100)
+        assert found.share == 0.0 and found.wider > 1
+        move = found.moves[0]
+        mended.append(str(move.of(truth).cycle().sequence) == WANTED)
+        promised.append(move.share)
+    doubt = math.sqrt(sum(p * (1 - p) for p in promised)) + 1.0
+    assert abs(sum(mended) - sum(promised)) < 3 * doubt
+    assert any(mended)
+
+
+def test_a_build_that_does_what_it_should_is_left_alone():
+    found = as_built(LEG, seen(LEG, np.random.default_rng(4)), n=100)
+    assert found.share > 0.99 and not found.moves
+    assert found.advice.startswith("leave its anchors")
+    assert found.wider == 1.0
+
+
+def test_the_chain_that_is_told_does_what_was_seen():
+    truth = parameter(LEG, "outer.q").displaced(LEG, (-0.003, 0.001))
+    observed = seen(truth, np.random.default_rng(5))
+    assert math.isfinite(observed.misfit(as_built(LEG, observed, n=100).chain.cycle()))
+
+
+def test_one_seed_gives_one_answer_and_another_seed_another():
+    observed = seen(LEG, np.random.default_rng(6))
+    first, again, other = (as_built(LEG, observed, n=100, seed=k) for k in (1, 1, 2))
+    assert first == again
+    assert first.known != other.known
+
+
+def test_elements_of_other_measures_have_scales_and_no_anchors():
+    balloons = sw.preset("balloon")
+    cycle = balloons.cycle()
+    found = as_built(balloons, Observed(str(cycle.sequence)), n=100)
+    assert {one.parameter.part for one in found.known} <= {"force_scale", "travel_scale"}
+    assert not found.moves and "no anchor" in found.advice
+
+
+def test_what_no_build_does_is_said_with_what_to_look_at():
+    with pytest.raises(LabError, match="which cell is innermost"):
+        as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), n=100)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        (lambda: Observed(), "nothing was seen"),
+        (lambda: Observed(WANTED, ruler=0.0), "ruler = 0.0"),
+        (lambda: Observed(WANTED, scale=math.inf), "scale = inf"),
+        (lambda: as_built(LEG, Observed("00>01>10")), "seen = '00>01>10'"),
+        (lambda: as_built(LEG, Observed(WANTED), wanted="0>1"), "wanted = '0>1'"),
+        (lambda: as_built(LEG, Observed(WANTED), n=99), "n = 99"),
+        (lambda: as_built(LEG, Observed(WANTED), hole=0.0), "hole = 0.0"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_what_may_be(wrong, why):
+    with pytest.raises(StepwellError, match=why):
+        wrong()
+
+
+def test_forces_of_a_recording_are_those_of_the_model_it_was_made_from():
+    recording = pair("x/pair_1.txt", LEG)
+    pulls = pulls_of(recording, LEG.full_stroke)
+    assert len(pulls) == 12 and {pull.direction for pull in pulls} == {1}
+    assert Observed(pulls=pulls, scale=0.05).misfit(LEG.cycle()) < 12
+    with pytest.raises(LabError, match="check the unit"):
+        pulls_of(recording, 10 * LEG.full_stroke)
