@@ -77,7 +77,8 @@ def read_bytes(content: bytes, name: str) -> Recording:
         export = parse(content)
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(name, *export, hashlib.sha256(content).hexdigest())
+    *held, gauge, steps = export
+    return Recording(name, *held, hashlib.sha256(content).hexdigest(), gauge, steps)
 
 
 def read_all(
