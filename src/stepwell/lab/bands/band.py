@@ -84,6 +84,16 @@ class BandTest(ByValue, Drawn):
         inside = (stroke >= window[0]) & (stroke <= window[1])
         return stroke[inside], force[inside]
 
+    def steps_of(self, sample: int) -> tuple[float, float]:
+        """In which stroke [m] and force [N] the points of `curve` are told; 0 for no step.
+
+        A point that is the mean of many readings is told better than one of them.
+        """
+        loops = [loop for loop in self.used if loop.sample == sample]
+        means = len(self.samples_of(sample, self.window)[0]) / len(self.curve(sample)[0])
+        stroke, force = np.max([loop.steps for loop in loops], axis=0) / math.sqrt(means)
+        return float(stroke), float(force)
+
     def __repr__(self):
         low, high = (1e3 * edge for edge in self.window)
         return (
@@ -327,7 +337,7 @@ def _pulling(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[
         np.concatenate([o.stroke for o in loops]),
         np.concatenate([o.force for o in loops]),
     )
-    kept = np.concatenate([taut(loop) for loop in loops])
+    kept = np.concatenate([taut(loop.force, loop.steps[1]) for loop in loops])
     kept &= (stroke >= window[0]) & (stroke <= window[1])
     return stroke[kept], force[kept]
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepwell.base import Bools
+from stepwell.base import Bools, Floats
 from stepwell.lab.bands.halves import Hysteresis
 
 # What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
@@ -52,13 +52,13 @@ def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
     return found, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
 
 
-def taut(loop: Hysteresis) -> Bools:
-    """Whether the band pulls, at each reading of its loading half, (n,) bool."""
-    return loop.force > max(_SLACK * float(np.max(loop.force)), 0.5 * loop.steps[1])
+def taut(force: Floats, step: float) -> Bools:
+    """Whether the band pulls, at each force (n,) [N] of a loading half told in such steps [N]."""
+    return force > max(_SLACK * float(np.max(force)), 0.5 * step)
 
 
 def _taut_from(loop: Hysteresis) -> float:
     """The stroke of the last slack reading before the band pulls, or of the first one [m]."""
-    pulls = np.flatnonzero(taut(loop))
+    pulls = np.flatnonzero(taut(loop.force, loop.steps[1]))
     first = int(pulls[0]) if len(pulls) else 0
     return float(loop.stroke[max(first - 1, 0)])

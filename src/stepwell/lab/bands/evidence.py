@@ -1,0 +1,120 @@
+"""What one curve alone tells: which law it supports, and how well it tells the band's numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats
+from stepwell.lab.bands.extent import taut
+from stepwell.lab.bands.laws import Fitted
+from stepwell.lab.bands.spread import student
+
+# A load cell or a scale is true to about this share of its largest reading: what a law leaves below
+# it, drift leaves too.
+TRUE_TO = 0.002
+# A difference of the criterion up to this is not worth a further number (Kass & Raftery 1995).
+WORTH = 2.0
+_FEW = 8  # readings, too few to tell whether neighbours err alike
+_STEP = 1e-6  # of the strokes, for slopes by differences
+
+
+class Interval(NamedTuple):
+    """A number with its 95 % interval; NaN where nothing is known of it."""
+
+    value: float
+    low: float
+    high: float
+
+
+def independent(left: Floats) -> float:
+    """How many independent readings a curve is worth, by what a law leaves of it, (n,) [N].
+
+    Neighbours along a stroke err alike, by drift and by what the law cannot follow.
+
+    Source: Bayley and Hammersley 1946, for a first-order autoregression.
+    """
+    n = len(left)
+    off = left - np.mean(left)
+    power = float(off @ off)
+    if n <= _FEW or power == 0:
+        return float(n)
+    # Residuals of a fit are correlated by -1/n on average; three of them are gone in its numbers.
+    alike = min(max(float(off[1:] @ off[:-1]) / power + 3.0 / n, 0.0), 0.98)
+    return max(n * (1 - alike) / (1 + alike), 4.0)
+
+
+def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
+    """How badly a law with so many numbers explains a curve; less is better.
+
+    Args:
+        left: (n,) what it leaves [N].
+        numbers: how many of its numbers are fitted.
+        worth: independent readings in the curve.
+        doubt: what a reading may be off whatever the law [N].
+
+    Few readings make a number dearer, as in the criterion of Hurvich & Tsai 1989: by chance it
+    explains more of them.
+
+    Source: Schwarz 1978.
+    """
+    n = len(left)
+    size = float(np.mean(left**2)) + doubt**2
+    few = n / max(n - numbers, 0.5)
+    return worth * math.log(max(size, 1e-300)) + numbers * math.log(worth) * few
+
+
+def reading_doubt(fitted: Fitted, stroke: Floats, steps: tuple[float, float]) -> Floats:
+    """Standard deviation of readings by the digits they are told in, (n,) [N].
+
+    Args:
+        fitted: the law, for what a step of stroke is in force.
+        stroke: (n,) [m].
+        steps: of stroke [m] and force [N].
+    """
+    slope = (fitted.tension(stroke + _STEP) - fitted.tension(stroke - _STEP)) / (2 * _STEP)
+    return np.hypot(steps[1], slope * steps[0]) / math.sqrt(12.0)
+
+
+def intervals(
+    fitted: Fitted,
+    gauge: float | None,
+    stroke: Floats,
+    force: Floats,
+    steps: tuple[float, float],
+) -> tuple[Interval, Interval]:
+    """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
+
+    They hold what this band has, by the scatter of its readings around the law (Student) or by
+    the digits they are told in (normal), whichever is wider; not what other bands have.
+
+    Args:
+        fitted: the law through the curve.
+        gauge: length of the band at stroke 0 [m], where it is known.
+        stroke, force: (n,) [m], [N].
+        steps: in which stroke [m] and force [N] are told.
+    """
+    beyond = stroke > fitted.onset
+    u, f = stroke[beyond], force[beyond]
+    slopes = fitted.slopes(u, gauge)
+    left = f - fitted.tension(u)
+    worth = independent(left)
+    free = math.floor(worth) - slopes.shape[1]
+    pulls = taut(force, steps[1])
+    x = stroke[pulls] - np.mean(stroke[pulls])
+    k = float(x @ force[pulls] / (x @ x))
+    told = float(np.mean(reading_doubt(fitted, u, steps) ** 2))
+    if free < 1:
+        return Interval(k, math.nan, math.nan), Interval(fitted.onset, math.nan, math.nan)
+    scatter = float(left @ left) / (len(u) - slopes.shape[1])
+    # Few readings can lie on the law by luck, but no better than their digits tell.
+    wide = max(student(free) ** 2 * scatter, student(math.inf) ** 2 * told)
+    # As many readings as are independent, spread over the strokes as all of them are.
+    wide = math.sqrt(wide * len(u) / worth)
+    scale = np.linalg.norm(slopes, axis=0)
+    to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
+    found = (k, 1 / float(np.linalg.norm(x))), (fitted.onset, float(np.linalg.norm(to_onset)))
+    first, second = (Interval(v, v - wide * error, v + wide * error) for v, error in found)
+    return first, second
