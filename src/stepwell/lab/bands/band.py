@@ -78,11 +78,7 @@ class BandTest(ByValue, Drawn):
 
     def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Floats, Floats]:
         """Stroke [m] and force [N] of every loading sample of a band inside a window [m]."""
-        loops = [loop for loop in self.used if loop.sample == sample]
-        stroke = np.concatenate([loop.stroke for loop in loops])
-        force = np.concatenate([loop.force for loop in loops])
-        inside = (stroke >= window[0]) & (stroke <= window[1])
-        return stroke[inside], force[inside]
+        return _inside([loop for loop in self.used if loop.sample == sample], window)
 
     def steps_of(self, sample: int) -> tuple[float, float]:
         """In which stroke [m] and force [N] the points of `curve` are told; 0 for no step.
@@ -146,10 +142,10 @@ def band_test(
         window, line = usual_window(used)
         adapted.append(line)
     test = BandTest(loops, window, cycles, told, gauge)
-    lines = _used_lines(test)
+    _check_reach(test)
     apart, warnings = _apart(test)
-    told = (*filter(None, adapted), *lines, *told)
-    return replace(test, told=told, apart=apart, warnings=warnings)
+    test = replace(test, apart=apart, warnings=warnings)
+    return replace(test, told=(*filter(None, adapted), *_used_lines(test), *told))
 
 
 def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]:
@@ -158,17 +154,19 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     Raises:
         LabError: no kind is in the majority, or the bands do not pull.
     """
-    runs = [
-        Run(loop.sample, loop.cycle, loop.source, _slope(*_pulling([loop], test.window)))
-        for loop in test.used
-    ]
-    for run in runs:
-        if math.isnan(run.stiffness):
+    runs: list[Run] = []
+    for loop in test.used:
+        stroke, force = _pulling([loop], test.window)
+        if len(stroke) < 2:
+            stroke, force = _inside([loop], test.window)
+        k = _slope(stroke, force)
+        if math.isnan(k):
             raise LabError(
-                run.source,
-                f"holds fewer than 2 readings of a taut band between {_mm(test.window)} mm of "
-                f"stroke: pass another window, or drop sample {run.sample}.",
+                loop.source,
+                f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
+                f"another window, or drop sample {loop.sample}.",
             )
+        runs.append(Run(loop.sample, loop.cycle, loop.source, k))
     usual, *others = kinds(runs)
     if usual.stiffness <= 0:
         raise LabError(
@@ -186,7 +184,7 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
             "band test",
             f"the runs are not of one kind of band, and no kind is in the majority: "
             f"{listed([run.source for run in usual.runs])}: {usual.stiffness:.4g} N/m; {differ}. "
-            f"{todo}",
+            f"{todo[0].upper()}{todo[1:]}",
         )
     apart = frozenset((run.sample, run.cycle) for other in others for run in other.runs)
     warning = (
@@ -298,22 +296,21 @@ def loss_grid(test: BandTest) -> tuple[list[int], list[int], Floats]:
     return samples, cycles, grid
 
 
-def _used_lines(test: BandTest) -> list[str]:
-    """Which cycles of each sample are used, a line for each.
+def _check_reach(test: BandTest) -> None:
+    """Look whether there is something to fit.
 
     Raises:
-        LabError: none is, or one does not reach over the window.
+        LabError: no cycle is used, or one does not reach over the window.
     """
-    loops, used = test.loops, test.used
-    if not used:
-        have = sorted({loop.cycle for loop in loops})
+    if not test.used:
+        have = sorted({loop.cycle for loop in test.loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
         raise LabError(
             "band test",
             f"cycles {test.cycles[0]} to {test.cycles[1]} are asked for and the recordings hold "
             f"{shown}: pass the cycles to use, and how many files are of one sample.",
         )
-    for loop in used:
+    for loop in test.used:
         low, high = float(np.min(loop.stroke)), float(np.max(loop.stroke))
         if low > test.window[0] + REACH or high < test.window[1] - REACH:
             raise LabError(
@@ -321,25 +318,40 @@ def _used_lines(test: BandTest) -> list[str]:
                 f"its stroke of {_mm((low, high))} mm does not reach over the window of "
                 f"{_mm(test.window)} mm: pass another window, or drop sample {loop.sample}.",
             )
+
+
+def _used_lines(test: BandTest) -> list[str]:
+    """Which cycles of each sample are used, a line for each."""
     lines: list[str] = []
-    for sample in sorted({loop.sample for loop in loops}):
-        mine = [loop.cycle for loop in used if loop.sample == sample]
-        rest = [loop.cycle for loop in loops if loop.sample == sample and loop.cycle not in mine]
+    used = {(loop.sample, loop.cycle) for loop in test.used}
+    for sample in sorted({loop.sample for loop in test.loops}):
+        every = [loop.cycle for loop in test.loops if loop.sample == sample]
+        mine = [cycle for cycle in every if (sample, cycle) in used]
+        apart = [cycle for cycle in every if (sample, cycle) in test.apart]
+        rest = [cycle for cycle in every if cycle not in (*mine, *apart)]
         told = f"cycles {_listed(mine)} used, {_listed(rest)} not"
-        only = f"not used, it has cycles {_listed(rest)} only"
-        lines.append(f"sample {sample}: {told if mine else only}")
+        if not mine:
+            told = f"not used, it has cycles {_listed(rest)} only"
+        if apart:
+            told = f"{told}; {_listed(apart)} not" if mine else f"cycles {_listed(apart)} not used"
+            told += ", of another kind"
+        lines.append(f"sample {sample}: {told}")
     return lines
 
 
+def _inside(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Stroke [m] and force [N] of the loading halves inside a window [m]."""
+    stroke = np.concatenate([loop.stroke for loop in loops])
+    force = np.concatenate([loop.force for loop in loops])
+    inside = (stroke >= window[0]) & (stroke <= window[1])
+    return stroke[inside], force[inside]
+
+
 def _pulling(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
-    """Stroke [m] and force [N] of the readings of a taut band inside a window [m]."""
-    stroke, force = (
-        np.concatenate([o.stroke for o in loops]),
-        np.concatenate([o.force for o in loops]),
-    )
-    kept = np.concatenate([taut(loop.force, loop.steps[1]) for loop in loops])
-    kept &= (stroke >= window[0]) & (stroke <= window[1])
-    return stroke[kept], force[kept]
+    """The same where the band is taut."""
+    pulls = [taut(loop.force, loop.steps[1]) for loop in loops]
+    pairs = zip(loops, pulls, strict=True)
+    return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
 
 
 def _slope(stroke: Floats, force: Floats) -> float:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, brief
-from stepwell.lab.bands.band import BandTest
+from stepwell.lab.bands.band import BandTest, stiffness
 from stepwell.lab.bands.evidence import (
     TRUE_TO,
     WORTH,
@@ -18,6 +19,7 @@ from stepwell.lab.bands.evidence import (
     intervals,
     reading_doubt,
 )
+from stepwell.lab.bands.extent import REACH
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import rms
@@ -172,16 +174,16 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
         )
     gauge = test.gauge if gauge is None else gauge
     folds, curves = _curves(test)
-    stroke = curves[0][0]
-    forces = [np.interp(stroke, u, force) for u, force in curves]
+    stroke, forces = _together(curves)
     spare = min(len(u) for u, _ in curves) - _SPARE
     laws = [law for law in LAWS if law is LAWS[0] or law.count(gauge) <= spare]
+    if folds == NOTHING:
+        return _by_evidence(test, laws, gauge)
     candidates: list[Candidate] = []
     for law in laws:
         predicted: list[float] = []
         for k, force in enumerate(forces):
-            others = [f for j, f in enumerate(forces) if j != k] or [force]
-            guess = fit(law, stroke, np.mean(others, axis=0), gauge)
+            guess = fit(law, stroke, np.mean([*forces[:k], *forces[k + 1 :]], axis=0), gauge)
             shape = guess.tension(stroke)
             factor = float(shape @ force / (shape @ shape))
             predicted.append(rms(factor * shape - force))
@@ -189,8 +191,6 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
         candidates.append(
             Candidate(whole, law.count(gauge), tuple(predicted), _estimates(test, law, gauge))
         )
-    if folds == NOTHING:
-        return _by_evidence(test, candidates, gauge)
     candidates.sort(key=lambda c: (c.parameters, c.score))
     best = min(candidates, key=lambda c: c.score)
     chosen = next(c for c in candidates if c.score <= best.score + best.uncertainty)
@@ -207,13 +207,21 @@ def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | Non
         return None
     (sample,) = test.samples
     steps = test.steps_of(sample)
-    return intervals(choice.chosen.fitted, choice.gauge, *test.curve(sample), steps)
+    slope, onset = intervals(choice.chosen.fitted, choice.gauge, *test.curve(sample), steps)
+    # Of all readings, as `stiffness` has it, and not of the curve's means.
+    k = stiffness(test).value
+    return Interval(k, *(k + edge - slope.value for edge in slope[1:])), onset
 
 
-def _by_evidence(test: BandTest, candidates: list[Candidate], gauge: float | None) -> Choice:
+def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) -> Choice:
     """The choice for one curve: the fewest numbers that are not worth another."""
     (sample,) = test.samples
     stroke, force = test.curve(sample)
+    candidates: list[Candidate] = []
+    for law in laws:
+        one = fit(law, stroke, force, gauge)
+        alone = {name: of_samples({sample: value}) for name, value in one.values.items()}
+        candidates.append(Candidate(one, law.count(gauge), (one.rmse,), alone))
     left = [force - one.fitted.tension(stroke) for one in candidates]
     # By what the line leaves: what it cannot follow counts as few readings, so that drift of a
     # load cell, which is as smooth, is no reason for a richer law.
@@ -241,6 +249,19 @@ def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
     cycles = sorted({loop.cycle for loop in test.used})
     single = [replace(test, cycles=(cycle, cycle)) for cycle in cycles]
     return "cycle", [one.curve(sample) for one in single for sample in one.samples]
+
+
+def _together(curves: list[tuple[Floats, Floats]]) -> tuple[Floats, list[Floats]]:
+    """Strokes that all curves reach [m], and the forces of each there [N]."""
+    stroke = curves[0][0]
+    if all(len(u) == len(stroke) and np.ptp(u - stroke) < REACH for u, _ in curves):
+        return stroke, [np.interp(stroke, u, force) for u, force in curves]
+    # A few readings each, not at the same strokes: a straight line between two cuts the corner.
+    from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
+
+    low, high = max(u[0] for u, _ in curves), min(u[-1] for u, _ in curves)
+    stroke = np.linspace(low, high, min(len(u) for u, _ in curves))
+    return stroke, [PchipInterpolator(u, force)(stroke) for u, force in curves]
 
 
 def _estimates(test: BandTest, law: ForceLaw, gauge: float | None) -> dict[str, Estimate]:

@@ -101,14 +101,16 @@ def intervals(
     slopes = fitted.slopes(u, gauge)
     left = f - fitted.tension(u)
     worth = independent(left)
-    free = math.floor(worth) - slopes.shape[1]
+    spare = len(u) - slopes.shape[1]
+    # What neighbours leave alike still tells something, if little.
+    free = min(max(math.floor(worth) - slopes.shape[1], 1), spare)
     pulls = taut(force, steps[1])
     x = stroke[pulls] - np.mean(stroke[pulls])
     k = float(x @ force[pulls] / (x @ x))
     told = float(np.mean(reading_doubt(fitted, u, steps) ** 2))
     if free < 1:
         return Interval(k, math.nan, math.nan), Interval(fitted.onset, math.nan, math.nan)
-    scatter = float(left @ left) / (len(u) - slopes.shape[1])
+    scatter = float(left @ left) / spare
     # Few readings can lie on the law by luck, but no better than their digits tell.
     wide = max(student(free) ** 2 * scatter, student(math.inf) ** 2 * told)
     # As many readings as are independent, spread over the strokes as all of them are.

@@ -21,7 +21,7 @@ from stepwell.lab.recordings import (
     stem_of,
 )
 
-# Fewer rows a half than this, over more than one turn, are a table whose rows are in no order.
+# Rows that a loading half has at least, and all halves on average, where a table is in an order.
 _ROWS = 4
 
 
@@ -153,10 +153,12 @@ def _cycles(recording: Recording) -> Iterator[tuple[Floats, Floats, Floats, Floa
 
 
 def _order(recording: Recording) -> tuple[str, ...]:
-    """What is told of a table without time that goes neither up nor up and down: it is sorted."""
+    """What is told of a table without time whose rows are in no order: they are sorted."""
     halves = recording.halves
-    jumbled = len(halves) > 2 and len(recording) < _ROWS * len(halves)
-    falls = len(halves) == 1 and recording.direction == "unloading"
-    if np.all(np.isnan(recording.time)) and (jumbled or falls):
+    rows = [h.stop - h.start for h in halves if recording.direction_of(h) == "loading"]
+    mixed = len(halves) > 2 and len(recording) < _ROWS * len(halves)
+    if np.all(np.isnan(recording.time)) and (
+        not rows or mixed or (len(halves) > 1 and max(rows) < _ROWS)
+    ):
         return ("its rows are sorted by stroke and taken as one loading",)
     return ()

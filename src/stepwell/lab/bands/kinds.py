@@ -9,13 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Bands of a kind scatter by 10 to 15 %; two that lie further apart than this factor, with none
-# between them, are of two kinds, or one of the runs is broken.
-_APART = 1.3
+# Bands of a kind scatter by 10 %, seldom by 15; two that lie further apart than this factor, with
+# none between them, are of two kinds, or one of the runs is broken.
+_APART = 1.4
 # Rubber softens from cycle to cycle and never stiffens: by half in its first cycles, then by a few
 # percent. Past these factors the next cycle is of another band.
 _SOFTER_AT_FIRST, _SOFTER, _STIFFER = 4.0, 1.5, 1.3
 _EARLY = 2
+_ABOUT = 0.12  # between a factor and the count of bands that may explain it
 
 
 class Run(NamedTuple):
@@ -69,7 +70,7 @@ def differing(usual: Kind, other: Kind) -> str:
     times = f"{factor:.3g} times as {'stiff' if ratio > 1 else 'soft'}"
     whole = round(factor)
     hint = ""
-    if 2 <= whole <= 4 and abs(factor / whole - 1) < 0.2:
+    if 2 <= whole <= 4 and abs(factor / whole - 1) < _ABOUT:
         hint = (
             f" ({whole} bands in place of 1?)" if ratio > 1 else f" (1 band in place of {whole}?)"
         )
