@@ -145,6 +145,13 @@ def band_test(
     _check_reach(test)
     apart, warnings = _apart(test)
     test = replace(test, apart=apart, warnings=warnings)
+    for sample, k in stiffness(test).each.items():
+        if math.isnan(k):
+            raise LabError(
+                f"sample {sample}",
+                f"holds fewer than 2 readings of a taut band between {_mm(test.window)} mm of "
+                f"stroke: pass another window, or drop it.",
+            )
     return replace(test, told=(*filter(None, adapted), *_used_lines(test), *told))
 
 

@@ -25,6 +25,7 @@ from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import rms
 
 _SPARE = 2  # readings beyond its numbers, below which only the line is tried
+_DOZEN = 12
 NOTHING = "nothing"
 
 
@@ -224,8 +225,9 @@ def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) 
         candidates.append(Candidate(one, law.count(gauge), (one.rmse,), alone))
     left = [force - one.fitted.tension(stroke) for one in candidates]
     # By what the line leaves: what it cannot follow counts as few readings, so that drift of a
-    # load cell, which is as smooth, is no reason for a richer law.
-    worth = independent(left[0])
+    # load cell, which is as smooth, is no reason for a richer law. Not fewer than a dozen, or no
+    # bend would be reason enough.
+    worth = max(independent(left[0]), min(len(stroke), _DOZEN))
     told = rms(reading_doubt(candidates[0].fitted, stroke, test.steps_of(sample)))
     doubt = math.hypot(TRUE_TO * float(np.max(force)), told)
     scores = [

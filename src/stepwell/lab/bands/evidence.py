@@ -96,27 +96,33 @@ def intervals(
         stroke, force: (n,) [m], [N].
         steps: in which stroke [m] and force [N] are told.
     """
+    pulls = taut(force, steps[1])
+    x = stroke[pulls] - np.mean(stroke[pulls])
+    k = float(x @ force[pulls] / (x @ x)) if len(x) > 1 else math.nan
     beyond = stroke > fitted.onset
     u, f = stroke[beyond], force[beyond]
+    if len(u) <= fitted.law.count(gauge):
+        return Interval(k, math.nan, math.nan), Interval(fitted.onset, math.nan, math.nan)
     slopes = fitted.slopes(u, gauge)
     left = f - fitted.tension(u)
     worth = independent(left)
     spare = len(u) - slopes.shape[1]
     # What neighbours leave alike still tells something, if little.
     free = min(max(math.floor(worth) - slopes.shape[1], 1), spare)
-    pulls = taut(force, steps[1])
-    x = stroke[pulls] - np.mean(stroke[pulls])
-    k = float(x @ force[pulls] / (x @ x))
-    told = float(np.mean(reading_doubt(fitted, u, steps) ** 2))
-    if free < 1:
-        return Interval(k, math.nan, math.nan), Interval(fitted.onset, math.nan, math.nan)
-    scatter = float(left @ left) / spare
+    told = any(steps)
+    doubt = reading_doubt(fitted, u, steps) if told else np.ones(len(u))
+    scatter = float(np.sum((left / doubt) ** 2)) / spare
     # Few readings can lie on the law by luck, but no better than their digits tell.
     wide = max(student(free) ** 2 * scatter, student(math.inf) ** 2 * told)
     # As many readings as are independent, spread over the strokes as all of them are.
     wide = math.sqrt(wide * len(u) / worth)
     scale = np.linalg.norm(slopes, axis=0)
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
-    found = (k, 1 / float(np.linalg.norm(x))), (fitted.onset, float(np.linalg.norm(to_onset)))
-    first, second = (Interval(v, v - wide * error, v + wide * error) for v, error in found)
-    return first, second
+    to_slope = x / float(x @ x)
+    at_pulls = reading_doubt(fitted, stroke[pulls], steps) if told else np.ones(len(x))
+    k_error = wide * float(np.linalg.norm(to_slope * at_pulls))
+    onset_error = wide * float(np.linalg.norm(to_onset * doubt))
+    return (
+        Interval(k, k - k_error, k + k_error),
+        Interval(fitted.onset, fitted.onset - onset_error, fitted.onset + onset_error),
+    )
