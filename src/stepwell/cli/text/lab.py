@@ -73,8 +73,8 @@ def band(record: dict[str, Any]) -> None:
         "Intervals are Student's, from the scatter between samples, taken as independent and "
         "normal; cycles of one sample are no samples."
         if alone is None
-        else "Intervals are Student's, from the scatter of the readings around the law, or from "
-        "the digits they are told in where those are wider.",
+        else "Intervals are Student's, from the scatter of the readings around the law and the "
+        "digits they are told in.",
         "",
         "Used and dropped",
         *record["told"],

@@ -204,9 +204,9 @@ def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | Non
     With 95 % intervals by its readings and the chosen law; None for several samples, of which
     `stiffness` tells what bands of their kind have.
     """
-    if len(test.samples) > 1:
+    sample, *others = test.samples
+    if others:
         return None
-    (sample,) = test.samples
     steps = test.steps_of(sample)
     slope, onset = intervals(choice.chosen.fitted, choice.gauge, *test.curve(sample), steps)
     # Of all readings, as `stiffness` has it, and not of the curve's means.

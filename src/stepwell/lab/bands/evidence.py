@@ -87,8 +87,8 @@ def intervals(
 ) -> tuple[Interval, Interval]:
     """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
 
-    They hold what this band has, by the scatter of its readings around the law (Student) or by
-    the digits they are told in (normal), whichever is wider; not what other bands have.
+    They hold what this band has, by the scatter of its readings around the law and the digits they
+    are told in (Student); not what other bands have.
 
     Args:
         fitted: the law through the curve.
@@ -112,10 +112,11 @@ def intervals(
     told = any(steps)
     doubt = reading_doubt(fitted, u, steps) if told else np.ones(len(u))
     scatter = float(np.sum((left / doubt) ** 2)) / spare
-    # Few readings can lie on the law by luck, but no better than their digits tell.
-    wide = max(student(free) ** 2 * scatter, student(math.inf) ** 2 * told)
+    if told:
+        # Few readings can lie on the law by luck: what their digits tell counts as one more.
+        scatter = (free * scatter + 1.0) / (free + 1)
     # As many readings as are independent, spread over the strokes as all of them are.
-    wide = math.sqrt(wide * len(u) / worth)
+    wide = student(free + told) * math.sqrt(scatter * len(u) / worth)
     scale = np.linalg.norm(slopes, axis=0)
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
     to_slope = x / float(x @ x)

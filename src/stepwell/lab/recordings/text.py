@@ -62,8 +62,8 @@ def parse(data: bytes) -> Export:
     unit = found["force"].unit
     if unit in WEIGHTS:
         remarks += (f"{unit} are weights: each kg pulls with {GRAVITY} N, positive pulls",)
-    steps = (_step(rows[:, one.place]) * one.factor for one in (found[way], found["force"]))
-    return Export(time, values["stroke"], values["force"], remarks, gauge, tuple(steps))
+    u, force = (_step(rows[:, one.place]) * one.factor for one in (found[way], found["force"]))
+    return Export(time, values["stroke"], values["force"], remarks, gauge, (u, force))
 
 
 def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
