@@ -84,7 +84,7 @@ def band(
         str | None,
         typer.Option(
             metavar="FROM:TO",
-            help="Cycles that are fitted, from 1; 5:9 where there are any, else all but the first",
+            help="Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
         ),
     ] = None,
     drop: Annotated[
