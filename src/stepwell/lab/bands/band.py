@@ -29,7 +29,7 @@ class BandTest(ByValue, Drawn):
         window: stroke between which bands are fitted [m].
         cycles: first and last cycle that is fitted.
         told: which files were used, which dropped and why, and what is odd.
-        gauge: length at stroke 0 [m], where the files hold the length of the bands; else None.
+        gauge: mean length at stroke 0 [m], where the files hold that of the bands; else None.
         apart: sample and cycle of what is of another kind than most, and not used.
         warnings: what to know before anything else.
     """

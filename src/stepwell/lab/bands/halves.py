@@ -72,8 +72,8 @@ def loops_of(
     where those of a sample agree with the cycles in the files; else they are counted.
 
     Returns:
-        The cycles; the length at stroke 0 [m], where every file holds the length of its band, their
-        strokes then counting from the least of them; and what is to be told.
+        The cycles; the mean length at stroke 0 [m], where every file holds the length of its band;
+        and what is to be told.
     """
     told: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
@@ -89,7 +89,7 @@ def loops_of(
             numbers[recording.source] = number
     kept = [recording for files in by_sample.values() for recording in files]
     gauges = [recording.gauge for recording in kept if recording.gauge is not None]
-    gauge = min(gauges) if gauges and len(gauges) == len(kept) else None
+    gauge = sum(gauges) / len(gauges) if gauges and len(gauges) == len(kept) else None
     if gauges and gauge is None:
         told.append("some files hold the length of the band and some do not: it is not used")
     loops: list[Hysteresis] = []
@@ -101,10 +101,8 @@ def loops_of(
             if not found:
                 told.append(f"{recording.source}: left out, it has no loading half")
             cycle = cycle if number is None else number - 1
-            offset = 0.0 if gauge is None or recording.gauge is None else recording.gauge - gauge
-            for u, force, back, back_force in found:
+            for parts in found:
                 cycle += 1
-                parts = u + offset, force, back + offset, back_force
                 loops.append(Hysteresis(sample, cycle, recording.source, *parts, recording.steps))
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
             told += [f"{recording.source}: {line}" for line in lines]
