@@ -217,18 +217,21 @@ def test_every_name_of_the_json_is_documented():
 
 @pytest.mark.slow
 @pytest.mark.shown
-@pytest.mark.parametrize("name", ["design-files", "commands", "how-to/bring-your-own-element"])
+@pytest.mark.parametrize(
+    "name", ["design-files", "commands", "how-to/bring-your-own-element", "how-to/first-one"]
+)
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypatch):
     monkeypatch.delenv("COLUMNS")
     (tmp_path / "forward.toml").unlink()  # the pages make it themselves
     blocks = FENCE.findall(page(name))
     assert "console" in {language for language, _, _ in blocks}
+    names = {}
     for language, title, body in blocks:
         if title:
             (tmp_path / title).parent.mkdir(exist_ok=True)
             (tmp_path / title).write_text(body, "utf-8")
         if language == "python":
-            exec(compile(body, f"{name}.md", "exec"), {})
+            exec(compile(body, f"{name}.md", "exec"), names)
         if language == "console":
             for step in re.split(r"^(?=\$ )", body, flags=re.M)[1:]:
                 line, shown = step.split("\n", 1)

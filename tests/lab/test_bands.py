@@ -136,18 +136,21 @@ def test_a_single_sample_is_said_to_show_no_scatter():
     assert np.isnan(found.low) and "not known" in repr(found)
     choice = lab.choose_law(test)
     assert choice.folds == "cycle"
-    assert "its uncertainty is not known" in lab.band_table(test, found, choice)
+    assert "of others, one sample tells nothing" in lab.band_table(test, found, choice)
     record = lab.band_record(test, choice, "")
     assert record["stiffness_N_per_m"]["low"] is None
 
 
 @pytest.mark.slow
-def test_with_one_curve_no_law_is_preferred_to_the_line():
+def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_told():
     test = curves(softening, samples=1, cycles=(5,))
     choice = lab.choose_law(test)
-    assert choice.chosen.law.name == "linear"
-    assert "no law could be tried on another" in choice.told
+    assert choice.chosen.law.name == "cubic"
+    assert choice.folds == "nothing"
+    assert "No law could be tried on another curve" in choice.told
     assert "was tried on no other curve" in lab.band_table(test, lab.stiffness(test), choice)
+    record = lab.band_record(test, choice, "")
+    assert min(law["above_best"] for law in record["laws"]) == 0
 
 
 @pytest.mark.slow

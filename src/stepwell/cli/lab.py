@@ -68,17 +68,26 @@ def read(
 def band(
     folders: Annotated[
         list[Path],
-        typer.Argument(metavar="FOLDER...", help="Tension tests of bands."),
+        typer.Argument(
+            metavar="PATH...",
+            help="Tension tests of bands, folders or files, by a machine or a scale and a ruler.",
+        ),
     ],
     window: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--window-mm", metavar="FROM:TO", help="Stroke between which bands are fitted."
+            "--window-mm",
+            metavar="FROM:TO",
+            help="Stroke between which bands are fitted; 5:35 where it is measured, else all.",
         ),
-    ] = "5:35",
+    ] = None,
     cycles: Annotated[
-        str, typer.Option(metavar="FROM:TO", help="Cycles that are fitted, from 1; both included.")
-    ] = "5:9",
+        str | None,
+        typer.Option(
+            metavar="FROM:TO",
+            help="Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.",
+        ),
+    ] = None,
     drop: Annotated[
         list[int] | None,
         typer.Option(metavar="SAMPLE", help="A sample to leave out; may be given again."),
@@ -99,7 +108,7 @@ def band(
     ] = None,
     law: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="The law to write, whatever cross-validation chooses."),
+        typer.Option(metavar="NAME", help="The law to write, whatever is chosen."),
     ] = None,
     out: Out = None,
     force: Force = False,
@@ -108,7 +117,8 @@ def band(
     """Say how stiff bands are, and write a `band` table for a design file.
 
     Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
-    force law that predicts a sample best. The defaults for window and cycles are the paper's.
+    force law that explains it best. A table of lengths and weights is enough, such as
+    length (mm), weight (g). The defaults for window and cycles are the paper's.
     With --out, the table, the numbers and a figure are written into a folder.
     """
     from stepwell import lab as measured
@@ -116,13 +126,13 @@ def band(
     from stepwell.reports import write_band
 
     free(out, "lab band", force)
-    low, high = read_window(window)
-    first, last = map(int, read_window(cycles, whole=True))
+    edges = None if window is None else read_window(window)
+    counted = None if cycles is None else read_window(cycles, whole=True)
     given = _recordings(folders)
     test = measured.band_test(
         given,
-        window=(low * 1e-3, high * 1e-3),
-        cycles=(first, last),
+        window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
+        cycles=None if counted is None else (int(counted[0]), int(counted[1])),
         drop=drop or (),
         cycles_per_sample=cycles_per_sample,
     )

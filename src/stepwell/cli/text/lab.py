@@ -49,10 +49,19 @@ def readings(record: dict[str, Any]) -> None:
 def band(record: dict[str, Any]) -> None:
     """Print what `lab.band_record` returns."""
     low, high = record["window_mm"]
-    k, loss = record["stiffness_N_per_m"], record["loss_used"]
+    k, loss, alone = record["stiffness_N_per_m"], record["loss_used"], record["this_band"]
+    first, last = record["cycles"]
+    show_lines(*(f"Warning: {line}" for line in record["warnings"]))
     show_lines(
-        f"Stiffness {number(k['value'])} N/m, loading, {low:g} to {high:g} mm, cycles "
-        f"{record['cycles'][0]} to {record['cycles'][1]}",
+        f"Stiffness {number(k['value'])} N/m, loading, {low:.5g} to {high:.5g} mm, cycles "
+        f"{first} to {last}",
+    )
+    if alone is not None:
+        show_lines(f"  this band, 95 %:      {_of_one(alone['stiffness_N_per_m'], 'N/m')}")
+        if (length := alone["rest_length_mm"]) is not None:
+            told = f"{number(length['value'])} mm, 95 %: {_of_one(length, 'mm')}"
+            show_lines(f"  its rest length:      {told}")
+    show_lines(
         f"  mean of bands, 95 %:  {_interval(k, 'low', 'high')}",
         f"  one more band, 95 %:  {_interval(k, 'next_low', 'next_high')}",
         f"  by sample:            {_each(k)}",
@@ -62,7 +71,10 @@ def band(record: dict[str, Any]) -> None:
         show_lines(f"Work lost in a cycle    {loss['value']:.1%}, by sample {each}")
     show_lines(
         "Intervals are Student's, from the scatter between samples, taken as independent and "
-        "normal; cycles of one sample are no samples.",
+        "normal; cycles of one sample are no samples."
+        if alone is None
+        else "Intervals are Student's, from the scatter of the readings around the law and the "
+        "digits they are told in.",
         "",
         "Used and dropped",
         *record["told"],
@@ -72,7 +84,7 @@ def band(record: dict[str, Any]) -> None:
         Column("law", lambda law: law["law"] + " (chosen)" * (law["law"] == record["law_chosen"])),
         Quantity("numbers", head="numbers", left=False),
         _thousandths("leaves [mN]", "leaves_N"),
-        _thousandths(f"{record['left_out']} left out [mN]", "predicts_N"),
+        _tried(record),
         Column("values", _values),
     ]
     show_records("Force laws, fewest numbers first", columns, record["laws"], most=None)
@@ -177,6 +189,19 @@ def _interval(estimate: dict[str, Any], low: str, high: str) -> str:
     if estimate[low] is None:
         return "not known: one sample shows no scatter between samples"
     return f"{estimate[low]:.4g} to {estimate[high]:.4g} N/m"
+
+
+def _of_one(interval: dict[str, Any], unit: str) -> str:
+    if interval["low"] is None:
+        return "not known: too few readings"
+    return f"{interval['low']:.4g} to {interval['high']:.4g} {unit}"
+
+
+def _tried(record: dict[str, Any]) -> Column:
+    """How laws did on what was left out; on one curve, by the criterion that chose."""
+    if record["left_out"] == "nothing":
+        return Column("criterion above best", lambda law: number(law["above_best"], 3), True)
+    return _thousandths(f"{record['left_out']} left out [mN]", "predicts_N")
 
 
 def _each(estimate: dict[str, Any], form: str = ".4g") -> str:

@@ -36,6 +36,7 @@ _LOOKS = {
     "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
 }
 
+_READINGS = 40  # of a half, up to which each is drawn
 _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
 
@@ -59,7 +60,9 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         for u, force in ((loop.stroke, loop.force), (loop.back_stroke, loop.back_force)):
             colour = GREEN if mine else pale(FAINT, 0.4)
             step = max(1, len(u) // 400)
-            left.plot(u[::step] * MM, force[::step], color=colour, linewidth=0.7)
+            look = {"color": colour, "linewidth": 0.7, "markersize": 2.5}
+            marker = "o" if len(u) <= _READINGS else ""
+            left.plot(u[::step] * MM, force[::step], marker=marker, **look)
     for edge in test.window:
         left.axvline(edge * MM, **_WINDOW)
     left.set(xlabel="Stroke of the grips [mm]", ylabel="Tension [N]")

@@ -5,66 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, brief, need
+from stepwell.base import ByValue, Drawn, Floats, need
+from stepwell.lab.bands.extent import REACH, taut, usual_cycles, usual_window
+from stepwell.lab.bands.halves import Hysteresis, loops_of
+from stepwell.lab.bands.kinds import Run, differing, kinds, listed
 from stepwell.lab.bands.spread import Estimate, of_samples
-from stepwell.lab.recordings import (
-    LabError,
-    Recording,
-    batch_oddities,
-    is_baseline,
-    natural,
-    run_number,
-    sample_number,
-    stem_of,
-)
+from stepwell.lab.recordings import LabError, Recording
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-# What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
-WINDOW = (0.005, 0.035)
-CYCLES = (5, 9)
-
-
-@dataclass(frozen=True, eq=False)
-class Hysteresis(ByValue):
-    """One cycle of one sample.
-
-    Attributes:
-        sample, cycle: counted from 1.
-        source: the file it comes from.
-        stroke, force: (n,) of the loading half [m], [N].
-        back_stroke, back_force: (m,) of the unloading half; empty where there is none.
-    """
-
-    sample: int
-    cycle: int
-    source: str
-    stroke: Floats = field(repr=False)
-    force: Floats = field(repr=False)
-    back_stroke: Floats = field(repr=False)
-    back_force: Floats = field(repr=False)
-
-    @property
-    def work(self) -> float:
-        """Work of loading [J]."""
-        return float(np.trapezoid(self.force, self.stroke))
-
-    @property
-    def loss(self) -> float:
-        """Share of that work which unloading does not give back; NaN without unloading."""
-        if len(self.back_stroke) < 2 or self.work <= 0:
-            return math.nan
-        return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
-
-    def __repr__(self):
-        return brief(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +29,18 @@ class BandTest(ByValue, Drawn):
         window: stroke between which bands are fitted [m].
         cycles: first and last cycle that is fitted.
         told: which files were used, which dropped and why, and what is odd.
+        gauge: mean length at stroke 0 [m], where the files hold that of the bands; else None.
+        apart: sample and cycle of what is of another kind than most, and not used.
+        warnings: what to know before anything else.
     """
 
     loops: tuple[Hysteresis, ...] = field(repr=False)
     window: tuple[float, float]
     cycles: tuple[int, int]
     told: tuple[str, ...] = field(repr=False)
+    gauge: float | None = field(default=None, repr=False)
+    apart: frozenset[tuple[int, int]] = field(default=frozenset(), repr=False)
+    warnings: tuple[str, ...] = field(default=(), repr=False)
 
     @property
     def samples(self) -> tuple[int, ...]:
@@ -92,7 +51,11 @@ class BandTest(ByValue, Drawn):
     def used(self) -> tuple[Hysteresis, ...]:
         """The cycles that are fitted."""
         first, last = self.cycles
-        return tuple(loop for loop in self.loops if first <= loop.cycle <= last)
+        return tuple(
+            loop
+            for loop in self.loops
+            if first <= loop.cycle <= last and (loop.sample, loop.cycle) not in self.apart
+        )
 
     def curve(self, sample: int, points: int = 61) -> tuple[Floats, Floats]:
         """Mean loading curve of a sample inside the window.
@@ -115,11 +78,17 @@ class BandTest(ByValue, Drawn):
 
     def samples_of(self, sample: int, window: tuple[float, float]) -> tuple[Floats, Floats]:
         """Stroke [m] and force [N] of every loading sample of a band inside a window [m]."""
+        return _inside([loop for loop in self.used if loop.sample == sample], window)
+
+    def steps_of(self, sample: int) -> tuple[float, float]:
+        """In which stroke [m] and force [N] the points of `curve` are told; 0 for no step.
+
+        A point that is the mean of many readings is told better than one of them.
+        """
         loops = [loop for loop in self.used if loop.sample == sample]
-        stroke = np.concatenate([loop.stroke for loop in loops])
-        force = np.concatenate([loop.force for loop in loops])
-        inside = (stroke >= window[0]) & (stroke <= window[1])
-        return stroke[inside], force[inside]
+        means = len(self.samples_of(sample, self.window)[0]) / len(self.curve(sample)[0])
+        stroke, force = np.max([loop.steps for loop in loops], axis=0) / math.sqrt(means)
+        return float(stroke), float(force)
 
     def __repr__(self):
         low, high = (1e3 * edge for edge in self.window)
@@ -132,20 +101,23 @@ class BandTest(ByValue, Drawn):
 def band_test(
     recordings: Sequence[Recording],
     *,
-    window: tuple[float, float] = WINDOW,
-    cycles: tuple[int, int] = CYCLES,
+    window: tuple[float, float] | None = None,
+    cycles: tuple[int, int] | None = None,
     drop: Iterable[int] = (),
     cycles_per_sample: int | None = None,
 ) -> BandTest:
     """Sort tension tests into samples and cycles, and say what is used.
 
     Samples are told apart by names such as Samp2_45mm_7; where names only count through, by
-    `cycles_per_sample`; else all files of one stem are one sample.
+    `cycles_per_sample`; else all files of one stem are one sample. Bands of another kind than most
+    are not used, and warned of.
 
     Args:
         recordings: tension tests, each one or more cycles long.
-        window: stroke between which bands are fitted [m]; the default is the paper's.
-        cycles: first and last cycle that is fitted, from 1; the default is the paper's.
+        window: stroke between which bands are fitted [m]; the paper's 5 to 35 mm by default, or
+            where a stroke does not reach over them or they hold few readings, all that is taut.
+        cycles: first and last cycle that is fitted, from 1; the paper's 5 to 9 by default, or where
+            a sample has none of them, all but the first.
         drop: numbers of samples to leave out.
         cycles_per_sample: how many files in a row are of one sample.
 
@@ -153,35 +125,92 @@ def band_test(
         The test.
 
     Raises:
-        LabError: nothing is left, or a sample does not reach over the window.
+        LabError: nothing is left, a sample does not reach over the window, or no kind of band is
+            in the majority.
     """
-    if not 0 <= window[0] < window[1]:
+    if window is not None and not 0 <= window[0] < window[1]:
         raise LabError("window", f"{_mm(window)} mm: must be two strokes that rise from 0 on.")
-    if not 1 <= cycles[0] <= cycles[1]:
+    if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
-    left_out = set(drop)
-    told: list[str] = []
-    loops: list[Hysteresis] = []
-    stems: dict[str, int] = {}
-    cycle_of: dict[int, int] = {}
-    odd = batch_oddities(recordings)
-    for recording in sorted(recordings, key=lambda r: natural(r.source)):
-        if is_baseline(recording.name):
-            told.append(f"{recording.source}: left out, its name says that no band was on")
-            continue
-        sample, first = _sample_and_cycle(recording, stems, cycles_per_sample)
-        if sample in left_out:
-            told.append(f"{recording.source}: left out, sample {sample} as asked")
-            continue
-        found = _loops(recording, sample, first or cycle_of.get(sample, 0) + 1)
-        if not found:
-            told.append(f"{recording.source}: left out, it has no loading half")
-            continue
-        cycle_of[sample] = found[-1].cycle
-        loops += found
-        told += [f"{recording.source}: {line}" for line in odd.get(recording.source, ())]
-    test = BandTest(tuple(loops), window, cycles, tuple(told))
-    return replace(test, told=(*_used_lines(test), *told))
+    loops, gauge, told = loops_of(recordings, set(drop), cycles_per_sample)
+    adapted: list[str] = []
+    if cycles is None:
+        cycles, line = usual_cycles(loops)
+        adapted.append(line)
+    if window is None:
+        used = [loop for loop in loops if cycles[0] <= loop.cycle <= cycles[1]]
+        window, line = usual_window(used)
+        adapted.append(line)
+    test = BandTest(loops, window, cycles, told, gauge)
+    _check_reach(test)
+    apart, warnings = _apart(test)
+    test = replace(test, apart=apart, warnings=warnings)
+    for sample, k in stiffness(test).each.items():
+        if math.isnan(k):
+            raise LabError(
+                f"sample {sample}",
+                f"holds fewer than 2 readings of a taut band between {_mm(test.window)} mm of "
+                f"stroke: pass another window, or drop it.",
+            )
+    return replace(test, told=(*filter(None, adapted), *_used_lines(test), *told))
+
+
+def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]:
+    """Sample and cycle of runs of another kind than most, and the warning of them.
+
+    Raises:
+        LabError: no kind is in the majority, or the bands do not pull.
+    """
+    runs: list[Run] = []
+    for loop in test.used:
+        stroke, force = _pulling([loop], test.window)
+        if len(stroke) < 2:
+            stroke, force = _inside([loop], test.window)
+        k = _slope(stroke, force)
+        if math.isnan(k):
+            raise LabError(
+                loop.source,
+                f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
+                f"another window, or drop sample {loop.sample}.",
+            )
+        runs.append(Run(loop.sample, loop.cycle, loop.source, k))
+    usual, *others = kinds(runs)
+    if usual.stiffness <= 0:
+        raise LabError(
+            listed([run.source for run in usual.runs]),
+            f"the force changes by {usual.stiffness:.3g} N/m of stroke: it must rise as the band "
+            f"gets longer. Look at the sign and at which column is which.",
+        )
+    if not others:
+        return frozenset(), ()
+    differ = "; ".join(differing(usual, other) for other in others)
+    todo = _todo({run.sample for run in usual.runs}, [r.sample for o in others for r in o.runs])
+    bands = usual.bands + sum(other.bands for other in others)
+    if 2 * usual.bands <= bands:
+        raise LabError(
+            "band test",
+            f"the runs are not of one kind of band, and no kind is in the majority: "
+            f"{listed([run.source for run in usual.runs])}: {usual.stiffness:.4g} N/m; {differ}. "
+            f"{todo[0].upper()}{todo[1:]}",
+        )
+    apart = frozenset((run.sample, run.cycle) for other in others for run in other.runs)
+    warning = (
+        f"Not one kind of band: {usual.bands} of {bands} have about {usual.stiffness:.4g} N/m; "
+        f"not used: {differ}. Another kind, or a broken run: {todo}"
+    )
+    return apart, (warning,)
+
+
+def _todo(kept: set[int], odd: list[int]) -> str:
+    """What to do about samples of another kind."""
+    whole = sorted(set(odd) - kept)
+    if whole and kept:
+        drop = " ".join(f"--drop {sample}" for sample in whole)
+        return f"leave out {drop}, or keep each kind in a folder of its own."
+    return (
+        "keep each kind in a folder of its own, or tell samples apart by --cycles-per-sample and "
+        "leave some out by --drop."
+    )
 
 
 def stiffness(test: BandTest) -> Estimate:
@@ -196,7 +225,12 @@ def stiffness(test: BandTest) -> Estimate:
     Returns:
         The estimate; without an interval where there is one sample only.
     """
-    return of_samples({s: _slope(*test.samples_of(s, test.window)) for s in test.samples})
+    return of_samples(
+        {
+            sample: _slope(*_pulling([o for o in test.used if o.sample == sample], test.window))
+            for sample in test.samples
+        }
+    )
 
 
 def stiffness_by_window(test: BandTest, step: float | None = None) -> xr.DataArray:
@@ -226,8 +260,8 @@ def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, F
     """The edges of the windows [m], and k [N/m] from each to each, as `stiffness_by_window`."""
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
     if step is None:
-        step = float(f"{reach / 9:.0e}")
-    edges = np.arange(0, math.floor(reach / step + 1e-9) + 1) * step
+        step = float(f"{max(reach, REACH) / 9:.0e}")
+    edges = np.arange(0, max(math.floor(reach / step + 1e-9), 0) + 1) * step
     grid = np.full((len(edges), len(edges)), np.nan)
     for i, low in enumerate(edges):
         for j, high in enumerate(edges):
@@ -269,65 +303,66 @@ def loss_grid(test: BandTest) -> tuple[list[int], list[int], Floats]:
     return samples, cycles, grid
 
 
-def _sample_and_cycle(
-    recording: Recording, stems: dict[str, int], per_sample: int | None
-) -> tuple[int, int | None]:
-    """Sample and first cycle of a recording; the cycle None where it follows from the order."""
-    run = run_number(recording.name)
-    if per_sample is not None and run is not None:
-        return (run - 1) // per_sample + 1, (run - 1) % per_sample + 1
-    named = sample_number(recording.name)
-    if named is not None:
-        return named, run
-    stem = recording.group + stem_of(recording.name)
-    return stems.setdefault(stem, len(stems) + 1), run
-
-
-def _loops(recording: Recording, sample: int, first: int) -> list[Hysteresis]:
-    u, force = recording.stroke, recording.force
-    found: list[Hysteresis] = []
-    for half, back in pairwise([*recording.halves, slice(0, 0)]):
-        if recording.direction_of(half) == "loading":
-            parts = u[half], force[half], u[back], force[back]
-            found.append(Hysteresis(sample, first + len(found), recording.source, *parts))
-    return found
-
-
-def _used_lines(test: BandTest) -> list[str]:
-    """Which cycles of each sample are used, a line for each.
+def _check_reach(test: BandTest) -> None:
+    """Look whether there is something to fit.
 
     Raises:
-        LabError: none is, or one does not reach over the window.
+        LabError: no cycle is used, or one does not reach over the window.
     """
-    loops, used = test.loops, test.used
-    if not used:
-        have = sorted({loop.cycle for loop in loops})
+    if not test.used:
+        have = sorted({loop.cycle for loop in test.loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
         raise LabError(
             "band test",
             f"cycles {test.cycles[0]} to {test.cycles[1]} are asked for and the recordings hold "
             f"{shown}: pass the cycles to use, and how many files are of one sample.",
         )
-    for loop in used:
+    for loop in test.used:
         low, high = float(np.min(loop.stroke)), float(np.max(loop.stroke))
-        if low > test.window[0] + 1e-4 or high < test.window[1] - 1e-4:
+        if low > test.window[0] + REACH or high < test.window[1] - REACH:
             raise LabError(
                 loop.source,
                 f"its stroke of {_mm((low, high))} mm does not reach over the window of "
                 f"{_mm(test.window)} mm: pass another window, or drop sample {loop.sample}.",
             )
+
+
+def _used_lines(test: BandTest) -> list[str]:
+    """Which cycles of each sample are used, a line for each."""
     lines: list[str] = []
-    for sample in sorted({loop.sample for loop in loops}):
-        mine = [loop.cycle for loop in used if loop.sample == sample]
-        rest = [loop.cycle for loop in loops if loop.sample == sample and loop.cycle not in mine]
+    used = {(loop.sample, loop.cycle) for loop in test.used}
+    for sample in sorted({loop.sample for loop in test.loops}):
+        every = [loop.cycle for loop in test.loops if loop.sample == sample]
+        mine = [cycle for cycle in every if (sample, cycle) in used]
+        apart = [cycle for cycle in every if (sample, cycle) in test.apart]
+        rest = [cycle for cycle in every if cycle not in (*mine, *apart)]
         told = f"cycles {_listed(mine)} used, {_listed(rest)} not"
-        only = f"not used, it has cycles {_listed(rest)} only"
-        lines.append(f"sample {sample}: {told if mine else only}")
+        if not mine:
+            told = f"not used, it has cycles {_listed(rest)} only"
+        if apart:
+            told = f"{told}; {_listed(apart)} not" if mine else f"cycles {_listed(apart)} not used"
+            told += ", of another kind"
+        lines.append(f"sample {sample}: {told}")
     return lines
 
 
+def _inside(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Stroke [m] and force [N] of the loading halves inside a window [m]."""
+    stroke = np.concatenate([loop.stroke for loop in loops])
+    force = np.concatenate([loop.force for loop in loops])
+    inside = (stroke >= window[0]) & (stroke <= window[1])
+    return stroke[inside], force[inside]
+
+
+def _pulling(loops: Sequence[Hysteresis], window: tuple[float, float]) -> tuple[Floats, Floats]:
+    """The same where the band is taut."""
+    pulls = [taut(loop.force, loop.steps[1]) for loop in loops]
+    pairs = zip(loops, pulls, strict=True)
+    return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
+
+
 def _slope(stroke: Floats, force: Floats) -> float:
-    if len(stroke) < 2:
+    if len(stroke) < 2 or np.ptp(stroke) == 0:
         return math.nan
     off = stroke - np.mean(stroke)
     return float(off @ force / (off @ off))

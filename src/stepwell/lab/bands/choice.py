@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, brief
-from stepwell.lab.bands.band import BandTest
+from stepwell.lab.bands.band import BandTest, stiffness
+from stepwell.lab.bands.evidence import (
+    TRUE_TO,
+    WORTH,
+    Interval,
+    criterion,
+    independent,
+    intervals,
+    reading_doubt,
+)
+from stepwell.lab.bands.extent import REACH
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import rms
 
+_SPARE = 2  # readings beyond its numbers, below which only the line is tried
+_DOZEN = 12
 NOTHING = "nothing"
 
 
@@ -25,12 +38,15 @@ class Candidate(ByValue):
         parameters: how many numbers it has.
         predicted: RMSE of each fold that was left out [N].
         estimates: each of its numbers with the interval that the scatter of the samples allows.
+        above_best: with one curve, its criterion above the least one; 0 for the best. NaN where
+            laws were tried on what was left out.
     """
 
     fitted: Fitted
     parameters: int
     predicted: tuple[float, ...] = field(repr=False)
     estimates: dict[str, Estimate] = field(repr=False)
+    above_best: float = field(default=math.nan, repr=False)
 
     @property
     def law(self) -> ForceLaw:
@@ -62,7 +78,8 @@ class Choice(ByValue):
         chosen: the one with the fewest numbers among those as good as the best.
         folds: what was left out in turn: "sample", or "cycle" where there is one sample, or
             "nothing" where there is one curve.
-        gauge: length of the bands at stroke 0 [m]; None where it was not given.
+        gauge: length of the bands at stroke 0 [m]; None where it is not known.
+        worth: with one curve, how many independent readings it holds; else NaN.
     """
 
     candidates: tuple[Candidate, ...]
@@ -70,6 +87,7 @@ class Choice(ByValue):
     chosen: Candidate
     folds: str
     gauge: float | None
+    worth: float = math.nan
 
     def named(self, name: str) -> Candidate:
         """The candidate of this name."""
@@ -85,8 +103,8 @@ class Choice(ByValue):
         onset = (candidate or self.chosen).fitted.onset
         if self.gauge is not None:
             return (
-                f"Rest length {(self.gauge + onset) * 1e3:.4g} mm: the length at stroke 0 that was "
-                f"given, and the onset of the force law."
+                f"Rest length {(self.gauge + onset) * 1e3:.4g} mm: the length at stroke 0, "
+                f"{self.gauge * 1e3:.4g} mm, and the onset of the force law."
             )
         lengths = [c for c in self.candidates if c.law.needs_length]
         implied = ", ".join(
@@ -103,9 +121,16 @@ class Choice(ByValue):
     def told(self) -> str:
         """How the law was chosen, in a sentence."""
         if self.folds == NOTHING:
+            line, richest = self.candidates[0], min(self.candidates, key=lambda c: c.fitted.rmse)
+            leaves = [
+                f"{one.law.name} leaves {one.fitted.rmse * 1e3:.2g} mN"
+                for one in dict.fromkeys((line, self.chosen, richest))
+            ]
             return (
-                f"Chosen: {self.chosen.law.name}, the fewest numbers; there is one curve, so no "
-                f"law could be tried on another."
+                f"Chosen: {self.chosen.law.name}, the fewest numbers that explain the one curve as "
+                f"well as any (Schwarz's criterion, {self.worth:.0f} independent readings, each "
+                f"true to {TRUE_TO:.1%} of the largest force or its last digit): "
+                f"{', '.join(leaves)}. No law could be tried on another curve."
             )
         return (
             f"Chosen: {self.chosen.law.name}, the fewest numbers within one standard error of the "
@@ -113,43 +138,53 @@ class Choice(ByValue):
         )
 
     def __repr__(self):
+        how = "of one curve" if self.folds == NOTHING else f"by leaving one {self.folds} out"
         return (
             f"Choice({self.chosen.law.name}, best {self.best.law.name}, of "
-            f"{len(self.candidates)} laws by leaving one {self.folds} out)"
+            f"{len(self.candidates)} laws {how})"
         )
 
 
 def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
-    """Fit every force law, and choose one by cross-validation.
+    """Fit every force law that has readings enough, and choose one.
 
     One sample is left out in turn (one cycle, where there is one sample) and predicted from the
     mean curve of the others, up to one factor: bands scatter in stiffness, and a law is about the
     shape. Chosen is the law of fewest numbers among those whose error is within one standard
-    error of the best one's; of two with as many numbers, the better.
+    error of the best one's; of two with as many numbers, the better. With one curve nothing can be
+    left out: Schwarz's criterion decides, for as many readings as are independent.
 
     Args:
-        test: samples and cycles; with one curve alone no law can be tried, and the line is taken.
-        gauge: length of the bands at stroke 0 [m], where it is known.
+        test: samples and cycles.
+        gauge: length of the bands at stroke 0 [m], where it is known and not in the files.
 
     Returns:
         The laws with their errors.
 
     Raises:
-        ValueError: a gauge length that is not above zero.
+        ValueError: a gauge length that is not above zero, or not that of the files.
 
-    Source: one-standard-error rule, Breiman et al. 1984.
+    Source: one-standard-error rule, Breiman et al. 1984; criterion, Schwarz 1978.
     """
     if gauge is not None and not 0 < gauge < math.inf:
         raise InputError(f"gauge = {gauge} m: must be > 0, the length of the band at stroke 0.")
+    if gauge is not None and test.gauge is not None:
+        raise InputError(
+            f"gauge = {gauge} m: the files hold the length of the band, {test.gauge:.5g} m at "
+            f"stroke 0: leave it out."
+        )
+    gauge = test.gauge if gauge is None else gauge
     folds, curves = _curves(test)
-    stroke = curves[0][0]
-    forces = [np.interp(stroke, u, force) for u, force in curves]
+    stroke, forces = _together(curves)
+    spare = min(len(u) for u, _ in curves) - _SPARE
+    laws = [law for law in LAWS if law is LAWS[0] or law.count(gauge) <= spare]
+    if folds == NOTHING:
+        return _by_evidence(test, laws, gauge)
     candidates: list[Candidate] = []
-    for law in LAWS:
+    for law in laws:
         predicted: list[float] = []
         for k, force in enumerate(forces):
-            others = [f for j, f in enumerate(forces) if j != k] or [force]
-            guess = fit(law, stroke, np.mean(others, axis=0), gauge)
+            guess = fit(law, stroke, np.mean([*forces[:k], *forces[k + 1 :]], axis=0), gauge)
             shape = guess.tension(stroke)
             factor = float(shape @ force / (shape @ shape))
             predicted.append(rms(factor * shape - force))
@@ -159,10 +194,54 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
         )
     candidates.sort(key=lambda c: (c.parameters, c.score))
     best = min(candidates, key=lambda c: c.score)
-    chosen = next(
-        c for c in candidates if folds == NOTHING or c.score <= best.score + best.uncertainty
-    )
+    chosen = next(c for c in candidates if c.score <= best.score + best.uncertainty)
     return Choice(tuple(candidates), best, chosen, folds, gauge)
+
+
+def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | None:
+    """Slope [N/m] and onset [m] of the band itself, where one alone was tested.
+
+    With 95 % intervals by its readings and the chosen law; None for several samples, of which
+    `stiffness` tells what bands of their kind have.
+    """
+    sample, *others = test.samples
+    if others:
+        return None
+    steps = test.steps_of(sample)
+    slope, onset = intervals(choice.chosen.fitted, choice.gauge, *test.curve(sample), steps)
+    # Of all readings, as `stiffness` has it, and not of the curve's means.
+    k = stiffness(test).value
+    return Interval(k, *(k + edge - slope.value for edge in slope[1:])), onset
+
+
+def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) -> Choice:
+    """The choice for one curve: the fewest numbers that are not worth another."""
+    (sample,) = test.samples
+    stroke, force = test.curve(sample)
+    candidates: list[Candidate] = []
+    for law in laws:
+        one = fit(law, stroke, force, gauge)
+        alone = {name: of_samples({sample: value}) for name, value in one.values.items()}
+        candidates.append(Candidate(one, law.count(gauge), (one.rmse,), alone))
+    left = [force - one.fitted.tension(stroke) for one in candidates]
+    # By what the line leaves: what it cannot follow counts as few readings, so that drift of a
+    # load cell, which is as smooth, is no reason for a richer law. Not fewer than a dozen, or no
+    # bend would be reason enough.
+    worth = max(independent(left[0]), min(len(stroke), _DOZEN))
+    told = rms(reading_doubt(candidates[0].fitted, stroke, test.steps_of(sample)))
+    doubt = math.hypot(TRUE_TO * float(np.max(force)), told)
+    scores = [
+        criterion(one, candidate.parameters, worth, doubt)
+        for one, candidate in zip(left, candidates, strict=True)
+    ]
+    judged = [
+        replace(candidate, above_best=score - min(scores))
+        for candidate, score in zip(candidates, scores, strict=True)
+    ]
+    judged.sort(key=lambda c: c.parameters)
+    best = min(judged, key=lambda c: c.above_best)
+    chosen = next(c for c in judged if c.above_best <= WORTH)
+    return Choice(tuple(judged), best, chosen, NOTHING, gauge, worth)
 
 
 def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
@@ -172,6 +251,19 @@ def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
     cycles = sorted({loop.cycle for loop in test.used})
     single = [replace(test, cycles=(cycle, cycle)) for cycle in cycles]
     return "cycle", [one.curve(sample) for one in single for sample in one.samples]
+
+
+def _together(curves: list[tuple[Floats, Floats]]) -> tuple[Floats, list[Floats]]:
+    """Strokes that all curves reach [m], and the forces of each there [N]."""
+    stroke = curves[0][0]
+    if all(len(u) == len(stroke) and np.ptp(u - stroke) < REACH for u, _ in curves):
+        return stroke, [np.interp(stroke, u, force) for u, force in curves]
+    # A few readings each, not at the same strokes: a straight line between two cuts the corner.
+    from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
+
+    low, high = max(u[0] for u, _ in curves), min(u[-1] for u, _ in curves)
+    stroke = np.linspace(low, high, min(len(u) for u, _ in curves))
+    return stroke, [PchipInterpolator(u, force)(stroke) for u, force in curves]
 
 
 def _estimates(test: BandTest, law: ForceLaw, gauge: float | None) -> dict[str, Estimate]:

@@ -16,6 +16,8 @@ from stepwell.lab.recordings import rms
 _ONSET = 0.060
 _LENGTH = (0.002, 0.300)
 _SLACK = 0.05  # of the strokes that are fitted, where a band may still be slack
+_SLACK_FORCE = 0.02  # of the largest force, below which a band is not said to be taut
+_NEXT = 0.9  # of the way from a slack reading to the next
 _EDGE = 1e-4  # of a bound's range
 
 
@@ -73,6 +75,26 @@ class Fitted(ByValue):
         e = np.maximum(np.asarray(stroke, float) - self.onset, 0.0)
         return self.law.basis(e, self.length, self.exponent) @ self.coefficients
 
+    def slopes(self, stroke: Floats, gauge: float | None) -> Floats:
+        """How its tension changes with each of its fitted numbers, the onset first.
+
+        Args:
+            stroke: (n,) beyond the onset [m].
+            gauge: length of the band at stroke 0 [m], where it is known.
+
+        Returns:
+            (n, m), numbers at their bounds left out.
+        """
+        base, c = self.law.basis(stroke - self.onset, self.length, self.exponent), self.coefficients
+        step = 1e-6 * float(np.ptp(stroke))
+        length = self.length if gauge is None else self.length + step
+        moved = [self.law.basis(stroke - self.onset - step, length, self.exponent)]
+        if self.law.needs_length and gauge is None and "rest length [m]" not in self.at_bound:
+            moved.append(self.law.basis(stroke - self.onset, self.length + step, self.exponent))
+        if self.law.exponents is not None and "exponent [1]" not in self.at_bound:
+            moved.append(self.law.basis(stroke - self.onset, self.length, self.exponent + step))
+        return np.stack([*((m @ c - base @ c) / step for m in moved), *base.T], axis=1)
+
     @property
     def values(self) -> dict[str, float]:
         """Every fitted number by its name with its unit, SI."""
@@ -117,6 +139,9 @@ def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None
         )
     # A law is zero up to its onset, so nearly all that is fitted lies beyond it.
     latest = float(np.min(stroke)) + _SLACK * float(np.ptp(stroke))
+    if len(stroke) > 1 and force[0] <= _SLACK_FORCE * float(np.max(force)):
+        # But for a first reading without load: the band may go taut up to the next one.
+        latest = max(latest, float(stroke[0] + _NEXT * (stroke[1] - stroke[0])))
     earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
     # Bounds of what is searched for, and the shares of the range at which the search starts.
     searched = {"onset [m]": (min(earliest, latest - _LENGTH[0]), latest, (0.3, 0.9))}

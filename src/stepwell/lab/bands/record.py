@@ -10,7 +10,8 @@ from typing import Any
 
 from stepwell.base import Floats, Quantity, Schema, __version__, plain, record, versions
 from stepwell.lab.bands.band import BandTest, loss_grid, stiffness, stiffness_grid
-from stepwell.lab.bands.choice import Choice
+from stepwell.lab.bands.choice import Choice, this_band
+from stepwell.lab.bands.evidence import Interval
 from stepwell.lab.bands.spread import Estimate, of_samples
 
 ESTIMATE: Schema = tuple(
@@ -23,7 +24,9 @@ LAW: Schema = (
     Quantity("predicts", "N", read="score"),
     Quantity("values", read=lambda law: {k: _estimate(e) for k, e in law.estimates.items()}),
     Quantity("at_bound", read="fitted.at_bound"),
+    Quantity("above_best", form=3, left=False),
 )
+INTERVAL: Schema = tuple(map(Quantity, ("value", "low", "high")))
 
 
 def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
@@ -42,11 +45,13 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "schema": "stepwell.lab.band/1",
         "stepwell": __version__,
         "versions": versions(),
+        "warnings": list(test.warnings),
         "window_mm": plain(test.window, 1e3),
         "cycles": list(test.cycles),
         "samples": list(test.samples),
         "told": list(test.told),
         "stiffness_N_per_m": _estimate(stiffness(test)),
+        "this_band": _this_band(test, choice),
         "windows": [
             {"from_mm": 1e3 * low, "to_mm": 1e3 * high, "k_N_per_m": k}
             for low, high, k in _known(edges, edges, windows)
@@ -64,6 +69,21 @@ def band_record(test: BandTest, choice: Choice, table: str) -> dict[str, Any]:
         "rest_length_mm": plain(choice.rest_length, 1e3),
         "rest_length_told": choice.rest_length_told(),
         "table": table,
+    }
+
+
+def _this_band(test: BandTest, choice: Choice) -> dict[str, Any] | None:
+    found = this_band(test, choice)
+    if found is None:
+        return None
+    slope, onset = found
+    length = None
+    if choice.gauge is not None:
+        length = Interval(*(1e3 * (choice.gauge + edge) for edge in onset))
+    return {
+        "readings": sum(len(test.samples_of(sample, test.window)[0]) for sample in test.samples),
+        "stiffness_N_per_m": record(INTERVAL, slope),
+        "rest_length_mm": length and record(INTERVAL, length),
     }
 
 

@@ -62,7 +62,7 @@ def of_samples(each: Mapping[int, float]) -> Estimate:
     return Estimate(mean, mean - near, mean + near, mean - far, mean + far, spread, dict(each))
 
 
-def student(freedom: int) -> float:
+def student(freedom: float) -> float:
     """How many standard errors a two-sided 95 % interval reaches."""
     from scipy.special import stdtrit
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from stepwell.base import InputError, __version__
 from stepwell.lab.bands.band import BandTest
-from stepwell.lab.bands.choice import NOTHING, Candidate, Choice
+from stepwell.lab.bands.choice import NOTHING, Candidate, Choice, this_band
 from stepwell.lab.bands.spread import Estimate
 
 _ROWS = 13
@@ -80,20 +82,35 @@ def _provenance(
     test: BandTest, estimate: Estimate, choice: Choice, candidate: Candidate, source: str
 ) -> list[str]:
     low, high = (edge * 1e3 for edge in test.window)
-    interval = (
-        f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
-        f"{estimate.spread:.3g}"
-        if len(estimate.each) > 1
-        else "one sample, so its uncertainty is not known"
-    )
-    predicted = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
-    ends = f"extensions of {low - candidate.fitted.onset * 1e3:.3g}"
+    alone = this_band(test, choice)
+    if alone is None:
+        interval = (
+            f"95 % {estimate.low:.4g} to {estimate.high:.4g}, scatter between samples "
+            f"{estimate.spread:.3g}"
+        )
+    elif math.isnan(alone[0].low):
+        interval = "one sample and too few readings: its uncertainty is not known"
+    else:
+        interval = (
+            f"this band 95 % {alone[0].low:.4g} to {alone[0].high:.4g}; of others, one sample "
+            f"tells nothing"
+        )
+    tried = f"predicts a {choice.folds} left out to {candidate.score * 1e3:.3g} mN"
+    if choice.folds == NOTHING:
+        tried = "was tried on no other curve"
+    lengths: list[str] = []
+    if alone is not None and choice.gauge is not None and candidate is choice.chosen:
+        length = [(choice.gauge + edge) * 1e3 for edge in alone[1]]
+        lengths = ["Rest length {:.4g} mm (95 % {:.4g} to {:.4g}).".format(*length)]
+    ends = f"extensions of {max(low - candidate.fitted.onset * 1e3, 0.0):.3g}"
     return [
         *([f"From {source}, by stepwell {__version__}."] if source else []),
+        *(line for warning in test.warnings for line in wrap(f"WARNING: {warning}", 98)),
         f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
-        f"{test.cycles[1]}, loading, {low:g} to {high:g} mm of stroke.",
+        f"{test.cycles[1]}, loading, {low:.5g} to {high:.5g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
         f"This is the {candidate.law.name} law: it leaves {candidate.fitted.rmse * 1e3:.3g} mN, "
-        f"and {'was tried on no other curve' if choice.folds == NOTHING else predicted}.",
+        f"and {tried}.",
+        *lengths,
         f"It was seen at {ends} to {high - candidate.fitted.onset * 1e3:.3g} mm only.",
     ]

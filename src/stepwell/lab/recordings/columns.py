@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+from typing import NamedTuple
 
 from stepwell.base import InputError, Measure
+
+GRAVITY = 9.80665  # [m/s²], the standard one
+WEIGHTS = ("g", "kg", "oz", "lb")  # units of a mass, read as the force of its weight
+_POUND = 0.45359237 * GRAVITY  # [N]
 
 # In the order in which they are looked for: "Time" in "Load time" is a time.
 ROLES = {
@@ -19,14 +24,30 @@ ROLES = {
 }
 UNITS = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
-    "stroke": {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
+    "stroke": {
+        "mm": 1e-3,
+        "cm": 1e-2,
+        "m": 1.0,
+        "um": 1e-6,
+        "µm": 1e-6,
+        "in": 0.0254,
+        "inch": 0.0254,
+        "inches": 0.0254,
+        '"': 0.0254,
+    },
     "force": {
         "N": 1.0,
         "mN": 1e-3,
         "kN": 1e3,
-        "lbf": 4.4482216152605,
-        "kgf": 9.80665,
-        "gf": 9.80665e-3,
+        "lbf": _POUND,
+        "kgf": GRAVITY,
+        "gf": GRAVITY * 1e-3,
+        "ozf": _POUND / 16.0,
+        # The force of a weight.
+        "g": GRAVITY * 1e-3,
+        "kg": GRAVITY,
+        "oz": _POUND / 16.0,
+        "lb": _POUND,
     },
     "volume": {
         "m3": 1.0,
@@ -68,13 +89,21 @@ UNITS = {
         "mN·m": 1e-3,
     },
 }
+# What a table made at home calls them, where no column has a name above: a weight pulls, and the
+# length of the band itself takes the place of a stroke.
+_AT_HOME = {"force": ("weight", "mass", "gewicht", "masse"), "length": ("length", "länge")}
+# Units that mean one thing in capitals too, where M and m, MN and mN, ML and mL are two.
+_ANY_CASE = {
+    *("mm", "cm", "in", "inch", "inches"),
+    *("g", "gf", "kg", "kgf", "oz", "ozf", "lb", "lbf"),
+}
 # What a recording of a test machine has; what the curve of an element may be, and the names that
 # these columns have here where they have others there.
 _RECORDED = ("time", "stroke", "force")
 _TRAVELS = {"stroke": Measure.TRAVEL, "volume": Measure.VOLUME, "angle": Measure.ANGLE}
 _FORCES = {"force": Measure.TRAVEL, "pressure": Measure.VOLUME, "torque": Measure.ANGLE}
-NEEDED = ("stroke", "force")
 EXAMPLE = "Time (s), Displacement (mm), Force (N)"
+_HOME_EXAMPLE = "Length (mm), Weight (g)"
 _PAIR = "travel_mm,force_N"
 _PAIRS = "travel and force (mm, N), volume and pressure (mL, kPa) or angle and torque (deg, N mm)"
 
@@ -88,7 +117,15 @@ def split(line: str, delimiter: str | None) -> list[str]:
     return [field.strip().strip('"').strip() for field in fields]
 
 
-def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, tuple[int, float]]:
+class Found(NamedTuple):
+    """A column: its place in a row, the factor that makes it SI, and its unit."""
+
+    place: int
+    factor: float
+    unit: str
+
+
+def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, Found]:
     """Time, stroke and force among `count` columns, by the names and units above them.
 
     Args:
@@ -97,24 +134,34 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, t
         count: how many fields a row of numbers has.
 
     Returns:
-        For each quantity that is there its place in a row, and the factor that makes it SI.
+        The column of each quantity that is there; "length", that of a band itself, only where
+        there is no "stroke".
 
     Raises:
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
     """
     names, units = _named(header, delimiter, count, EXAMPLE)
-    found: dict[str, tuple[int, float]] = {}
-    for role in _RECORDED:
-        words = ROLES[role]
+    found: dict[str, Found] = {}
+
+    def look(role: str, words: tuple[str, ...], kind: str) -> None:
+        taken = {column.place for column in found.values()}
         for place, name in enumerate(names):
-            if role not in found and any(word in name.lower() for word in words):
-                found[role] = place, _factor(role, name, units[place])
-    for role in NEEDED:
-        if role not in found:
+            if place not in taken and any(word in name.lower() for word in words):
+                found[role] = Found(place, _factor(kind, name, units[place]), units[place])
+                return
+
+    for role in _RECORDED:
+        look(role, ROLES[role], role)
+    if "stroke" not in found:
+        look("length", _AT_HOME["length"], "stroke")
+    if "force" not in found:
+        look("force", _AT_HOME["force"], "force")
+    for role, taken in (("stroke", {"stroke", "length"}), ("force", {"force"})):
+        if not found.keys() & taken:
             shown = ", ".join(name for name in names if name) or "none"
             raise InputError(
                 f"no column for the {role} (columns: {shown}): name the columns and their units, "
-                f"as in {EXAMPLE}."
+                f"as in {EXAMPLE} or {_HOME_EXAMPLE}."
             )
     return found
 
@@ -188,8 +235,10 @@ def _named(
     bare = [_UNIT.sub("", field).strip() for field in below]
     if len(rows) > 1 and (not any(bare) or all(_is_unit(field) for field in below)):
         units = [_unit(field) if _UNIT.search(field) else field for field in below]
-        return [_UNIT.sub("", field).strip() for field in rows[-2]], units
-    return bare, [_unit(field) or _suffix(field) for field in below]
+        names = [_UNIT.sub("", field).strip() for field in rows[-2]]
+    else:
+        names, units = bare, [_unit(field) or _suffix(field) for field in below]
+    return names, [_spelled(unit) for unit in units]
 
 
 def _fields(line: str, delimiter: str | None) -> list[str]:
@@ -210,7 +259,12 @@ def _suffix(field: str) -> str:
 
 
 def _is_unit(text: str) -> bool:
-    return any(text in units for units in UNITS.values())
+    return any(_spelled(text) in units for units in UNITS.values())
+
+
+def _spelled(unit: str) -> str:
+    """A unit as `UNITS` has it, where capitals can mean nothing else."""
+    return unit.lower() if unit.lower() in _ANY_CASE else unit
 
 
 def _factor(role: str, name: str, unit: str) -> float:

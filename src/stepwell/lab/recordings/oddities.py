@@ -48,6 +48,8 @@ def missing(recordings: Iterable[Recording]) -> dict[str, str]:
     """Gaps in the numbers of each folder and name, told of the recording that follows the gap."""
     told: dict[str, str] = {}
     for family in _families(recordings):
+        if len(family) == 1:
+            continue  # the 2 of a lone scale2.csv counts nothing
         expected = 1
         for number, recording in _numbered(family):
             if number > expected:

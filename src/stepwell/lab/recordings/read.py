@@ -77,7 +77,8 @@ def read_bytes(content: bytes, name: str) -> Recording:
         export = parse(content)
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(name, *export, hashlib.sha256(content).hexdigest())
+    sha256 = hashlib.sha256(content).hexdigest()
+    return Recording(name, sha256=sha256, **export._asdict())
 
 
 def read_all(

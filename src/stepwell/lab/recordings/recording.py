@@ -27,6 +27,8 @@ class Recording(ByValue, Drawn):
         force: (n,) [N], positive where the machine pulls.
         remarks: what the reader had to leave out.
         sha256: of the file; "" where there is none.
+        gauge: length of the band at stroke 0 [m], where the file holds its length; else None.
+        steps: in which stroke [m] and force [N] are told; 0 where the digits show none.
 
     Raises:
         ValueError: arrays that are not as long as each other, or fewer than two samples.
@@ -38,6 +40,8 @@ class Recording(ByValue, Drawn):
     force: Floats = field(repr=False)
     remarks: tuple[str, ...] = ()
     sha256: str = field(default="", repr=False)
+    gauge: float | None = field(default=None, repr=False)
+    steps: tuple[float, float] = field(default=(0.0, 0.0), repr=False)
 
     def __post_init__(self):
         lengths = len(self.time), len(self.stroke), len(self.force)

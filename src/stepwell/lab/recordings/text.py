@@ -8,23 +8,30 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure
-from stepwell.lab.recordings.columns import columns, pair, split
+from stepwell.lab.recordings.columns import GRAVITY, WEIGHTS, columns, pair, split
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 # Blanks last: a comma between blanks is a decimal comma.
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
 _SHOWN = 40
+_DIGITS = 6  # behind the point, more than anyone reads
 _BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
 
 
 class Export(NamedTuple):
-    """What the text holds, in SI; `time` is NaN where it is not recorded."""
+    """What the text holds, in SI; `time` is NaN where it is not recorded.
+
+    `gauge` is the least length where the length of a band was read, from which its stroke counts;
+    `steps` are those in which its digits can tell stroke and force, 0 where they show none.
+    """
 
     time: Floats
     stroke: Floats
     force: Floats
     remarks: tuple[str, ...]
+    gauge: float | None = None
+    steps: tuple[float, float] = (0.0, 0.0)
 
 
 def parse(data: bytes) -> Export:
@@ -43,11 +50,20 @@ def parse(data: bytes) -> Export:
     remarks = _remarks(bad, body[-1][0])
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, place] * factor for role, (place, factor) in found.items()}
+    values = {role: rows[:, one.place] * one.factor for role, one in found.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
         remarks += ("no time column, so its rate is not known",)
-    return Export(time, values["stroke"], values["force"], remarks)
+    gauge, way = None, "stroke"
+    if "length" in values:
+        gauge, way = float(np.min(values["length"])), "length"
+        values["stroke"] = values["length"] - gauge
+        remarks += (f"its length is the band's own: stroke counts from {gauge * 1e3:.5g} mm",)
+    unit = found["force"].unit
+    if unit in WEIGHTS:
+        remarks += (f"{unit} are weights: each kg pulls with {GRAVITY} N, positive pulls",)
+    u, force = (_step(rows[:, one.place]) * one.factor for one in (found[way], found["force"]))
+    return Export(time, values["stroke"], values["force"], remarks, gauge, (u, force))
 
 
 def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
@@ -75,6 +91,20 @@ def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
             f"it out."
         )
     return measure, rows[:, x] * x_factor, rows[:, y] * y_factor
+
+
+def _step(values: Floats) -> float:
+    """The step in which the digits of a column go: of 12.5, 14.0, 15.5 it is 0.5; 0 for none.
+
+    Nothing coarser than a last digit that is read in halves: weights of 50 g are set, not read.
+    """
+    for digits in range(_DIGITS + 1):
+        counts = values * 10.0**digits
+        whole = np.round(counts)
+        if np.all(np.abs(counts - whole) < 1e-9 * np.maximum(np.abs(counts), 1.0)):
+            halves = digits > 0 and len(values) > 2 and bool(np.all(whole % 5 == 0))
+            return (5.0 if halves else 1.0) * 10.0**-digits
+    return 0.0
 
 
 class _Parts(NamedTuple):

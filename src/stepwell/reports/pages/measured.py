@@ -54,16 +54,31 @@ def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
         HTML text.
     """
     low, high = record["window_mm"]
-    k, loss = record["stiffness_N_per_m"], record["loss_used"]
+    k, loss, alone = record["stiffness_N_per_m"], record["loss_used"], record["this_band"]
+    tried = _thousandths("one left out [mN]", "predicts_N")
+    if record["left_out"] == "nothing":
+        tried = Column("criterion above best", lambda one: number(one["above_best"], 3), True)
     laws = [
         Column("law", lambda one: one["law"] + " (chosen)" * (one["law"] == record["law_chosen"])),
         Quantity("numbers", head="numbers", left=False),
         _thousandths("leaves [mN]", "leaves_N"),
-        _thousandths("one left out [mN]", "predicts_N"),
+        tried,
     ]
+    numbers = {
+        "Mean of bands, 95 %": _between(k, "low", "high") if k["low"] is not None else "",
+        "Law chosen": record["law_chosen"],
+    }
+    for name, key, unit in (
+        ("Rest length, 95 %", "rest_length_mm", "mm"),
+        ("This band, 95 %", "stiffness_N_per_m", "N/m"),
+    ):
+        found = alone and alone[key]
+        if found and found["low"] is not None:
+            numbers = {name: _between(found, "low", "high", unit)} | numbers
     return parts.page(
         "Stiffness of bands",
-        f"Loading, {low:g} to {high:g} mm, cycles {record['cycles'][0]} to {record['cycles'][1]}.",
+        f"Loading, {low:.5g} to {high:.5g} mm, cycles {record['cycles'][0]} to "
+        f"{record['cycles'][1]}.",
         f"{number(k['value'])} N/m",
         [
             f"One more band is to be expected {_between(k, 'next_low', 'next_high')}, with 95 % "
@@ -73,10 +88,7 @@ def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
             f"A cycle loses {percent(loss['value'])} of the work." if loss else "",
             parts.sentence(record["law_told"]),
         ],
-        {
-            "Mean of bands, 95 %": _between(k, "low", "high") if k["low"] is not None else "",
-            "Law chosen": record["law_chosen"],
-        },
+        numbers,
         [
             parts.part(
                 "Force laws",
@@ -90,6 +102,7 @@ def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
             parts.part("For a design file", parts.verbatim(record["table"].rstrip(), "Band table")),
             parts.part(_SAID, parts.listed([*record["told"], record["rest_length_told"]])),
         ],
+        parts.warned("Not one kind of band.", "", record["warnings"]),
     )
 
 
@@ -200,8 +213,8 @@ def calibration_page(
     )
 
 
-def _between(estimate: Mapping[str, Any], low: str, high: str) -> str:
-    return f"{estimate[low]:.4g} to {estimate[high]:.4g} N/m"
+def _between(estimate: Mapping[str, Any], low: str, high: str, unit: str = "N/m") -> str:
+    return f"{estimate[low]:.4g} to {estimate[high]:.4g} {unit}"
 
 
 def _thousandths(heading: str, key: str) -> Column:
