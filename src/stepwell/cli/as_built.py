@@ -110,7 +110,9 @@ def as_built(
             chain, told, spread, wanted=want, hole=hole * 1e-3, n=samples, seed=seed, progress=tell
         )
     record = lab.as_built_record(found)
-    finish(record, texts.as_built, as_json, out, force, partial(reports.write_as_built, found, record))
+    finish(
+        record, texts.as_built, as_json, out, force, partial(reports.write_as_built, found, record)
+    )
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:
