@@ -216,11 +216,24 @@ def test_the_baseline_of_a_pair_follows_the_cell_that_moves():
 
 
 def test_pairs_with_other_inner_cells_are_compared_too():
-    inner, outer = T.with_anchors(q=(0.010, 0.0)), T.with_anchors(q=(0.0, 0.0))
-    data = pairs("TMTBM", Chain([inner, outer]), folder="2unit_2_00_11") + no_bands("2unit_2_00_11")
+    inner, outer = T.with_anchors(q=(0.010, 0.0)), T.with_anchors(q=(0.020, 0.0))
+    data = pairs("TMTT", Chain([inner, outer]), folder="2unit_2_00_11") + no_bands("2unit_2_00_11")
     (test,) = lab.compare(data).pairs
-    assert [c.bands[0].d[0] for c in test.series.chain.levers] == [0.010, 0.0]
+    assert [c.bands[0].d[0] for c in test.series.chain.levers] == [0.010, 0.020]
     assert test.right_order is not False
+
+
+def test_a_name_whose_anchors_make_no_sense_is_asked_about():
+    """By its letters p and q of the outer cell are one point, where no band pulls."""
+    cells = [T.with_anchors(q=q) for q in ((0.010, 0.0), (0.0, 0.0))]
+    data = pairs("TMTBM", Chain(cells)) + no_bands()
+    with pytest.raises(lab.LabError, match="p and q of cell 2 are one point"):
+        lab.compare(data)
+    others = pairs("MMB", COUNTER)
+    told = lab.compare([*data, *others]).told
+    assert sum("TMTBM" in line and "--as-designed" in line for line in told) == 3
+    (test,) = lab.compare(data, [COUNTER], as_designed=True).pairs
+    assert test.series.chain == COUNTER
 
 
 def test_identical_cells_are_a_tie_that_no_data_decide():

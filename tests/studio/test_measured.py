@@ -154,7 +154,7 @@ def test_a_stroke_in_another_unit_is_told(factor: float, runs: list[Path]):
     text = HEADER + b"".join(b"%f,%f,%f\n" % row for row in rows)
     header = ask("measured", tables("paper-forward"), files=[packed("m.csv", text)]).header
     assert "check the unit in the header" in header["told"][0]
-    assert header["series"][0]["verdict"] == ""
+    assert header["series"] == []
     with pytest.raises(lab.LabError, match="check the unit"):
         lab.compare([lab.read_bytes(text, "m.csv")], [sw.preset("paper-forward")])
 

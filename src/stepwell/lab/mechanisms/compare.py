@@ -118,13 +118,9 @@ def compare(
             longer[0].code,
             f"its design has {len(longer[0].chain)} cells: one or two can be compared.",
         )
-    strange = [one.strange for one in found.series if one.strange]
-    series = [one for one in found.series if not one.strange]
-    if not series:
-        raise LabError("data", f"no series to compare: {'; '.join(strange)}")
-    cells = tuple(cell_test(one, rig) for one in series if len(one.chain) == 1)
-    pairs = tuple(pair_tests([one for one in series if len(one.chain) == 2], rig))
-    return Comparison(cells, pairs, (*found.told, *strange), rig)
+    cells = tuple(cell_test(one, rig) for one in found.series if len(one.chain) == 1)
+    pairs = tuple(pair_tests([one for one in found.series if len(one.chain) == 2], rig))
+    return Comparison(cells, pairs, found.told, rig)
 
 
 def comparison_record(comparison: Comparison) -> dict[str, Any]:

@@ -14,10 +14,10 @@ from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.snaps import find_snaps
+from stepwell.lab.mechanisms.snaps import MeasuredSnap, find_snaps, holes_of, matched
 from stepwell.lab.recordings import Recording, from_zero, rms
 from stepwell.mechanism import Chain
-from stepwell.statics import EventKind, Path
+from stepwell.statics import Event, EventKind, Path
 
 Order = tuple[int, int]
 
@@ -25,6 +25,14 @@ _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
 # A ratio of errors below this does not tell one order from the other.
 TELLING = 1.25
 _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
+# Where none is predicted, a jump with the sign of a snap that is over so much of k r is one.
+SNAP_SHARE = 0.1
+# Strokes differ from the model's beyond so many standard deviations.
+AGREE = 2.0
+# Repeats that scatter more than this are not of one kind, however finely they are sampled [m].
+_SCATTER = 0.5e-3
+# A force is read before a snap over this stroke, to see how steeply it falls [m].
+_BEFORE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +51,12 @@ class PairTest(ByValue, Drawn):
         rmse, worst, rmse_corrected: measured less model, in k r; corrected for the rig's bar.
         predicted: cells in the order in which the model moves them.
         tie: whether the model cannot tell that order.
-        snaps: for each run the strokes where it snaps [m].
+        snaps: for each run the strokes where it snaps, as predicted by sign and size of the jump in
+            force, or where nothing is predicted with the sign of a snap [m].
+        slips: for each run the strokes of its other jumps [m]: stick-slip, mostly.
+        missing: for each run the samples that are missing in holes, where nothing can be told.
+        doubt: standard deviation of a measured snap less the predicted one [m]: the scatter of the
+            repeats, the samples, and what the model's error in force before the snap makes of it.
         snaps_predicted: strokes where the model snaps, without friction [m].
         snaps_with_friction: the same with the friction of the baseline [m].
         pull: difference of the measured forces of the two cells at the ends of their travels [N].
@@ -63,6 +76,9 @@ class PairTest(ByValue, Drawn):
     predicted: Order
     tie: bool
     snaps: tuple[tuple[float, ...], ...]
+    slips: tuple[tuple[float, ...], ...]
+    missing: tuple[int, ...]
+    doubt: float
     snaps_predicted: tuple[float, ...]
     snaps_with_friction: tuple[float, ...]
     pull: float
@@ -95,10 +111,51 @@ class PairTest(ByValue, Drawn):
         return float(np.mean(first)), spread, len(first)
 
     @property
-    def right_snaps(self) -> bool:
-        """Whether runs snap where the model snaps at all, and nowhere else."""
+    def sigmas(self) -> float:
+        """By how many standard deviations the first snap is off what may be; NaN for none.
+
+        Friction that the baseline shows may sit in the machine, where it holds no snap, or in the
+        joints: whatever lies between the two predictions is off by nothing.
+        """
+        mean, _, count = self.snap_strokes
+        if not count or not self.snaps_predicted:
+            return math.nan
+        ends = [self.snaps_predicted[0], *self.snaps_with_friction[:1]]
+        nearest = min(max(mean, min(ends)), max(ends))
+        return (mean - nearest) / self.doubt
+
+    @property
+    def right_snaps(self) -> bool | None:
+        """Whether every run snaps as often as the model, and where it does within two sigmas.
+
+        None where samples are missing and a run has fewer snaps than the model: the hole may hide
+        them, and so may strokes that no run reached.
+        """
         wanted = len(self.snaps_predicted)
-        return all(len(snaps) == wanted for snaps in self.snaps)
+        if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
+            return None
+        runs = list(zip(self.snaps, self.missing, strict=True))
+        if any(len(snaps) < wanted and gone for snaps, gone in runs):
+            return None
+        if any(len(snaps) != wanted for snaps in self.snaps):
+            return False
+        return not wanted or abs(self.sigmas) <= AGREE
+
+    @property
+    def warning(self) -> str:
+        """What makes the mean of the snaps doubtful; "" where nothing does."""
+        _, spread, count = self.snap_strokes
+        sampled = max(_step(run) for run in self.series.recordings)
+        if count < 2 or spread <= max(_SCATTER, 10 * sampled):
+            return ""
+        firsts = [snaps[0] for snaps in self.snaps if snaps]
+        named = ", ".join(
+            f"{run.name} {snaps[0] * 1e3:.2f}"
+            for run, snaps in zip(self.series.recordings, self.snaps, strict=True)
+            if snaps
+        )
+        far = (max(firsts) - min(firsts)) * 1e3
+        return f"repeats differ by {far:.2f} mm, more than samples do: {named} mm"
 
     @property
     def verdict(self) -> str:
@@ -109,7 +166,8 @@ class PairTest(ByValue, Drawn):
         if self.ratio < TELLING:
             return f"undecided: the data fit both orders ({self.ratio:.2f} to 1)"
         order = "order agrees" if self.right_order else "order differs from the model's"
-        snaps = "snaps agree" if self.right_snaps else "snaps differ"
+        words = {True: "snaps agree", False: "snaps differ", None: "snaps cannot be told"}
+        snaps = words[self.right_snaps]
         return f"{order}: {names} (error ratio {self.ratio:.1f}); {snaps}: {self.snaps_told}"
 
     @property
@@ -129,7 +187,13 @@ class PairTest(ByValue, Drawn):
             return "no snap, as predicted"
         scatter = f" ± {spread * 1e3:.2f}" if count > 1 else ""
         measured = f"snap at {mean * 1e3:.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
-        return f"{measured}, predicted {'at ' + both if self.snaps_predicted else 'nowhere'}"
+        if not self.snaps_predicted:
+            return f"{measured}, predicted nowhere"
+        sigmas = f"{abs(self.sigmas):.1f} σ off both (σ = {self.doubt * 1e3:.2f} mm)"
+        if self.sigmas == 0.0:
+            sigmas = "between the two"
+        warning = f"; {self.warning}" if self.warning else ""
+        return f"{measured}, predicted at {both}; {sigmas}{warning}"
 
     def record(self) -> dict[str, Any]:
         """The result as JSON can hold it; docs/commands.md describes the names."""
@@ -184,6 +248,8 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     inside = judged(curve.stroke, _zones(series, shown))
     gap = (force - model)[inside] / series.scale
     moving, travels = mover(path, curve.stroke)
+    jumps = [_jumps(series, run, shown) for run in series.recordings]
+    snaps = tuple(_snaps_in(series, found) for found in jumps)
     factor = np.ones(len(curve))
     for i, cell in enumerate(chain.levers):
         mine = moving == i
@@ -201,7 +267,13 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         rms((force - model * factor)[inside] / series.scale),
         _predicted(series),
         bool(path.degenerate),
-        tuple(_snaps(series, run, shown) for run in series.recordings),
+        tuple(tuple(one.stroke for one in found) for found in snaps),
+        tuple(
+            tuple(one.stroke for one in every if one not in found)
+            for every, found in zip(jumps, snaps, strict=True)
+        ),
+        tuple(holes_of(run) for run in series.recordings),
+        _doubt(series, snaps, force - model),
         _snaps_of(path),
         _snaps_of(path_of(_with_friction(series, first), series.unloading)),
         *_pull_and_hold(series, first, shown, curve.stroke[inside], force[inside]),
@@ -235,7 +307,10 @@ def past_snaps(series: Series) -> tuple[float, float]:
     found = [*_snaps_of(path_of(series.chain, series.unloading))]
     for run in series.recordings:
         # In neither order may a handover be taken for a snap.
-        one, other = (set(_snaps(series, run, order)) for order in _ORDERS)
+        one, other = (
+            {snap.stroke for snap in _snaps_in(series, _jumps(series, run, order))}
+            for order in _ORDERS
+        )
         found += one & other
     if series.unloading:
         return -math.inf, max(found, default=-math.inf) + _NEAR
@@ -291,9 +366,64 @@ def _predicted(series: Series) -> Order:
     return (0, 1) if order[:1] == (0,) else (1, 0)
 
 
-def _snaps(series: Series, run: Recording, order: Order) -> tuple[float, ...]:
+def _jumps(series: Series, run: Recording, order: Order) -> tuple[MeasuredSnap, ...]:
     stroke = from_zero(run, series.chain.full_stroke)
-    return tuple(snap.stroke for snap in find_snaps(stroke, run.force, _zones(series, order)))
+    return find_snaps(stroke, run.force, _zones(series, order), _time(run))
+
+
+def _time(run: Recording) -> Floats | None:
+    """Its time, if it was recorded and runs on."""
+    time = run.time
+    return time if np.all(np.isfinite(time)) and np.all(np.diff(time) >= 0) else None
+
+
+def _step(run: Recording) -> float:
+    """The stroke from one sample to the next, in the median [m]."""
+    return float(np.median(np.abs(np.diff(run.stroke))))
+
+
+def _snap_events(path: Path) -> list[Event]:
+    return [event for event in path.events if event.kind is EventKind.SNAP]
+
+
+def _snaps_in(series: Series, jumps: Sequence[MeasuredSnap]) -> tuple[MeasuredSnap, ...]:
+    """Those of the jumps of a run that are snaps.
+
+    At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
+    towards where the drive came from: up while loading, down while unloading. A slip within a cell
+    gives way to the drive, and has the other sign.
+    """
+    predicted = _snap_events(series.path)
+    found = [one for one in matched(jumps, predicted) if one is not None]
+    if not predicted:
+        sign = -1.0 if series.unloading else 1.0
+        least = SNAP_SHARE * series.scale
+        found = [one for one in jumps if sign * one.jump > least]
+    return tuple(found)
+
+
+def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]], gap: Floats) -> float:
+    """Standard deviation of a measured less the predicted stroke of the first snap [m].
+
+    The cell that lets go does so where its force meets that of the other one; both forces of the
+    model are off by what it is off before the snap, and the force falls as steeply as it does.
+    """
+    firsts = [found[0].stroke for found in snaps if found]
+    predicted = _snap_events(series.path)
+    if not firsts or not predicted:
+        return math.nan
+    scatter = float(np.std(firsts, ddof=1)) if len(firsts) > 1 else 0.0
+    sampled = max(_step(run) for run in series.recordings)
+    u, path, event = series.curve.stroke, series.path, predicted[0]
+    low, high = past_snaps(series)
+    before = (u < low) | (u > high)
+    off = rms(gap[before & judged(u, series.quiet)])
+    way = -1.0 if series.unloading else 1.0
+    ends = event.stroke - way * np.array([_BEFORE, 1e-6])
+    order = np.argsort(path.stroke, kind="stable")
+    rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
+    slope = max(abs(float(rise)), off / series.chain.full_stroke)
+    return math.hypot(scatter, sampled, math.sqrt(2.0) * off / slope)
 
 
 def _snaps_of(path: Path) -> tuple[float, ...]:

@@ -29,6 +29,7 @@ from stepwell.lab.recordings import (
     setup_of,
     stem_of,
     unlike,
+    unusable,
 )
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.statics import Path
@@ -37,12 +38,12 @@ Geometry = tuple[float, float]
 
 # Strokes that a baseline must cover, in those of the series.
 _COVER = (0.97, 1.1)
-# Ratio of forces that repeats do not have and one more band does; distance from a whole number
-# that is told.
-_JUMP, _DOUBT = 1.3, 0.35
+# A band is at most so many times as strong as the model's, and at least so many times.
+_STRONG, _WEAK = 1.4, 0.7
 _TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
-# Shares of a design's stroke: a recording over less or more of it shows something else.
-_LEAST, _MOST = 0.5, 1.5
+# Shares of a design's stroke: a recording over less or more of it shows something else. Of the
+# longest repeat, what a shorter one must have, for a mean goes as far as all of its runs do.
+_LEAST, _MOST, _REPEAT = 0.5, 1.5, 0.9
 _NAMED_CELLS = re.compile(r"([12])unit")
 
 
@@ -91,22 +92,6 @@ class Series(ByValue):
         """d = q - p of the innermost cell [m], the same for all series of one geometry."""
         dx, dy = self.chain.levers[0].bands[0].d
         return round(dx, 9), round(dy, 9)
-
-    @property
-    def strange(self) -> str:
-        """Why the runs cannot be of this chain: "" where they go over about its stroke."""
-        full = self.chain.full_stroke
-        placed = [self.placed(run) for run in self.recordings]
-        low = max(float(np.min(stroke)) for stroke in placed)
-        high = min(float(np.max(stroke)) for stroke in placed)
-        if min(high, full) - max(low, 0.0) >= _LEAST * full and high - low <= _MOST * full:
-            return ""
-        runs = ", ".join(dict.fromkeys(run.source for run in self.recordings))
-        return (
-            f"{runs}: left out, its stroke goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm "
-            f"and that of the design from 0 to {full * 1e3:.4g} mm: check the unit in the header, "
-            f"and that this design was tested."
-        )
 
     @cached_property
     def path(self) -> Path:
@@ -210,6 +195,8 @@ def sort_series(
             )
         elif setup is not None and setup.marked and not as_designed:
             told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
+        elif why := unusable(recording):
+            told.append(f"{recording.source}: left out, {why}")
         else:
             for part in _parts(recording):
                 way = part.direction == "unloading"
@@ -221,7 +208,9 @@ def sort_series(
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
         setup = None if as_designed else setup_of(stem + "_1")
-        series += _series(stem, setup, unloading, runs, own, designs, gaps)
+        found, lines = _series(stem, setup, unloading, runs, own, designs, gaps)
+        series += found
+        told += lines
     if not series:
         lines = "; ".join(told[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {lines}.")
@@ -243,8 +232,9 @@ def _series(
     baselines: list[Recording],
     designs: Sequence[Chain],
     gaps: dict[str, str],
-) -> list[Series]:
-    base = _matching(runs[0], unloading, baselines)
+) -> tuple[list[Series], list[str]]:
+    """The series of one stem, and a line for every run that is in none."""
+    base: list[Recording] = []
 
     def series_of(name: str, chain: Chain, bands: int, mine: list[Recording], *told: str) -> Series:
         return Series(
@@ -265,20 +255,64 @@ def _series(
                 f"its name tells no configuration, and {len(designs)} designs are given: give the "
                 f"one that was tested.",
             )
-        return [series_of(stem, designs[0], 1, runs, "configuration: as the design says")]
+        whole, left_out = _over_stroke(runs, designs[0])
+        base += _matching(whole[0], unloading, baselines) if whole else []
+        told = "configuration: as the design says"
+        return [series_of(stem, designs[0], 1, whole, told)] if whole else [], left_out
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
     ]
+    slack = [k for k, cell in enumerate(cells, 1) if all(np.allclose(b.d, 0.0) for b in cell.bands)]
+    if slack:
+        listed = ", ".join(map(str, slack))
+        return [], [
+            f"{run.source}: left out, by its name p and q of cell {listed} are one point, where a "
+            f"band pulls nowhere: rename the file, or give the design and --as-designed"
+            for run in runs
+        ]
+    runs, left_out = _over_stroke(runs, Chain(cells))
+    if not runs:
+        return [], left_out
+    base += _matching(runs[0], unloading, baselines)
     single = series_of("", Chain(cells), 1, runs)
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
-        if abs(ratio / bands - 1) > _DOUBT:
-            told.append("that is far from a whole number: check how many bands were on")
+        if ratio / (bands + 1) >= _WEAK:
+            told.append(f"{counted_bands(bands + 1)} are possible too: check how many were on")
+        elif ratio / bands < _WEAK:
+            told.append("that is weak for so many: check which bands were on")
         chain = Chain([_with_bands(cell, bands) for cell in cells])
         found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
-    return found
+    return found, left_out
+
+
+def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], list[str]]:
+    """The runs that go over about the stroke of a chain, and a line for each of the others."""
+    full = chain.full_stroke
+    kept: dict[str, tuple[Recording, float]] = {}
+    told: list[str] = []
+    for run in runs:
+        stroke = from_zero(run, full)
+        low, high = float(np.min(stroke)), float(np.max(stroke))
+        covered = min(high, full) - max(low, 0.0)
+        if covered >= _LEAST * full and high - low <= _MOST * full:
+            kept[run.source] = run, covered
+            continue
+        told.append(
+            f"{run.source}: left out, its stroke goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm "
+            f"and that of the design from 0 to {full * 1e3:.4g} mm: check the unit in the header, "
+            f"and that this design was tested"
+        )
+    longest = max((covered for _, covered in kept.values()), default=0.0)
+    short = [source for source, (_, covered) in kept.items() if covered < _REPEAT * longest]
+    told += [
+        f"{source}: left out, it covers {kept[source][1] * 1e3:.4g} mm where another repeat has "
+        f"{longest * 1e3:.4g} mm"
+        for source in short
+    ]
+    return [run for source, (run, _) in kept.items() if source not in short], told
 
 
 def _ratio(series: Series, run: Recording) -> float:
@@ -295,23 +329,20 @@ def _by_bands(
 ) -> list[tuple[int, list[Recording], float]]:
     """Runs sorted by how many bands they show: the count, the runs, their mean ratio.
 
-    Rubber is no exact multiple of the model, but repeats are alike: runs are cut into groups where
-    the ratio jumps. The weakest group has the nearest whole number, each other one band more.
+    Each is judged by itself, whatever other files there are: so many bands as make each at most
+    1.4 times as strong as the model's.
     """
-    ordered = sorted(((max(ratio, 1e-9), run) for ratio, run in runs), key=lambda pair: pair[0])
-    groups: list[list[tuple[float, Recording]]] = [[ordered[0]]]
-    for pair in ordered[1:]:
-        if pair[0] > _JUMP * groups[-1][-1][0]:
-            groups.append([])
-        groups[-1].append(pair)
-    found: list[tuple[int, list[Recording], float]] = []
-    count = 0
-    for group in groups:
-        mean = float(np.mean([ratio for ratio, _ in group]))
-        count = count + 1 if found else max(1, round(mean))
-        mine = sorted((run for _, run in group), key=lambda run: natural(run.source))
-        found.append((count, mine, mean))
-    return found
+    groups: dict[int, list[tuple[float, Recording]]] = defaultdict(list)
+    for ratio, run in runs:
+        groups[max(1, math.ceil(ratio / _STRONG))].append((ratio, run))
+    return [
+        (
+            count,
+            sorted((run for _, run in group), key=lambda run: natural(run.source)),
+            float(np.mean([ratio for ratio, _ in group])),
+        )
+        for count, group in sorted(groups.items())
+    ]
 
 
 def _with_bands(cell: Cell, count: int) -> Cell:

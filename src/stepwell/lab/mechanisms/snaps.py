@@ -1,4 +1,4 @@
-"""Snaps in a recording: where the force jumps faster than the rig could make it."""
+"""Jumps in a recording, and which of them are the snaps that theory tells of."""
 
 from __future__ import annotations
 
@@ -7,14 +7,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.mechanisms.rig import judged
+from stepwell.lab.recordings import Recording
+from stepwell.statics import Event
 
-# Mean force of 5 samples before and after, 6 samples apart: 120 ms at 50 Hz, where snaps of the
-# paper's rig take 40 to 80 ms.
-_MEAN, _GAP, _COURSE = 5, 3, 101
+# Means over 0.1 s before and after, 0.12 s apart: snaps of the paper's rig take 40 to 80 ms. What
+# the force does there anyway is seen over 2 s. Faster recordings are averaged to this rate first;
+# of slower ones a mean is one sample.
+_MEAN, _GAP, _COURSE, _RATE = 0.1, 0.06, 2.0, 50.0
+# Of samples: what the course needs at least, steps that make a hole, and the rate of a recording
+# without time.
+_LEAST_COURSE, _HOLE, _TIMELESS = 21, 3.0, 50.0
 SIGMAS = 8.0
 SHARE = 0.03  # of the range of the force
+# A measured jump is a snap if it has the sign of the predicted one and about its size: rubber and
+# friction change it, and a slip within a cell is smaller.
+_SIZES = (0.3, 3.0)
+# How far from where it is predicted a snap counts as much as by how many times its size is off [m].
+_FAR = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +34,7 @@ class MeasuredSnap(ByValue):
 
     Attributes:
         stroke: where [m].
-        jump: force after less force before [N].
+        jump: force after less force before [N], in the order of the recording.
     """
 
     stroke: float
@@ -34,42 +45,110 @@ class MeasuredSnap(ByValue):
 
 
 def find_snaps(
-    stroke: Floats, force: Floats, quiet: Sequence[tuple[float, float]] = ()
+    stroke: Floats,
+    force: Floats,
+    quiet: Sequence[tuple[float, float]] = (),
+    time: Floats | None = None,
 ) -> tuple[MeasuredSnap, ...]:
     """Jumps of the force along a recording.
 
     A jump counts if it is over 8 robust standard deviations of such differences and over 3 % of
-    the range of the force.
+    the range of the force. Across a hole in time nothing can be told, so there is no jump.
 
     Args:
-        stroke: (n,) [m], evenly sampled in time.
+        stroke: (n,) [m].
         force: (n,) [N].
         quiet: strokes between which a jump is no snap [m]: where the rig takes up its slack or one
             cell hands over to the next.
+        time: (n,) of the samples [s]; by default they are 20 ms apart, as test machines write.
 
     Returns:
-        The snaps in the order of the recording.
+        The jumps in the order of the recording.
     """
     from scipy.ndimage import median_filter
 
-    n = len(force)
-    reach = _MEAN + _GAP
-    if n < 4 * reach:
+    rate, hole = _clock(time, len(force))
+    averaged = max(1, int(rate / _RATE))
+    if averaged > 1:
+        stroke, force = (_blocks(values, averaged) for values in (stroke, force))
+        hole = np.any(hole[: len(force) * averaged].reshape(-1, averaged), axis=1)
+        rate /= averaged
+    mean, gap = max(1, round(_MEAN * rate)), max(1, round(_GAP * rate))
+    course = max(_LEAST_COURSE, 2 * round(_COURSE * rate / 2) + 1)
+    n, reach = len(force), mean + gap
+    if n < 4 * reach + _LEAST_COURSE:
         return ()
     total = np.concatenate([[0.0], np.cumsum(force)])
     at = np.arange(reach, n - reach)
-    before = (total[at - _GAP] - total[at - reach]) / _MEAN
-    after = (total[at + reach] - total[at + _GAP]) / _MEAN
+    before = (total[at - gap] - total[at - reach]) / mean
+    after = (total[at + reach] - total[at + gap]) / mean
     # Less what the force does there anyway, over a stretch that no snap fills.
     jump = after - before
-    jump = jump - median_filter(jump, _COURSE, mode="nearest")
+    jump = jump - median_filter(jump, min(course, len(jump) - 1 + len(jump) % 2), mode="nearest")
     noise = 1.4826 * float(np.median(np.abs(jump)))
     least = max(SIGMAS * noise, SHARE * float(np.ptp(force)))
     u = stroke[at]
-    over = judged(u, quiet) & (np.abs(jump) > least)
+    holes = np.concatenate([[0], np.cumsum(hole)])
+    whole = holes[at + reach] == holes[at - reach]
+    over = judged(u, quiet) & (np.abs(jump) > least) & whole
     edges = np.flatnonzero(np.diff(over, prepend=False, append=False))
     found: list[MeasuredSnap] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         peak = start + int(np.argmax(np.abs(jump[start:end])))
         found.append(MeasuredSnap(float(u[peak]), float(jump[peak])))
     return tuple(found)
+
+
+def matched(
+    jumps: Sequence[MeasuredSnap], predicted: Sequence[Event]
+) -> tuple[MeasuredSnap | None, ...]:
+    """For every predicted snap the jump that is it: of its sign and about its size, and near it.
+
+    Args:
+        jumps: of one run.
+        predicted: snaps of the model, in their order.
+
+    Returns:
+        A jump for each, no jump twice; None where none fits.
+    """
+    left = list(jumps)
+    found: list[MeasuredSnap | None] = []
+    for event in predicted:
+        size = event.force_after - event.force_before
+
+        def off(jump: MeasuredSnap, size: float = size, event: Event = event) -> float:
+            return abs(np.log(jump.jump / size)) + abs(jump.stroke - event.stroke) / _FAR
+
+        fitting = [one for one in left if _SIZES[0] <= one.jump / size <= _SIZES[1]]
+        best = min(fitting, key=off, default=None)
+        found.append(best)
+        if best is not None:
+            left.remove(best)
+    return tuple(found)
+
+
+def holes_of(recording: Recording) -> int:
+    """How many samples are missing between two that follow each other, in all holes."""
+    steps = np.diff(recording.time)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if not usual > 0:
+        return 0
+    return int(np.sum(np.round(steps[steps > _HOLE * usual] / usual) - 1))
+
+
+def _clock(time: Floats | None, n: int) -> tuple[float, Bools]:
+    """Samples a second, and (n,) whether there is a hole before a sample."""
+    none = np.zeros(n, bool)
+    if time is None or n < 2:
+        return _TIMELESS, none
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    if not usual > 0:
+        return _TIMELESS, none
+    return 1.0 / usual, np.concatenate([[False], steps > _HOLE * usual])
+
+
+def _blocks(values: Floats, size: int) -> Floats:
+    """Means of so many samples in a row; what is left at the end is left out."""
+    count = len(values) // size
+    return np.mean(values[: count * size].reshape(count, size), axis=1)

@@ -11,7 +11,7 @@ from stepwell.lab.recordings.names import (
     setup_of,
     stem_of,
 )
-from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike
+from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import Batch, natural, read, read_all, read_bytes
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.table import SUMMARY, hashes, summary, table, to_csv

@@ -16,6 +16,8 @@ SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack
 END = 0.1e-3  # [m] before the end of a stroke, where blocks may touch
 SHORT = 0.99  # of the samples that the neighbours have
 TIME_GAP = 3.0  # steps
+BACK = 0.01  # of the steps in time
+LEAP = 0.15  # of the stroke, in one step
 
 
 def oddities(recording: Recording) -> tuple[str, ...]:
@@ -25,6 +27,26 @@ def oddities(recording: Recording) -> tuple[str, ...]:
         recording: any.
     """
     return (*recording.remarks, *_start(recording), *_clock(recording), *_ends(recording))
+
+
+def unusable(recording: Recording) -> str:
+    """Why a recording is no run of a test: "" where it may be one."""
+    steps, moved = np.diff(recording.time), np.abs(np.diff(recording.stroke))
+    reach = float(np.ptp(recording.stroke))
+    if reach == 0.0:
+        return "its stroke never changes"
+    if np.all(np.isfinite(steps)) and float(np.mean(steps < 0)) > BACK:
+        return "its time runs back: its rows are not in the order in which they were measured"
+    # Where rows are missing the clock leaps as well, and the rest is a run with a hole.
+    usual = float(np.median(steps)) if np.all(np.isfinite(steps)) else 0.0
+    at_once = moved[steps < TIME_GAP * usual] if usual > 0 else moved
+    farthest = float(np.max(at_once, initial=0.0))
+    if len(recording) >= 100 and farthest > LEAP * reach:
+        return (
+            f"its stroke leaps by {farthest * 1e3:.4g} mm from one row to the next: two runs in "
+            f"one file, or rows that are lost or not in order"
+        )
+    return ""
 
 
 def batch_oddities(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:

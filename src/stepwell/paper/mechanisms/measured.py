@@ -31,7 +31,8 @@ class Recorded:
     @cached_property
     def comparison(self) -> lab.Comparison:
         """Unit cells and pairs against the paper's model."""
-        return lab.compare(self.read("1unit", "1unit_2", "2unit_00_11", "2unit_2_00_11"))
+        pairs = "2unit_00_11", "2unit_2_00_11", "2unit_11_00"
+        return lab.compare(self.read("1unit", "1unit_2", *pairs))
 
     def read(self, *folders: str) -> list[lab.Recording]:
         """All recordings of some of its folders, one or more."""
@@ -125,7 +126,7 @@ def measured_unit_cell(data: Recorded) -> Finding:
 
 @claim("Fig. 2, two-cell tests", "they do", "every series that is no tie")
 def measured_order(data: Recorded) -> Finding:
-    """Two cells on the test machine load in the predicted order."""
+    """Two cells on the test machine load and unload in the predicted order."""
     pairs = data.comparison.pairs
     clear = [test for test in pairs if not test.tie]
     right = [test for test in clear if test.right_order]

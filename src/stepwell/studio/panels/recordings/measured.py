@@ -131,14 +131,11 @@ def _compared(
     """The comparison; None where there can be none, and why."""
     if not series:
         return None, ""
-    strange = " ".join(one.strange for one in series if one.strange)
     if len(chain) > 2 or chain.elements:
         kind = "elements" if chain.elements else f"{len(chain)} cells"
         why = f"The design has {kind}: one or two cells of levers get a verdict and a fit."
-        return None, f"{strange} {why}".strip()
-    if all(one.strange for one in series):
-        return None, strange
-    return compare(recordings, [chain], as_designed=True), strange
+        return None, why
+    return compare(recordings, [chain], as_designed=True), ""
 
 
 def _file(record: dict[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,188 @@
+"""Odd files beside good ones, and jumps that are no snaps: verdicts are right or not given."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lab.machine import SPEED, pair
+from sizes import examples
+from stepwell import lab
+from stepwell.lab import Recording
+from stepwell.mechanism import Band, Cell, Chain
+
+MM = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
+MT, MB = MM.with_anchors(q=(0.020, 0.0)), MM.with_anchors(q=(0.0, 0.0))
+CHAINS = {"MMT": Chain([MM, MT]), "MMB": Chain([MM, MB])}
+NONE = "2unit_00_11/f/2unit_friction_1.txt", "2unit_11_00/f/2unit_friction_2.txt"
+
+
+def runs(code: str, unloading: bool, friction: tuple[float, float] = (0.02, 0.02)) -> list:
+    """Three repeats and their baseline, by a machine whose friction holds little."""
+    told = {"friction": friction, "unloading": unloading}
+    found = [
+        pair(f"2unit_x/x/2unit_{code}_{k}.txt", CHAINS[code], **told, noise=0.002, seed=k)
+        for k in (1, 2, 3)
+    ]
+    return [*found, pair(f"2unit_x/f/2unit_friction_{1 + unloading}.txt", None, **told)]
+
+
+def taken(run: Recording, rows, stroke: float = 1.0) -> Recording:
+    return replace(
+        run, time=run.time[rows], stroke=run.stroke[rows] * stroke, force=run.force[rows]
+    )
+
+
+def shuffled(run: Recording) -> Recording:
+    return taken(run, np.random.default_rng(0).permutation(len(run)))
+
+
+def two_in_one(run: Recording) -> Recording:
+    time = np.concatenate([run.time, run.time + run.time[-1] + 0.04])
+    return replace(run, time=time, stroke=np.tile(run.stroke, 2), force=np.tile(run.force, 2))
+
+
+# What happens to files, and the word by which it is told.
+DAMAGES: dict[str, tuple[Callable[[Recording], Recording], str]] = {
+    "cut in half": (lambda run: taken(run, slice(0, len(run) // 2)), "left out, its stroke goes"),
+    "cut short": (lambda run: taken(run, slice(0, len(run) * 7 // 10)), "left out, it covers"),
+    "two runs in one": (two_in_one, "leaps"),
+    "metres labelled mm": (lambda run: taken(run, slice(None), 1e-3), "check the unit"),
+    "mm labelled metres": (lambda run: taken(run, slice(None), 1e3), "check the unit"),
+    "constant stroke": (lambda run: taken(run, slice(None), 0.0), "never changes"),
+    "reversed time": (lambda run: replace(run, time=run.time[::-1]), "runs back"),
+    "shuffled rows": (shuffled, "runs back"),
+    "3 % of a run": (lambda run: taken(run, slice(0, len(run) * 3 // 100)), "check the unit"),
+}
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_one_odd_file_gets_a_line_and_stops_no_other(damage, unloading):
+    damaged, word = DAMAGES[damage]
+    first, *others = runs("MMT", unloading)
+    compared = lab.compare([damaged(first), *others])
+    assert [line for line in compared.told if first.source in line and word in line], compared.told
+    (test,) = compared.pairs
+    assert len(test.series.recordings) == 2
+    assert test.right_order and test.right_snaps
+    # And the others are read as if it had not been there.
+    assert test.snaps == lab.compare(others).pairs[0].snaps
+
+
+def test_files_damaged_at_random_never_stop_the_others():
+    rng = np.random.default_rng(4)
+    whole = runs("MMB", False)
+    for _ in range(examples(12)):
+        odd = [
+            DAMAGES[list(DAMAGES)[int(rng.integers(len(DAMAGES)))]][0](run)
+            if rng.random() < 0.5
+            else run
+            for run in whole[:3]
+        ]
+        if rng.random() < 0.3:
+            n = len(odd[0])
+            odd[0] = taken(odd[0], np.sort(rng.choice(n, int(rng.integers(2, n)), replace=False)))
+        with suppress(lab.LabError):
+            assert all(test.verdict for test in lab.compare([*odd, whole[3]]).pairs)
+
+
+def slipping(run: Recording, rng: np.random.Generator, size: float) -> Recording:
+    """The same run with stick-slips of both signs: a sudden fall or rise that creeps back."""
+    force = run.force.copy()
+    n = len(run)
+    for sign in (-1.0, 1.0, -1.0):
+        at = int(rng.integers(n // 10, 9 * n // 10))
+        force[at:] += sign * size * np.exp(-np.arange(n - at) / (0.06 * n))
+    return replace(run, force=force)
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+@pytest.mark.parametrize("code", CHAINS)
+def test_slips_of_both_signs_are_not_taken_for_the_snap(code, unloading):
+    rng = np.random.default_rng(8)
+    clean = runs(code, unloading)
+    (truth,) = lab.compare(clean).pairs
+    ((stroke,), *_) = truth.snaps
+    snap = abs(max((e.force_after - e.force_before for e in truth.series.path.events), key=abs))
+    found = wrong = 0
+    tried = examples(5)
+    for _ in range(tried):
+        odd = [slipping(run, rng, 0.25 * snap) for run in clean[:3]]
+        (test,) = lab.compare([*odd, clean[3]]).pairs
+        for snaps in test.snaps:
+            found += any(abs(u - stroke) < 0.3e-3 for u in snaps)
+            wrong += sum(abs(u - stroke) >= 0.3e-3 for u in snaps)
+    assert found >= 0.95 * 3 * tried
+    assert wrong <= max(1, 0.01 * 3 * tried)
+
+
+def sampled(run: Recording, rate: float) -> Recording:
+    """The same run at so many samples a second."""
+    time = np.arange(0.0, run.time[-1], 1.0 / rate)
+    stroke, force = (np.interp(time, run.time, values) for values in (run.stroke, run.force))
+    return replace(run, time=time, stroke=stroke, force=force)
+
+
+@pytest.mark.parametrize("rate", [2.0, 5.0, 10.0, 200.0, 2000.0, 5000.0])
+@pytest.mark.parametrize("unloading", [False, True])
+def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloading):
+    base = runs("MMT", unloading)
+    (truth,) = lab.compare(base).pairs
+    (test,) = lab.compare([sampled(run, rate) for run in base]).pairs
+    step = SPEED / rate
+    for known, snaps in zip(truth.snaps, test.snaps, strict=True):
+        assert len(snaps) <= 1
+        assert all(abs(u - known[0]) < 0.2e-3 + 2 * step for u in snaps)
+        assert snaps or rate < 10
+    assert test.right_order
+
+
+def test_a_hole_invents_no_snap_and_hides_none_without_a_word():
+    first, second, third, base = runs("MMT", False)
+    (truth,) = lab.compare([first, second, third, base]).pairs
+    at = int(np.searchsorted(first.stroke, truth.snaps[0][0]))
+    for rows in (np.r_[0 : at - 40, at + 40 : len(first)], np.r_[0 : at - 40]):
+        hidden = [taken(run, rows) for run in (first, second, third)]
+        (test,) = lab.compare([*hidden, base]).pairs
+        assert test.snaps == ((), (), ())
+        assert test.right_snaps is None and "snaps cannot be told" in test.verdict
+    elsewhere = [taken(run, np.r_[0:300, 550 : len(run)]) for run in (first, second, third)]
+    (test,) = lab.compare([*elsewhere, base]).pairs
+    assert [len(snaps) for snaps in test.snaps] == [1, 1, 1]
+    assert test.right_snaps
+
+
+def test_a_snap_far_from_the_prediction_does_not_agree():
+    """Cells with another stiffness snap elsewhere; counts alone would agree."""
+    stiff = replace(MM, band=replace(MM.bands[0], stiffness=22.0))
+    other = Chain([stiff, MT])
+    little = (0.005, 0.005)
+    data = [pair(f"2unit_x/x/2unit_MMT_{k}.txt", other, friction=little, seed=k) for k in (1, 2)]
+    data.append(pair("2unit_x/f/2unit_friction_1.txt", None, friction=little))
+    (test,) = lab.compare(data, [CHAINS["MMT"]], as_designed=True).pairs
+    assert all(len(snaps) == len(test.snaps_predicted) for snaps in test.snaps)
+    gap = abs(test.snap_strokes[0] - test.snaps_predicted[0])
+    assert test.right_snaps == (abs(test.sigmas) <= 2.0)
+    assert abs(test.sigmas) > 0 and gap > test.doubt / 5
+
+
+def test_repeats_that_differ_warn_by_themselves():
+    first, second, third, base = runs("MMT", False)
+    later = replace(third, stroke=np.clip(third.stroke - 0.002, 0.0, None))
+    (test,) = lab.compare([first, second, later, base]).pairs
+    assert "repeats differ by" in test.warning and third.name in test.warning
+    (test,) = lab.compare([first, second, third, base]).pairs
+    assert test.warning == ""
+
+
+def test_the_count_of_bands_of_a_run_does_not_depend_on_other_files():
+    first, second, third, base = runs("MMT", False)
+    double = Chain([replace(c, band=replace(c.bands[0], stiffness=57.0)) for c in (MM, MT)])
+    strong = pair("2unit_x/x/2unit_MMT_4.txt", double, friction=(0.02, 0.02), noise=0.002)
+    alone = lab.compare([strong, base]).pairs
+    together = lab.compare([first, second, third, strong, base]).pairs
+    assert [test.series.bands for test in alone] == [2]
+    assert [test.series.bands for test in together] == [1, 2]
