@@ -7,6 +7,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
+from stepwell.design.checks import Check, Measurement, Verdict, check
 from stepwell.design.maps import (
     boundaries,
     parameter_boundaries,
@@ -51,10 +52,12 @@ __all__ = [
     "Boundary",
     "BoundaryKind",
     "Change",
+    "Check",
     "Critical",
     "Design",
     "Impossible",
     "Margin",
+    "Measurement",
     "Method",
     "Parameter",
     "Reached",
@@ -66,8 +69,10 @@ __all__ = [
     "Stock",
     "Survival",
     "Tolerances",
+    "Verdict",
     "Yield",
     "boundaries",
+    "check",
     "design",
     "made",
     "margin",
