@@ -1,5 +1,6 @@
 """Pages that tell results to people, one HTML file each that is complete in itself."""
 
+from stepwell.reports.pages.checks import check_page
 from stepwell.reports.pages.designs import (
     design_page,
     reprogramming_page,
