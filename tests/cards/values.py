@@ -44,6 +44,7 @@ def of_chains() -> dict[str, Any]:
         chain.margin(),
         chain.robustness(),
         chain.yields(n=60),
+        sw.check(chain, samples=60),
         chain.survival([0.0, 0.040, 0.0], "00", n=20),
         chain.reprogram("00>01>11>10>00", by="inner.p"),
         sw.design("00>01>11>10>00", n=40),

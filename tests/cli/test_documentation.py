@@ -187,6 +187,7 @@ def motion_records() -> list[dict[str, Any]]:
         results.design_record(design("00>01>11>10>00", n=100)),
         results.impossible_record(impossible.value),
         results.yield_record(yields(forward, spread, n=500, sensitivity=True)),
+        results.check_record(sw.check(forward, None, spread, samples=100)),
         results.survival_record(survival(forward, found.turning_points, "01", spread, n=3)),
         results.reprogram_record(reprogram(forward, None, "inner.p")),
         results.map_record(parameter_map(forward, *axes), parameter_boundaries(forward, *axes)),

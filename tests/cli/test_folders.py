@@ -13,6 +13,7 @@ EVERY = {
     "program": ("forward.toml", "--to", "01"),
     "design": ("00>10>11>01>00",),
     "yield": ("forward.toml",),
+    "check": ("forward.toml",),
     "reprogram": ("forward.toml", "--by", "inner.p"),
     "robot show": ("robot-forward",),
     "robot sweep": ("robot-forward", "foot.below_mm=0.3:0.6:2"),

@@ -190,6 +190,15 @@ YIELDS = [
     _both("yield/program", "yield preset:finger-selector --program --samples 10"),
 ]
 
+CHECKS = [
+    _both("check/works", "check preset:paper-forward --samples 100"),
+    _both("check/wont", "check preset:paper-forward --want '00>01>11>10>00' --samples 50"),
+    _both("check/fragile", "check preset:three-wave --stiffness-spread 20 --samples 100"),
+    _both("check/tie", "check preset:paper-identical --samples 100"),
+    _both("check/program", "check preset:finger-selector --samples 10"),
+    _both("check/pressures", "check preset:balloon --samples 10", slow=True),
+]
+
 REPROGRAMS = [
     _both("reprogram/target", f"reprogram preset:paper-forward --by inner.p --target '{_BACK}'"),
     _both("reprogram/any", "reprogram preset:three-wave --by 2.q"),
@@ -528,7 +537,7 @@ WRONG = [
 CASES: dict[str, Case] = {
     case.name: case
     for case in (
-        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *REPROGRAMS, *ELEMENTS, *FILES, *LABS,
+        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *CHECKS, *REPROGRAMS, *ELEMENTS, *FILES, *LABS,
         *ROBOTS, *PAPER, *HELP, *WRONG,
     )
 }  # fmt: skip

@@ -12,14 +12,20 @@ from stepwell.cards.html import Card
 from stepwell.results import (
     built_schema,
     change_columns,
+    check_record,
+    killer_words,
     map_shares,
     margin_changes,
+    measure_words,
     nearest_changes,
+    pull_words,
     tolerance_words,
+    verdict_words,
 )
 
 if TYPE_CHECKING:
     from stepwell.design import (
+        Check,
         Design,
         Impossible,
         Margin,
@@ -73,6 +79,19 @@ def _yield(found: Yield) -> Card:
     )
 
 
+def _check(found: Check) -> Card:
+    told, chain = check_record(found), found.chain
+    known = {
+        "wanted": found.wanted,
+        **_shares(found.yield_),
+        "killer": killer_words(told, chain),
+        "pull": pull_words(told, chain),
+        "measure": measure_words(told, chain),
+    }
+    facts = {name: text for name, text in known.items() if text}
+    return Card(chain.title or "A design", [verdict_words(told), *found.oddities], facts)
+
+
 def _survival(found: Survival) -> Card:
     return Card(f"Survival of a program from {found.start} to {found.ends}", (), _shares(found))
 
@@ -124,6 +143,7 @@ def _map(view: Any) -> Card:
 
 
 DESIGNS: dict[str, Callable[[Any], Card]] = {
+    "Check": _check,
     "Design": _design,
     "Impossible": _impossible,
     "MapView": _map,

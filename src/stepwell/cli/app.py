@@ -10,7 +10,7 @@ import typer
 
 from stepwell.base import __version__
 from stepwell.cli import demo, doctor, figure, lab, paper, presets, replay, schema, studio
-from stepwell.cli.chains import design, map, motion
+from stepwell.cli.chains import check, design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
 
@@ -30,6 +30,7 @@ for command in (
     motion.program,
     design.design,
     design.yield_,
+    check.check,
     design.reprogram,
     presets.new,
     presets.presets,

@@ -7,6 +7,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
+from stepwell.design.checks import Check, Measurement, Verdict, check
 from stepwell.design.maps import (
     boundaries,
     parameter_boundaries,
@@ -51,11 +52,13 @@ __all__ = [
     "Boundary",
     "BoundaryKind",
     "Change",
+    "Check",
     "Critical",
     "Design",
     "Draws",
     "Impossible",
     "Margin",
+    "Measurement",
     "Method",
     "Parameter",
     "Reached",
@@ -67,8 +70,10 @@ __all__ = [
     "Stock",
     "Survival",
     "Tolerances",
+    "Verdict",
     "Yield",
     "boundaries",
+    "check",
     "checked_cycle",
     "design",
     "margin",

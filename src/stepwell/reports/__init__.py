@@ -19,7 +19,13 @@ from stepwell.reports.chain import (
     write_program,
     write_run,
 )
-from stepwell.reports.design import write_design, write_reprogramming, write_survival, write_yield
+from stepwell.reports.design import (
+    write_check,
+    write_design,
+    write_reprogramming,
+    write_survival,
+    write_yield,
+)
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.measured import (
     write_band,
@@ -43,6 +49,7 @@ __all__ = [
     "write_as_built",
     "write_band",
     "write_calibration",
+    "write_check",
     "write_comparison",
     "write_design",
     "write_graph",

@@ -6,18 +6,25 @@ from typing import TYPE_CHECKING
 
 from stepwell.files import dumps
 from stepwell.reports.pages import (
+    check_page,
     design_page,
     reprogramming_page,
     survival_page,
     yield_page,
 )
 from stepwell.reports.steps import Folder, Progress, bundle
-from stepwell.results import design_record, reprogram_record, survival_record, yield_record
+from stepwell.results import (
+    check_record,
+    design_record,
+    reprogram_record,
+    survival_record,
+    yield_record,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.design import Design, Reprogramming, Survival, Yield
+    from stepwell.design import Check, Design, Reprogramming, Survival, Yield
 
 # Mechanisms that are drawn around the drawing, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
@@ -67,6 +74,24 @@ def write_yield(
         "report.html": yield_page(found, {_CAPTIONS[name]: one for name, one in drawn.items()}),
     }
     return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
+
+
+def write_check(
+    found: Check,
+    folder: Folder,
+    *,
+    design: str | None = None,
+    progress: Progress | None = None,
+    force: bool = False,
+) -> tuple[str, ...]:
+    """Write a verdict on a design: design.toml, check.json, report.html."""
+    text = design or dumps(found.chain)
+    contents = {
+        "design.toml": text,
+        "check.json": check_record(found, design=text),
+        "report.html": check_page(found),
+    }
+    return bundle(folder, "check", contents, progress=progress, force=force)
 
 
 def write_survival(

@@ -5,6 +5,13 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 """
 
 from stepwell.results.assumptions import actuator_words, assumptions, simulation_assumptions
+from stepwell.results.check import (
+    check_record,
+    killer_words,
+    measure_words,
+    pull_words,
+    verdict_words,
+)
 from stepwell.results.design import (
     SENSITIVITY,
     built_schema,
@@ -60,6 +67,7 @@ from stepwell.results.run import (
 
 __all__ = [
     "assumptions",
+    "check_record",
     "convergence_record",
     "design_record",
     "force_scale",

@@ -10,6 +10,7 @@ whichever tolerances are given, and two designs compared with one seed are made 
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr, ndtri
@@ -24,13 +25,64 @@ _CUT = 4.0  # standard deviations at which the normal distribution ends
 _AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache
 
 
+class Part(NamedTuple):
+    """What varies by itself: its cell, the tolerance that it has, and the columns of its numbers.
+
+    Attributes:
+        cell: 0 the innermost.
+        what: "d" (all anchors of its bands), or what else of a cell or an element.
+        tolerance: the field of `Tolerances`.
+        columns: of the draws.
+    """
+
+    cell: int
+    what: str
+    tolerance: str
+    columns: list[int]
+
+
 @dataclass(frozen=True, slots=True)
 class Draws:
-    """Random mechanisms after one drawing, the same ones for the same seed."""
+    """Random mechanisms after one drawing, the same ones for the same seed.
+
+    Attributes:
+        known: a part of which only the share `left` of its tolerance is left; "" for none.
+    """
 
     chain: Chain
     tolerances: Tolerances
     seed: int
+    known: str = ""
+    left: float = 1.0
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """Every part that has a tolerance, by its name, such as "outer.d"."""
+        b, n, t = self.bands, len(self.chain), self.tolerances
+        found: dict[str, Part] = {}
+        names, first, scale = self.chain.names, 0, self.scales
+        for i, cell in enumerate(self.chain.cells):
+            name = names[i] if names.count(names[i]) == 1 else i + 1
+            friction = ("friction", "friction", [6 * b + n + i])
+            if isinstance(cell, Element):
+                parts = [
+                    ("force_scale", "stiffness", [scale]),
+                    ("travel_scale", "travel", [scale + 1]),
+                ]
+                scale += 2
+            else:
+                bands = range(first, first + len(cell.bands))
+                first = bands.stop
+                parts = [
+                    ("d", "anchor", [4 * band + k for band in bands for k in range(4)]),
+                    ("stiffness", "stiffness", [4 * b + band for band in bands]),
+                    ("rest_length", "rest_length", [5 * b + band for band in bands]),
+                    ("lever", "lever", [6 * b + i]),
+                ]
+            for what, tolerance, columns in (*parts, friction):
+                if getattr(t, tolerance) > 0:
+                    found[f"{name}.{what}"] = Part(i, what, tolerance, columns)
+        return found
 
     @property
     def bands(self) -> int:
@@ -94,7 +146,20 @@ class Draws:
             for first, last in (bands, elements):
                 normal = even[:, first:last]
                 normal[:] = ndtri(tail + (1.0 - 2.0 * tail) * normal)
+        if self.known:
+            self._narrow(even)
         return even
+
+    def _narrow(self, drawn: Floats) -> None:
+        """Leave of the spread of the part that is known its share."""
+        _, _, tolerance, columns = self.parts[self.known]
+        if tolerance == "anchor":
+            # The first of two numbers is an area.
+            drawn[:, columns[::2]] *= self.left**2
+        elif tolerance in ("lever", "friction"):
+            drawn[:, columns] = 0.5 + self.left * (drawn[:, columns] - 0.5)
+        else:
+            drawn[:, columns] *= self.left
 
     def switching_forces(self, drawn: Floats) -> Floats:
         """(m, T, 2) as `orders.switching_forces`, of (m, columns) draws of a chain of elements."""

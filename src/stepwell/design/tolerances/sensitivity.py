@@ -11,7 +11,6 @@ from stepwell.base import ByValue, Floats, Ints
 from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.relays import gaps_between
-from stepwell.mechanism import Element
 
 # 2^12 points in each of the two base samples, and 2^10 where each has to be built.
 _POWER, _POWER_BUILT = 12, 10
@@ -99,7 +98,7 @@ def sensitivities(
     scipy.stats.sobol_indices. There one number is exchanged at a time; here all that belong to
     a part, since an anchor's place in its disc takes two and says nothing by one of them.
     """
-    groups = _groups(draws)
+    groups = {name: part.columns for name, part in draws.parts.items()}
     if not groups or len(switching_forces(draws.chain)) < 2:
         return Sensitivities((), np.empty(0), np.empty(0), 0.0, 0)
     active = np.concatenate(list(groups.values()))
@@ -126,29 +125,3 @@ def sensitivities(
         n=len(points),
     )
     return Sensitivities(names, found.first_order, found.total_order, spread, len(points))
-
-
-def _groups(draws: Draws) -> dict[str, list[int]]:
-    """The columns of every part that has a tolerance."""
-    b, n, t = draws.bands, len(draws.chain), draws.tolerances
-    found: dict[str, list[int]] = {}
-    names, first, scale = draws.chain.names, 0, draws.scales
-    for i, cell in enumerate(draws.chain.cells):
-        name = names[i] if names.count(names[i]) == 1 else i + 1
-        friction = ("friction", "friction", [6 * b + n + i])
-        if isinstance(cell, Element):
-            parts = [("force_scale", "stiffness", [scale]), ("travel_scale", "travel", [scale + 1])]
-            scale += 2
-        else:
-            bands = range(first, first + len(cell.bands))
-            first = bands.stop
-            parts = [
-                ("d", "anchor", [4 * band + k for band in bands for k in range(4)]),
-                ("stiffness", "stiffness", [4 * b + band for band in bands]),
-                ("rest_length", "rest_length", [5 * b + band for band in bands]),
-                ("lever", "lever", [6 * b + i]),
-            ]
-        for part, tolerance, columns in (*parts, friction):
-            if getattr(t, tolerance) > 0:
-                found[f"{name}.{part}"] = columns
-    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, require
@@ -77,25 +78,45 @@ def survival(
     slips = sizes.drives(chain, turning_points)
     if slips:
         raise SlipError(slips, "")
-    draws = Draws(chain, tolerances, seed)
     points = tuple(float(point) for point in turning_points)
-    successes = 0
-    for number in range(n):
-        if progress is not None:
-            progress(number, n)
-        try:
-            successes += _ends_right(draws.sample(number), points, start, ends)
-        except (ValueError, StaticsError):
-            continue
-    if progress is not None:
-        progress(n, n)
+    successes = count_ends(Draws(chain, tolerances, seed), points, start, ends, n, progress)
     counted = {"chain": chain, "tolerances": tolerances, "n": n, "seed": seed}
     return Survival(points, start, ends, successes=successes, **counted)
 
 
-def _ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
+def count_ends(
+    draws: Draws,
+    points: tuple[float, ...],
+    start: str,
+    ends: str,
+    n: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """How many of the first n mechanisms a program brings where it should."""
+    successes = 0
+    for number in range(n):
+        if progress is not None:
+            progress(number, n)
+        with suppress(ValueError, StaticsError):
+            successes += ends_right(draws.sample(number), points, start, ends)
+    if progress is not None:
+        progress(n, n)
+    return successes
+
+
+def ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
+    """Whether a program ends with every cell in the phase wanted, or nearest to it.
+
+    Args:
+        made: a mechanism, whose stops need not be quite where they were drawn.
+        points: turning points [m], or [N] under force control.
+        start, ends: states.
+
+    Raises:
+        ValueError: it cannot stand at the start.
+        StaticsError: the engine could not go on.
+    """
     if math.isinf(made.actuator_stiffness):
-        # Its stops are not quite where they were drawn.
         if not made.elements:
             full = made.full_travels
             begin = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
