@@ -537,7 +537,7 @@ WRONG = [
 CASES: dict[str, Case] = {
     case.name: case
     for case in (
-        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *CHECKS, *REPROGRAMS, *ELEMENTS, *FILES, *LABS,
-        *ROBOTS, *PAPER, *HELP, *WRONG,
+        *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *CHECKS, *REPROGRAMS, *ELEMENTS,
+        *FILES, *LABS, *ROBOTS, *PAPER, *HELP, *WRONG,
     )
 }  # fmt: skip

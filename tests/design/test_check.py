@@ -1,0 +1,146 @@
+"""A verdict on a design: its rule, what breaks it, and what to measure next."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stepwell as sw
+from sizes import examples
+from stepwell.base import StepwellError
+from stepwell.design import Check, Tolerances, Verdict, check, yields
+from stepwell.design.checks import judged
+from stepwell.design.checks.measurement import _left
+from stepwell.design.tolerances import parts_of, with_known
+from stepwell.files import presets
+from stepwell.mechanism import Band, Cell, Chain
+
+CELL = Cell(Band((-0.010, 0.0), (0.010, 0.0)))
+CHAINS = [name for name in presets() if not name.startswith("robot-")]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "verdict"),
+    [
+        (0.95, 1.0, Verdict.WORKS),
+        (math.nextafter(0.95, 0.0), 1.0, Verdict.FRAGILE),
+        (0.3, 0.5, Verdict.FRAGILE),
+        (0.3, math.nextafter(0.5, 0.0), Verdict.WONT),
+        (0.0, 0.0, Verdict.WONT),
+        (1.0, 1.0, Verdict.WORKS),
+    ],
+)
+def test_the_rule_holds_at_its_bounds(low, high, verdict):
+    assert judged(does_it=True, tied=False, interval=(low, high)) is verdict
+    assert judged(does_it=False, tied=False, interval=(low, high)) is Verdict.WONT
+    tied = judged(does_it=True, tied=True, interval=(low, high))
+    assert tied is not Verdict.WORKS
+
+
+def test_what_stands_between_two_sequences_never_works():
+    for place in (0.010, 0.020):
+        pair = Chain([CELL.with_anchors(q=(place, 0.0))] * 2)
+        assert check(pair, samples=200).verdict is not Verdict.WORKS
+
+
+def random_chains(count: int) -> list[Chain]:
+    rng = np.random.default_rng(12)
+    found: list[Chain] = []
+    while len(found) < count:
+        places = zip(rng.uniform(0, 0.02, 2), rng.uniform(-0.015, 0.015, 2), strict=True)
+        chain = Chain([CELL.with_anchors(q=(float(x), float(y))) for x, y in places])
+        if not chain.cycle().degenerate:
+            found.append(chain)
+    return found
+
+
+def test_the_killer_breaks_it_and_a_tenth_less_does_not():
+    for chain in random_chains(examples(6)):
+        found = check(chain, samples=300)
+        killer = found.killer
+        if killer is None:
+            continue
+        wanted = str(chain.cycle().sequence)
+        assert wanted == found.wanted
+        broken, spared = (moved(killer, by) for by in (1.01, 0.9))
+        assert str(broken.cycle().sequence) != wanted
+        assert str(spared.cycle().sequence) == wanted
+
+
+def moved(killer, by: float) -> Chain:
+    """The drawing with so much of a change, by a hand of its own."""
+    chain, cell = killer.chain, killer.chain.cells[killer.cell]
+    (band,) = cell.bands
+    if killer.parameter == "anchor":
+        dx, dy = (by * one for one in killer.move)
+        band = replace(band, q=(band.q[0] + dx, band.q[1] + dy))
+        cell = replace(cell, band=band)
+    elif killer.parameter == "stiffness":
+        cell = replace(cell, band=replace(band, stiffness=band.stiffness * (1 + by * killer.move)))
+    else:
+        raise AssertionError(killer.parameter)
+    cells = list(chain.cells)
+    cells[killer.cell] = cell
+    return replace(chain, cells=tuple(cells))
+
+
+def test_wider_tolerances_never_make_a_verdict_better():
+    order = [Verdict.WONT, Verdict.FRAGILE, Verdict.WORKS]
+    for chain in random_chains(examples(4)):
+        ranks = [
+            order.index(check(chain, None, Tolerances(anchor, 0.05), samples=2000).verdict)
+            for anchor in (0.0001, 0.001, 0.004)
+        ]
+        assert ranks == sorted(ranks, reverse=True)
+
+
+def test_the_measurement_named_is_the_best_of_all_by_counting_each():
+    tried = 0
+    for chain in random_chains(examples(10)):
+        tolerances = Tolerances(0.0015, 0.10)
+        found = check(chain, None, tolerances, samples=4000)
+        counted = yields(chain, tolerances, n=4000, wanted=found.wanted)
+        each = {
+            name: with_known(counted, name, _left(tolerances, part.tolerance), 4000)
+            for name, part in parts_of(counted).items()
+        }
+        best = max(each.values(), default=counted.successes)
+        if found.measure is None:
+            assert best < counted.successes + 0.005 * 4000 or counted.successes == 4000
+            continue
+        tried += 1
+        assert round(found.measure.after * 4000) == best > counted.successes
+    assert tried
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_every_design_gets_a_verdict(name):
+    found = check(sw.load(f"preset:{name}"), samples=20)
+    assert isinstance(found, Check) and found.reason
+    assert found.does_it and math.isfinite(found.peak_force)
+    assert found.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
+
+
+def test_a_program_is_checked_by_where_it_ends():
+    hand = sw.load("preset:finger-selector")
+    program = hand.program("00100")
+    found = check(hand, program, samples=60)
+    assert found.wanted == "00000 to 00100" and found.does_it
+    assert found.killer is not None
+    broken = found.killer.design
+    assert broken is not None
+
+
+def test_what_the_drawing_does_not_do_it_wont():
+    found = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
+    assert found.verdict is Verdict.WONT and found.killer is None
+    assert "the drawing itself does 00>10>11>01>00" in found.reason
+
+
+def test_a_program_of_another_chain_and_no_cycle_are_refused():
+    hand = sw.load("preset:finger-selector")
+    with pytest.raises(StepwellError, match="of another"):
+        check(sw.load("preset:paper-forward"), hand.program("00100"))
+    with pytest.raises(StepwellError, match="want"):
+        check(hand, "0>1")
