@@ -224,12 +224,13 @@ def covered(draws: int, shape, readings: int = 7) -> tuple[int, int, int]:
         test = lab.band_test([pulled(table(rest, tension, extensions(rng, readings)))])
         choice = lab.choose_law(test)
         right += choice.chosen.law.name == ("linear" if shape is spring else "cubic")
-        slope, onset = this_band(test, choice)
-        (loop,) = test.used
-        u = loop.stroke[loop.force > 0.02 * np.max(loop.force)] + test.gauge
+        told, (loop,), gauge = this_band(test, choice), test.used, test.gauge
+        assert told is not None and gauge is not None
+        slope, onset = told
+        u = loop.stroke[loop.force > 0.02 * np.max(loop.force)] + gauge
         true = np.polyfit(u, tension(np.maximum(u - rest, 0.0)), 1)[0]
         k_in += slope.low <= true <= slope.high
-        rest_in += onset.low <= rest - test.gauge <= onset.high
+        rest_in += onset.low <= rest - gauge <= onset.high
     return k_in, rest_in, right
 
 
@@ -261,7 +262,9 @@ def test_with_few_readings_only_the_line_is_tried_and_no_doubt_is_made_up(readin
     choice = lab.choose_law(test)
     if readings < 4:
         assert [one.law.name for one in choice.candidates] == ["linear"]
-    slope, _ = this_band(test, choice)
+    told = this_band(test, choice)
+    assert told is not None
+    slope, _ = told
     assert np.isnan(slope.low) == (readings == 2)
     text = lab.band_table(test, lab.stiffness(test), choice)
     assert ("its uncertainty is not known" in text) == (readings == 2)

@@ -14,7 +14,13 @@ from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series
-from stepwell.lab.mechanisms.snaps import MeasuredSnap, find_snaps, holes_of, matched
+from stepwell.lab.mechanisms.snaps import (
+    MeasuredSnap,
+    find_snaps,
+    holes_of,
+    matched,
+    samples_of_jump,
+)
 from stepwell.lab.recordings import Recording, from_zero, rms
 from stepwell.mechanism import Chain
 from stepwell.statics import Event, EventKind, Path
@@ -31,8 +37,11 @@ SNAP_SHARE = 0.1
 AGREE = 2.0
 # Repeats that scatter more than this are not of one kind, however finely they are sampled [m].
 _SCATTER = 0.5e-3
-# A force is read before a snap over this stroke, to see how steeply it falls [m].
-_BEFORE = 1e-3
+# A force is read before a snap over this stroke, to see how steeply it falls [m]; it is known to so
+# much, and falls no slower than so [N], [N/m]: from the recordings published with the paper.
+_BEFORE, FORCE_DOUBT, _FLATTEST = 1e-3, 0.03, 20.0
+# Jumps of repeats this near each other are one jump [m].
+_TOGETHER = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +65,8 @@ class PairTest(ByValue, Drawn):
         slips: for each run the strokes of its other jumps [m]: stick-slip, mostly.
         missing: for each run the samples that are missing in holes, where nothing can be told.
         doubt: standard deviation of a measured snap less the predicted one [m]: the scatter of the
-            repeats, the samples, and what the model's error in force before the snap makes of it.
+            repeats, the samples, and what a doubt of 0.03 N in force, and the spread of the
+            repeats, makes of it where the force falls as slowly as it does before the snap.
         snaps_predicted: strokes where the model snaps, without friction [m].
         snaps_with_friction: the same with the friction of the baseline [m].
         pull: difference of the measured forces of the two cells at the ends of their travels [N].
@@ -126,7 +136,7 @@ class PairTest(ByValue, Drawn):
 
     @property
     def right_snaps(self) -> bool | None:
-        """Whether every run snaps as often as the model, and where it does within two sigmas.
+        """Whether most runs snap as often as the model, and where it does within two sigmas.
 
         None where samples are missing and a run has fewer snaps than the model: the hole may hide
         them, and so may strokes that no run reached.
@@ -137,25 +147,35 @@ class PairTest(ByValue, Drawn):
         runs = list(zip(self.snaps, self.missing, strict=True))
         if any(len(snaps) < wanted and gone for snaps, gone in runs):
             return None
-        if any(len(snaps) != wanted for snaps in self.snaps):
+        if 2 * len(self.odd) >= len(runs):
             return False
         return not wanted or abs(self.sigmas) <= AGREE
 
     @property
+    def odd(self) -> tuple[str, ...]:
+        """Runs that do not snap as often as the model, by name."""
+        wanted = len(self.snaps_predicted)
+        runs = zip(self.series.recordings, self.snaps, strict=True)
+        return tuple(run.name for run, snaps in runs if len(snaps) != wanted)
+
+    @property
     def warning(self) -> str:
-        """What makes the mean of the snaps doubtful; "" where nothing does."""
+        """What makes the snaps doubtful: runs unlike the others; "" where nothing does."""
+        told: list[str] = []
+        if 0 < 2 * len(self.odd) < len(self.snaps):
+            told.append(f"unlike the others: {', '.join(self.odd)}")
         _, spread, count = self.snap_strokes
         sampled = max(_step(run) for run in self.series.recordings)
-        if count < 2 or spread <= max(_SCATTER, 10 * sampled):
-            return ""
-        firsts = [snaps[0] for snaps in self.snaps if snaps]
-        named = ", ".join(
-            f"{run.name} {snaps[0] * 1e3:.2f}"
-            for run, snaps in zip(self.series.recordings, self.snaps, strict=True)
-            if snaps
-        )
-        far = (max(firsts) - min(firsts)) * 1e3
-        return f"repeats differ by {far:.2f} mm, more than samples do: {named} mm"
+        if count > 1 and spread > max(_SCATTER, 10 * sampled):
+            firsts = {
+                run.name: snaps[0] * 1e3
+                for run, snaps in zip(self.series.recordings, self.snaps, strict=True)
+                if snaps
+            }
+            far = max(firsts.values()) - min(firsts.values())
+            named = ", ".join(f"{name} {stroke:.2f}" for name, stroke in firsts.items())
+            told.append(f"repeats differ by {far:.2f} mm, more than samples do: {named} mm")
+        return "; ".join(told)
 
     @property
     def verdict(self) -> str:
@@ -168,7 +188,10 @@ class PairTest(ByValue, Drawn):
         order = "order agrees" if self.right_order else "order differs from the model's"
         words = {True: "snaps agree", False: "snaps differ", None: "snaps cannot be told"}
         snaps = words[self.right_snaps]
-        return f"{order}: {names} (error ratio {self.ratio:.1f}); {snaps}: {self.snaps_told}"
+        warning = f"; {self.warning}" if self.warning else ""
+        return (
+            f"{order}: {names} (error ratio {self.ratio:.1f}); {snaps}: {self.snaps_told}{warning}"
+        )
 
     @property
     def snaps_told(self) -> str:
@@ -192,8 +215,7 @@ class PairTest(ByValue, Drawn):
         sigmas = f"{abs(self.sigmas):.1f} σ off both (σ = {self.doubt * 1e3:.2f} mm)"
         if self.sigmas == 0.0:
             sigmas = "between the two"
-        warning = f"; {self.warning}" if self.warning else ""
-        return f"{measured}, predicted at {both}; {sigmas}{warning}"
+        return f"{measured}, predicted at {both}; {sigmas}"
 
     def record(self) -> dict[str, Any]:
         """The result as JSON can hold it; docs/commands.md describes the names."""
@@ -249,7 +271,7 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     gap = (force - model)[inside] / series.scale
     moving, travels = mover(path, curve.stroke)
     jumps = [_jumps(series, run, shown) for run in series.recordings]
-    snaps = tuple(_snaps_in(series, found) for found in jumps)
+    snaps = _snaps_of_runs(series, jumps)
     factor = np.ones(len(curve))
     for i, cell in enumerate(chain.levers):
         mine = moving == i
@@ -273,7 +295,7 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
             for every, found in zip(jumps, snaps, strict=True)
         ),
         tuple(holes_of(run) for run in series.recordings),
-        _doubt(series, snaps, force - model),
+        _doubt(series, snaps),
         _snaps_of(path),
         _snaps_of(path_of(_with_friction(series, first), series.unloading)),
         *_pull_and_hold(series, first, shown, curve.stroke[inside], force[inside]),
@@ -305,13 +327,13 @@ def _errors(series: Series) -> Floats:
 def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
     found = [*_snaps_of(path_of(series.chain, series.unloading))]
-    for run in series.recordings:
-        # In neither order may a handover be taken for a snap.
-        one, other = (
-            {snap.stroke for snap in _snaps_in(series, _jumps(series, run, order))}
-            for order in _ORDERS
-        )
-        found += one & other
+    # In neither order may a handover be taken for a snap.
+    ways = [
+        _snaps_of_runs(series, [_jumps(series, run, order) for run in series.recordings])
+        for order in _ORDERS
+    ]
+    for one, other in zip(*ways, strict=True):
+        found += {snap.stroke for snap in one} & {snap.stroke for snap in other}
     if series.unloading:
         return -math.inf, max(found, default=-math.inf) + _NEAR
     return min(found, default=math.inf) - _NEAR, math.inf
@@ -386,44 +408,50 @@ def _snap_events(path: Path) -> list[Event]:
     return [event for event in path.events if event.kind is EventKind.SNAP]
 
 
-def _snaps_in(series: Series, jumps: Sequence[MeasuredSnap]) -> tuple[MeasuredSnap, ...]:
-    """Those of the jumps of a run that are snaps.
+def _snaps_of_runs(
+    series: Series, jumps: Sequence[tuple[MeasuredSnap, ...]]
+) -> tuple[tuple[MeasuredSnap, ...], ...]:
+    """For each run those of its jumps that are snaps.
 
     At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
     towards where the drive came from: up while loading, down while unloading. A slip within a cell
-    gives way to the drive, and has the other sign.
+    gives way to the drive, and has the other sign. Where none is predicted, a snap is what most
+    repeats show at one place.
     """
     predicted = _snap_events(series.path)
-    found = [one for one in matched(jumps, predicted) if one is not None]
-    if not predicted:
-        sign = -1.0 if series.unloading else 1.0
-        least = SNAP_SHARE * series.scale
-        found = [one for one in jumps if sign * one.jump > least]
-    return tuple(found)
+    if predicted:
+        return tuple(tuple(filter(None, matched(found, predicted))) for found in jumps)
+    sign = -1.0 if series.unloading else 1.0
+    least = SNAP_SHARE * series.scale
+    large = [tuple(one for one in found if sign * one.jump > least) for found in jumps]
+
+    def shared(one: MeasuredSnap) -> bool:
+        near = sum(any(abs(one.stroke - u.stroke) < _TOGETHER for u in found) for found in large)
+        return 2 * near > len(jumps)
+
+    return tuple(tuple(filter(shared, found)) for found in large)
 
 
-def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]], gap: Floats) -> float:
+def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m].
 
-    The cell that lets go does so where its force meets that of the other one; both forces of the
-    model are off by what it is off before the snap, and the force falls as steeply as it does.
+    A cell lets go where its force meets that of another one: a force that is off by a little is off
+    in stroke by as much over how steeply it falls there. How well the model fits does not count,
+    or a bad one would agree with everything.
     """
     firsts = [found[0].stroke for found in snaps if found]
     predicted = _snap_events(series.path)
     if not firsts or not predicted:
         return math.nan
     scatter = float(np.std(firsts, ddof=1)) if len(firsts) > 1 else 0.0
-    sampled = max(_step(run) for run in series.recordings)
-    u, path, event = series.curve.stroke, series.path, predicted[0]
-    low, high = past_snaps(series)
-    before = (u < low) | (u > high)
-    off = rms(gap[before & judged(u, series.quiet)])
+    path, event = series.path, predicted[0]
     way = -1.0 if series.unloading else 1.0
     ends = event.stroke - way * np.array([_BEFORE, 1e-6])
     order = np.argsort(path.stroke, kind="stable")
     rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
-    slope = max(abs(float(rise)), off / series.chain.full_stroke)
-    return math.hypot(scatter, sampled, math.sqrt(2.0) * off / slope)
+    off = math.hypot(FORCE_DOUBT, float(np.mean(series.curve.spread)))
+    seen = max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
+    return math.hypot(scatter, seen / math.sqrt(12.0), off / max(abs(float(rise)), _FLATTEST))
 
 
 def _snaps_of(path: Path) -> tuple[float, ...]:

@@ -39,7 +39,7 @@ Geometry = tuple[float, float]
 # Strokes that a baseline must cover, in those of the series.
 _COVER = (0.97, 1.1)
 # A band is at most so many times as strong as the model's, and at least so many times.
-_STRONG, _WEAK = 1.4, 0.7
+_STRONG, _WEAK, _NEAR_BOTH = 1.4, 0.7, 0.1
 _TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
 # Shares of a design's stroke: a recording over less or more of it shows something else. Of the
 # longest repeat, what a shorter one must have, for a mean goes as far as all of its runs do.
@@ -279,10 +279,12 @@ def _series(
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
-        if ratio / (bands + 1) >= _WEAK:
-            told.append(f"{counted_bands(bands + 1)} are possible too: check how many were on")
-        elif ratio / bands < _WEAK:
-            told.append("that is weak for so many: check which bands were on")
+        for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
+            # Near where one more or one less would be taken.
+            if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
+                told.append(f"{counted_bands(other)} may be too: check how many were on")
+        if ratio < _WEAK:
+            told.append("that is weak for a band: check which one was on")
         chain = Chain([_with_bands(cell, bands) for cell in cells])
         found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
     return found, left_out
@@ -291,28 +293,28 @@ def _series(
 def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], list[str]]:
     """The runs that go over about the stroke of a chain, and a line for each of the others."""
     full = chain.full_stroke
-    kept: dict[str, tuple[Recording, float]] = {}
+    kept: list[tuple[Recording, float]] = []
     told: list[str] = []
     for run in runs:
         stroke = from_zero(run, full)
         low, high = float(np.min(stroke)), float(np.max(stroke))
         covered = min(high, full) - max(low, 0.0)
         if covered >= _LEAST * full and high - low <= _MOST * full:
-            kept[run.source] = run, covered
+            kept.append((run, covered))
             continue
         told.append(
             f"{run.source}: left out, its stroke goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm "
             f"and that of the design from 0 to {full * 1e3:.4g} mm: check the unit in the header, "
             f"and that this design was tested"
         )
-    longest = max((covered for _, covered in kept.values()), default=0.0)
-    short = [source for source, (_, covered) in kept.items() if covered < _REPEAT * longest]
+    longest = max((covered for _, covered in kept), default=0.0)
     told += [
-        f"{source}: left out, it covers {kept[source][1] * 1e3:.4g} mm where another repeat has "
+        f"{run.source}: left out, it covers {covered * 1e3:.4g} mm where another repeat has "
         f"{longest * 1e3:.4g} mm"
-        for source in short
+        for run, covered in kept
+        if covered < _REPEAT * longest
     ]
-    return [run for source, (run, _) in kept.items() if source not in short], told
+    return [run for run, covered in kept if covered >= _REPEAT * longest], told
 
 
 def _ratio(series: Series, run: Recording) -> float:

@@ -127,6 +127,12 @@ def matched(
     return tuple(found)
 
 
+def samples_of_jump(time: Floats | None) -> float:
+    """How many samples of a recording lie between the two means that tell a jump."""
+    rate, _ = _clock(time, 0 if time is None else len(time))
+    return max(2.0, 2.0 * _GAP * rate)
+
+
 def holes_of(recording: Recording) -> int:
     """How many samples are missing between two that follow each other, in all holes."""
     steps = np.diff(recording.time)

@@ -16,6 +16,7 @@ SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack
 END = 0.1e-3  # [m] before the end of a stroke, where blocks may touch
 SHORT = 0.99  # of the samples that the neighbours have
 TIME_GAP = 3.0  # steps
+FEWEST = 30  # rows
 BACK = 0.01  # of the steps in time
 LEAP = 0.15  # of the stroke, in one step
 
@@ -31,6 +32,8 @@ def oddities(recording: Recording) -> tuple[str, ...]:
 
 def unusable(recording: Recording) -> str:
     """Why a recording is no run of a test: "" where it may be one."""
+    if len(recording) < FEWEST:
+        return f"it has {len(recording)} rows, too few to see a motion"
     steps, moved = np.diff(recording.time), np.abs(np.diff(recording.stroke))
     reach = float(np.ptp(recording.stroke))
     if reach == 0.0:
