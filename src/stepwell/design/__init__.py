@@ -7,7 +7,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from stepwell.design.checks import Check, Measurement, Verdict, check
+from stepwell.design.checks import Check, Measurement, Verdict, check, judged
 from stepwell.design.maps import (
     boundaries,
     parameter_boundaries,
@@ -76,6 +76,7 @@ __all__ = [
     "check",
     "checked_cycle",
     "design",
+    "judged",
     "margin",
     "parameter",
     "parameter_boundaries",

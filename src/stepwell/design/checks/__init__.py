@@ -2,4 +2,4 @@
 
 from stepwell.design.checks.check import Check, check
 from stepwell.design.checks.measurement import Measurement
-from stepwell.design.checks.verdict import Verdict
+from stepwell.design.checks.verdict import Verdict, judged

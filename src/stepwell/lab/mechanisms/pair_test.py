@@ -212,7 +212,7 @@ class PairTest(ByValue, Drawn):
         measured = f"snap at {mean * 1e3:.2f}{scatter} mm in {count} of {len(self.snaps)} runs"
         if not self.snaps_predicted:
             return f"{measured}, predicted nowhere"
-        sigmas = f"{abs(self.sigmas):.1f} σ off both (σ = {self.doubt * 1e3:.2f} mm)"
+        sigmas = f"{abs(self.sigmas):.1f} σ outside the two (σ = {self.doubt * 1e3:.2f} mm)"
         if self.sigmas == 0.0:
             sigmas = "between the two"
         return f"{measured}, predicted at {both}; {sigmas}"

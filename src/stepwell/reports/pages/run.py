@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell.base import Column, counted, number, percent, shown
+from stepwell.design import judged
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
@@ -123,7 +124,11 @@ def _sequence(cycle: Cycle) -> str:
 def _numbers(chain: Chain, record: dict[str, Any], built: Yield | None) -> dict[str, str]:
     measure = chain.measure
     dissipated, peak, full, *driven = (f"{q.cell(record)} {q.sign}" for q in cycle_schema(chain))
+    verdict = ""
+    if built is not None:
+        verdict = judged(does_it=True, tied=bool(record["ties"]), interval=built.interval).value
     found = {
+        "Verdict, built as usual": verdict,
         "Snaps": str(sum(event["kind"] == "snap" for event in record["events"])),
         f"Peak actuator {measure.force}": peak,
         "Lost in a cycle": dissipated,
