@@ -193,7 +193,11 @@ YIELDS = [
 CHECKS = [
     _both("check/works", "check preset:paper-forward --samples 100"),
     _both("check/wont", "check preset:paper-forward --want '00>01>11>10>00' --samples 50"),
-    _both("check/fragile", "check preset:three-wave --stiffness-spread 20 --samples 100"),
+    _both(
+        "check/fragile",
+        "check preset:three-wave --anchor 0.5 --stiffness-spread 20 --rest-length-spread 3 "
+        "--lever-tolerance 0.2 --friction 0.01 --travel-spread 0 --samples 100 --seed 2",
+    ),
     _both("check/tie", "check preset:paper-identical --samples 100"),
     _both("check/program", "check preset:finger-selector --samples 10"),
     _both("check/pressures", "check preset:balloon --samples 10", slow=True),

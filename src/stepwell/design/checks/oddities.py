@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
 
 import numpy as np
 
@@ -69,9 +68,5 @@ def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
 
 def _longest(cell: Cell, band: Band) -> float:
     """Greatest length of a band on its way [m]."""
-    angle = np.linspace(-cell.limit, cell.limit, _ANGLES)
-    x = cell.lever * np.cos(angle) + band.q[0] - band.p[0]
-    y = cell.lever * np.sin(angle) + band.q[1] - band.p[1]
-    longest = float(np.max(np.hypot(x, y)))
-    assert isfinite(longest)
-    return longest
+    angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
+    return float(np.max(band.length(angles, cell.lever)))
