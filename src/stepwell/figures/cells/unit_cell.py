@@ -23,6 +23,8 @@ from stepwell.figures.common import (
     literal,
     marks,
     mm_pair,
+    page_width,
+    sheet_of,
     styled,
 )
 from stepwell.mechanism import Cell, Element
@@ -30,6 +32,8 @@ from stepwell.mechanism import Cell, Element
 Curve = Callable[[Cell, Floats], Floats]
 
 _SAMPLES = 181
+# Narrower than this, names do not stand in two columns; between names and marks [mm].
+_TWO, _BETWEEN = 70.0, 0.3
 _END_0, _END_1, _PEAK = "<", ">", "D"
 _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
@@ -89,8 +93,9 @@ def _curves(
         raise InputError(
             f"cells[{first}] is an Element, which has no lever angle: draw it with element_curve."
         )
-    # Names in rows of two, the marks in a row of their own.
-    rows = math.ceil(len(levers) / 2)
+    # Names beside each other where there is room, the marks in a row of their own.
+    columns = 2 if page_width(COLUMN) >= _TWO else 1
+    rows = math.ceil(len(levers) / columns)
     top = 8.0 + 3.75 * rows
     own = ax is None
     figure, ax = canvas(ax, (COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))
@@ -123,12 +128,14 @@ def _curves(
     lower = ax.get_legend()
     assert lower is not None
     ax.add_artist(lower)
-    over = lower.get_window_extent().transformed(ax.transAxes.inverted()).y1
+    # In mm, for the axes may have to make room for more rows.
+    high = lower.get_window_extent().y1 - ax.get_window_extent().y1
+    over = 25.4 * high / sheet_of(ax).dpi + _BETWEEN
     handles = [
         legends.line(name, colour, linestyle=dashes)
         for name, (colour, dashes) in zip(_names(levers), looks, strict=True)
     ]
-    legends.above(ax, handles, 2, bbox_to_anchor=(0.0, over), handlelength=2.6)
+    legends.above(ax, handles, columns, lift=over, handlelength=2.6)
     if own:
         keep_inside(ax)
     return figure

@@ -59,15 +59,16 @@ def above(
     columns: int = 3,
     *,
     fit: bool = False,
+    lift: float = 1.2,
     **look: Any,
 ) -> None:
-    """A legend 1.2 mm above the axes, of these handles or of all that has a label.
+    """A legend `lift` mm above the axes, of these handles or of all that has a label.
 
     With `fit`, and in a panel of a page, it has as many columns as have room, and the axes make
     room for its rows.
     """
     # In mm, not as a share of the axes: on high ones that would leave the page.
-    lifted = ax.transAxes + ScaledTranslation(0.0, 1.2 / 25.4, sheet_of(ax).dpi_scale_trans)
+    lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
     legend = ax.legend(**given, **place | {"ncols": columns} | look)

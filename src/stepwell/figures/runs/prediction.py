@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +38,7 @@ _MN = 1e3  # millinewtons in a newton
 _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
 # Where names stand over the bars.
 _HIGH_ROW, _HIGH_HEAD, _OVER, _NARROW = 9.0, 9.0, 0.33, 130.0
+_BOLD = 2.0  # width of a letter of the title [mm]
 _SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
 
 
@@ -57,8 +59,8 @@ def prediction(prediction: Prediction) -> Figure:
     panels = [(_margins, len(prediction.legs)), (_depths, len(prediction.legs))]
     panels += [(_drags, len(pushes))] if pushes else []
     panels += [(_flips, len(prediction.flips))] if prediction.flips else []
-    title = [literal(prediction.robot.title)] if prediction.robot.title else []
     page, narrow = page_width(PAGE), _is_narrow()
+    title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
     # Names and remarks stand beside bars, or over them where that is too narrow.
     row, head, beside = (_HIGH_ROW, _HIGH_HEAD, 8.0) if narrow else (_ROW, _HEAD, 44.0)
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
