@@ -24,6 +24,7 @@ EVERY = {
     "lab band": (".",),
     "lab compare": (".",),
     "lab calibrate": (".",),
+    "lab as-built": ("forward.toml",),
 }
 OWN = {"paper": "claims.json", "design": "design.toml"}
 
