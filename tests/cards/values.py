@@ -82,7 +82,9 @@ def of_recordings() -> dict[str, Any]:
         pulled = lab.read_all([Path(folder) / "bands"]).recordings
         rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
     compared = lab.compare(batch.recordings)
+    built = sw.preset("paper-forward")
     values = (
+        lab.as_built(built, lab.Observed("00>10>11>01>00"), n=100),
         batch,
         batch.recordings[0],
         lab.band_test(pulled),

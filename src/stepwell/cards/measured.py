@@ -7,11 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import counted, number, record
 from stepwell.cards.html import Card, facts
+from stepwell.lab.as_built import KNOWN, as_built_record
 from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, PARAMETER
 from stepwell.lab.recordings import SUMMARY
 
 if TYPE_CHECKING:
-    from stepwell.lab import BandTest, Calibration, CellTest, Comparison, PairTest, Recording
+    from stepwell.lab import (
+        AsBuilt,
+        BandTest,
+        Calibration,
+        CellTest,
+        Comparison,
+        PairTest,
+        Recording,
+    )
 
 
 def _recording(one: Recording) -> Card:
@@ -70,7 +79,13 @@ def _comparison(found: Comparison) -> Card:
     )
 
 
+def _as_built(found: AsBuilt) -> Card:
+    known = as_built_record(found)["known"]
+    return Card("As built", [f"Do now: {found.advice}."], {}, KNOWN, known, "numbers")
+
+
 MEASURED: dict[str, Callable[[Any], Card]] = {
+    "AsBuilt": _as_built,
     "BandTest": _band_test,
     "Batch": _batch,
     "Calibration": _calibration,

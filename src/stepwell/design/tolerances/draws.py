@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from stepwell.base import Floats
+from stepwell.base.value import ByValue
 from stepwell.concave import in_disc
 from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.tolerances import Tolerances, levers_of
@@ -41,8 +42,8 @@ class Part(NamedTuple):
     columns: list[int]
 
 
-@dataclass(frozen=True, slots=True)
-class Draws:
+@dataclass(frozen=True, slots=True, eq=False)
+class Draws(ByValue):
     """Random mechanisms after one drawing, the same ones for the same seed.
 
     Attributes:
