@@ -8,7 +8,7 @@ import pytest
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.mechanisms.calibrate import _force
+from stepwell.lab.calibration.calibrate import _force
 from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 

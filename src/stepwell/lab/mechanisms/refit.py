@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats, Quantity, Schema, brief, record
-from stepwell.lab.mechanisms.calibrate import TIED, correlations
 from stepwell.lab.mechanisms.cell_test import CellTest
 from stepwell.lab.mechanisms.compare import Comparison
 from stepwell.lab.mechanisms.pair_test import PairTest, past_snaps
@@ -17,6 +16,7 @@ from stepwell.lab.mechanisms.rig import judged
 from stepwell.lab.recordings import LabError, rms
 from stepwell.mechanism import Chain, Linear
 
+TIED = 0.95  # correlation above which two numbers are not told apart
 _LOW, _HIGH, _SIZE = (0.1, 0.0), (1e4, 0.1), (10.0, 0.005)
 
 
@@ -150,3 +150,10 @@ def _with_bands(chain: Chain, stiffness: float, rest_length: float) -> Chain:
             for cell in chain.levers
         ),
     )
+
+
+def correlations(jacobian: Floats) -> Floats:
+    """(m, m) correlations of fitted numbers, from the Jacobian (n, m) of the residuals."""
+    covariance = np.linalg.pinv(jacobian.T @ jacobian)
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    return np.clip(covariance / np.outer(size, size), -1.0, 1.0)

@@ -10,8 +10,15 @@ import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, brief, need, record
 from stepwell.lab.bands import student
-from stepwell.lab.mechanisms.schema import ERROR, PARAMETER
-from stepwell.lab.mechanisms.series import Geometry, Series, over_geometries
+from stepwell.lab.mechanisms import (
+    ERROR,
+    PARAMETER,
+    TIED,
+    Geometry,
+    Series,
+    correlations,
+    over_geometries,
+)
 from stepwell.lab.recordings import LabError, rms
 from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slopes
 
@@ -31,7 +38,6 @@ _FITTED = {
     "friction": ("N", 0.0, -1.0, 1.0, 0.02),
 }
 LAWS = {"linear": (), "cubic": ("quadratic", "cubic")}
-TIED = 0.95  # correlation above which two numbers are not told apart
 _FEW = 3
 
 
@@ -375,10 +381,3 @@ def _fit(
         residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
     )
     return found.x, found.jac * size
-
-
-def correlations(jacobian: Floats) -> Floats:
-    """(m, m) correlations of fitted numbers, from the Jacobian (n, m) of the residuals."""
-    covariance = np.linalg.pinv(jacobian.T @ jacobian)
-    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    return np.clip(covariance / np.outer(size, size), -1.0, 1.0)

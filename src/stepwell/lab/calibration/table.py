@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from stepwell.base import __version__
 from stepwell.lab.bands import band_line
-from stepwell.lab.mechanisms.calibrate import Calibration
-from stepwell.lab.mechanisms.series import counted_bands
+from stepwell.lab.calibration.calibrate import Calibration
+from stepwell.lab.mechanisms import counted_bands
 
 
 def calibrated_table(calibration: Calibration, source: str = "") -> str:
