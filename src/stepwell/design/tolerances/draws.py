@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from stepwell.base import Floats
-from stepwell.base.value import ByValue
+from stepwell.base import ByValue, Floats
 from stepwell.concave import in_disc
 from stepwell.design.orders import switching_forces
 from stepwell.design.tolerances.tolerances import Tolerances, levers_of
