@@ -3,9 +3,10 @@
 from stepwell.lab.calibration.calibrate import (
     Calibration,
     FittedParameter,
-    Sample,
     calibrate,
     fit_record,
-    prepare,
 )
+from stepwell.lab.calibration.predict import SnapPrediction
+from stepwell.lab.calibration.samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.calibration.table import calibrated_table
+from stepwell.lab.calibration.tables import tension_tables

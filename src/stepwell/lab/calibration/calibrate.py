@@ -1,44 +1,48 @@
-"""One physical model of rubber and rig fitted to every unit cell at once."""
+"""One physical model of rubber and rig fitted to all cells at once, single and in pairs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, brief, need, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, need, record
 from stepwell.lab.bands import student
+from stepwell.lab.calibration.model import LAWS, force, late, law_of, number, numbers_of, rows
+from stepwell.lab.calibration.predict import Model, SnapPrediction, order_of, snap_of
+from stepwell.lab.calibration.samples import (
+    Prepared,
+    Sample,
+    Weighing,
+    compliance,
+    geometry_of,
+    rubber_name,
+    weigh,
+)
 from stepwell.lab.mechanisms import (
     ERROR,
     PARAMETER,
     TIED,
     Geometry,
-    Series,
+    PairTest,
     correlations,
     over_geometries,
 )
 from stepwell.lab.recordings import LabError, rms
-from stepwell.mechanism import Band, Cell, Cubic, band_force, cubic, length_slopes
+from stepwell.mechanism import Band, Chain, Law
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-_POINTS = 60
-# What is fitted: unit, start, bounds and typical size. Stiffness has one for each number of bands.
-_FITTED = {
-    "stiffness": ("N/m", 40.0, 0.1, 1e4, 10.0),
-    "rest_length": ("m", 0.010, 0.0, 0.1, 0.005),
-    "quadratic": ("1/m", 0.0, -1e3, 1e3, 20.0),
-    "cubic": ("1/m²", 0.0, -1e6, 1e6, 500.0),
-    "loss": ("1", 0.1, 0.0, 0.95, 0.1),
-    "loss_length": ("m", 0.003, 1e-4, 0.1, 0.003),
-    "friction": ("N", 0.0, -1.0, 1.0, 0.02),
-}
-LAWS = {"linear": (), "cubic": ("quadratic", "cubic")}
 _FEW = 3
+# A handover is known to 0.1 mm, a force of one band to some 0.02 N; every row of a sample repeats
+# the handover, and its forces come as one [N/m].
+_HANDOVER = 200.0
+_LATE = 4  # the last of so many parts of what was used of a travel
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,33 +69,21 @@ class FittedParameter(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Sample(ByValue):
-    """A series made ready for the fit: F of the block on even travels, in the order of motion."""
-
-    name: str
-    geometry: Geometry
-    bands: int
-    cell: Cell = field(repr=False)
-    theta: Floats = field(repr=False)
-    force: Floats = field(repr=False)
-    unloading: bool
-
-    def __repr__(self):
-        return brief(self)
-
-
-@dataclass(frozen=True, eq=False)
 class Calibration(ByValue, Drawn):
-    """The model that fits all unit cells best, and how well it predicts one that it has not seen.
+    """The model that fits all cells best, and how well it predicts one that it has not seen.
 
     Attributes:
-        law: "linear" or "cubic".
+        law: "linear", "cubic", or the name of a table.
         parameters: every number with its interval.
-        samples: the series, one for each geometry, number of bands and direction.
+        samples: what was fitted: each cell that moves in a series, in one direction.
         fit_error, left_out_error: for each sample RMSE in k r, fitted and predicted from the other
             geometries; k r is that of `reference` and the number of bands.
         correlations: (m, m) of the parameters, from the Jacobian of the fit.
         reference: stiffness of one band by which errors are scaled [N/m].
+        shape: the law of a band, its numbers set.
+        weighing: what pairs without bands tell; None where there are none.
+        compliance: by which the rig gives way [m/N]; NaN where no pair tells it.
+        snaps: for each series of a pair what is predicted of its snaps, and what was seen.
     """
 
     law: str
@@ -101,6 +93,10 @@ class Calibration(ByValue, Drawn):
     left_out_error: Floats = field(repr=False)
     correlations: Floats = field(repr=False)
     reference: float
+    shape: Law = field(repr=False)
+    weighing: Weighing | None = None
+    compliance: float = math.nan
+    snaps: tuple[SnapPrediction, ...] = field(repr=False, default=())
 
     def __getitem__(self, name: str) -> FittedParameter:
         found = {parameter.name: parameter for parameter in self.parameters}
@@ -114,22 +110,23 @@ class Calibration(ByValue, Drawn):
         return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
-    def counts(self) -> tuple[int, ...]:
-        """The numbers of bands there are."""
-        return tuple(sorted({sample.bands for sample in self.samples}))
+    def kinds(self) -> tuple[tuple[int, bool], ...]:
+        """What there is: numbers of bands, in single cells (False) and in pairs (True)."""
+        return tuple(sorted({(s.bands, s.in_pair) for s in self.samples}, key=lambda k: k[::-1]))
 
-    def mean_error(self, bands: int, left_out: bool = True) -> float:
+    def mean_error(self, bands: int, in_pair: bool = False, left_out: bool = True) -> float:
         """Mean over the geometries of the RMSE in k r, for cells with so many bands.
 
         Args:
             bands: 1, 2, ...
+            in_pair: of cells in pairs; False for single ones.
             left_out: each geometry predicted from the others; False for the fit.
         """
         errors = self.left_out_error if left_out else self.fit_error
         return over_geometries(
             (sample.geometry, float(error))
             for sample, error in zip(self.samples, errors, strict=True)
-            if sample.bands == bands
+            if sample.bands == bands and sample.in_pair == in_pair
         )
 
     @property
@@ -139,20 +136,53 @@ class Calibration(ByValue, Drawn):
         tied = np.argwhere(np.tril(np.abs(self.correlations) > TIED, -1))
         return tuple((names[j], names[i], float(self.correlations[i, j])) for i, j in tied)
 
-    def band(self, bands: int = 1) -> Band:
+    def band(self, bands: int = 1, in_pair: bool = False) -> Band:
         """A band of a cell with so many, as it loads; anchors at their defaults.
 
         The loss on the way back is not in it: a band of a mechanism has one law.
         """
-        values = self.values
-        law = Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
-        stiffness = self[f"stiffness_{bands}"].value
-        band = Band((-0.010, 0.0), (0.010, 0.0), stiffness, values["rest_length"])
-        return replace(band, law=law) if law.a2 or law.a3 else band
+        k = self[rubber_name(bands, in_pair)].value
+        return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
+
+    def applied(self, chain: Chain, bands: int = 1) -> Chain:
+        """A chain with these bands, this weight and this friction in its joints.
+
+        All bands of a cell have together the stiffness of so many fitted ones, and their rest
+        length and law; every cell but the outermost carries the block beyond it.
+
+        Args:
+            chain: of cells.
+            bands: as many as were on each cell of a pair.
+
+        Returns:
+            The chain, its anchors, levers and stops as they were.
+        """
+        return self._model.applied(chain, bands * self.band(bands, in_pair=True).stiffness)
+
+    @property
+    def _model(self) -> Model:
+        given = 0.0 if math.isnan(self.compliance) else self.compliance
+        return Model(self.values, self.shape, self.weighing, given)
 
     def force(self, sample: Sample) -> Floats:
-        """F of the model [N] at the angles of a sample."""
-        return _force(self.values, sample)
+        """F of the model [N] along a sample."""
+        return force(self.values, rows([sample], self._model.given), self.shape)
+
+    def snap_error(self, name: str = "left_out") -> float:
+        """Mean distance of the snaps that were seen and predicted [m]; NaN for none.
+
+        Args:
+            name: "plain", "fitted" or "left_out", as in `SnapPrediction`.
+        """
+        gaps = [abs(getattr(one, name) - one.measured) for one in self.snaps]
+        known = [gap for gap in gaps if not math.isnan(gap)]
+        return float(np.mean(known)) if known else math.nan
+
+    @property
+    def coverage(self) -> tuple[int, int]:
+        """Of how many series of pairs the 90 % interval holds what was seen, and how many."""
+        told = [one.covered for one in self.snaps if one.covered is not None]
+        return sum(told), len(told)
 
     def to_xarray(self) -> xr.Dataset:
         """Errors over "series" and correlations over "parameter" and "other"."""
@@ -175,44 +205,36 @@ class Calibration(ByValue, Drawn):
         )
 
     def __repr__(self):
-        errors = ", ".join(f"{n}: {self.mean_error(n):.3f}" for n in self.counts)
+        errors = ", ".join(
+            f"{n}{' in pairs' * pair}: {self.mean_error(n, pair):.3f}" for n, pair in self.kinds
+        )
         return f"Calibration({self.law}, left-out error in k r by bands {errors})"
 
 
-def prepare(series: Sequence[Series]) -> tuple[Sample, ...]:
-    """Net forces of unit cells on even travels, in the order of motion.
-
-    Args:
-        series: any; those of two cells are left out.
-
-    Returns:
-        A sample for each series of one cell.
-    """
-    return tuple(_sample(one) for one in series if len(one.chain) == 1)
-
-
 def calibrate(
-    samples: Sequence[Sample],
+    data: Prepared,
     law: str | None = None,
     *,
     reference: float = 28.5,
     progress: Callable[[int, int], None] | None = None,
 ) -> Calibration:
-    """Fit band law, loss and friction to all unit cells, and predict each geometry left out.
+    """Fit band law, loss, friction and rig to the curves of all cells, single and in pairs.
 
-    Tension while a band gets longer than ever before in the stroke is T(ℓ) = k (e + a2 e² + a3 e³),
-    e = ℓ - ℓ0; once it is shorter by x than it has been, it is less by the share h (1 - exp(-x/c)).
-    Bands of cells with one and with two bands are other pieces of rubber, and have a stiffness
-    each; all else is shared. Friction is what is left beyond the baseline, against the motion.
+    Tension while a band gets longer than ever before in the motion is T(l) = k (e + a2 e² + a3 e³),
+    e = l - l0, or k times a table; once it is shorter by x than it has been, it is less by the
+    share h (1 - exp(-x/c)). Bands tested together are one kind of rubber, with a stiffness; all
+    else is shared. Friction is what is left beyond the baseline, against the motion, and in pairs
+    that were loaded and unloaded a share of the tension too. Snaps have no part in the fit. They
+    are predicted afterwards, with the law of loading, for rubber that waits at a stop recovers.
 
-    Geometries that share d = q - p are one fold, with all their bands and directions, because the
-    model knows of d alone. Intervals are those of the jackknife over geometries: residuals along
-    a stroke are no independent samples, geometries nearly are.
+    Geometries that share d = q - p of the outermost cell are one fold, with all their bands and
+    directions. Intervals are those of the jackknife over geometries: residuals along a stroke are
+    no independent samples, geometries nearly are.
 
     Args:
-        samples: of three geometries or more.
-        law: "linear" (a2 = a3 = 0) or "cubic"; by default the one that predicts the geometries
-            left out better.
+        data: of three geometries or more.
+        law: "linear" (a2 = a3 = 0), "cubic", or the name of one of the tables of `data`; by
+            default the one that predicts the geometries left out best.
         reference: stiffness of one band by which errors are scaled [N/m].
         progress: called with (done, total) fits.
 
@@ -224,48 +246,193 @@ def calibrate(
 
     Source: delete-one-group jackknife, Quenouille 1956, Tukey 1958.
     """
-    if law is None:
-        found = [calibrate(samples, name, reference=reference, progress=progress) for name in LAWS]
-        return min(found, key=lambda c: float(np.mean(c.left_out_error)))
-    if law not in LAWS:
-        raise LabError("law", f"{law!r}: must be one of {', '.join(LAWS)}.")
-    geometries = sorted({sample.geometry for sample in samples})
-    if len(geometries) < _FEW:
+    samples = data.samples
+    known = [*LAWS, *data.tables]
+    if law is not None and law not in known:
+        raise LabError("law", f"{law!r}: must be one of {', '.join(known)}.")
+    folds = sorted({sample.fold for sample in samples})
+    if len(folds) < _FEW:
         raise LabError(
             "data",
-            f"unit cells of {len(geometries)} different q - p: calibration needs {_FEW} or more, "
+            f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    counts = sorted({sample.bands for sample in samples})
-    stiffness = [f"stiffness_{n}" for n in counts]
-    names = [*stiffness, "rest_length", *LAWS[law], "loss", "loss_length", "friction"]
-    whole, jacobian = _fit(samples, names, None)
-    folds: dict[Geometry, Floats] = {}
-    for geometry in geometries:
-        others = [sample for sample in samples if sample.geometry != geometry]
-        folds[geometry], _ = _fit(others, names, whole)
-        if progress is not None:
-            progress(len(folds), len(geometries))
-    n, each = len(folds), np.array(list(folds.values()))
-    scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
-    wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
-
-    def error(values: Floats, sample: Sample) -> float:
-        gap = _force(dict(zip(names, values, strict=True)), sample) - sample.force
-        return rms(gap / (sample.bands * reference * sample.cell.lever))
-
+    given = compliance(data.pairs)
+    laws = known if law is None else [law]
+    done, total = 0, len(laws) * len(folds)
+    found: list[_Fit] = []
+    for name in laws:
+        fit = _Fit(data, name, folds, 0.0 if math.isnan(given) else given, reference)
+        for fold in folds:
+            fit.leave_out(fold)
+            done += 1
+            if progress is not None:
+                progress(done, total)
+        found.append(fit)
+    best = min(found, key=lambda one: float(np.mean(one.errors()[1])))
+    fitted, left_out = best.errors()
+    weighing = weigh(data.pairs)
     return Calibration(
-        law,
-        tuple(
-            FittedParameter(name, _FITTED[name.rstrip("_0123456789")][0], *map(float, row))
-            for name, *row in zip(names, whole, whole - wide, whole + wide, strict=True)
-        ),
-        tuple(samples),
-        np.array([error(whole, sample) for sample in samples]),
-        np.array([error(folds[sample.geometry], sample) for sample in samples]),
-        correlations(jacobian),
+        best.law,
+        best.parameters(),
+        samples,
+        fitted,
+        left_out,
+        correlations(best.jacobian),
         reference,
+        best.shape(best.whole),
+        weighing,
+        given,
+        tuple(best.predict(test, weighing) for test in data.pairs),
     )
+
+
+class _Fit:
+    """The fit of one law to everything, and to everything but one geometry."""
+
+    def __init__(
+        self, data: Prepared, law: str, folds: list[Geometry], given: float, reference: float
+    ):
+        self.data, self.law, self.given, self.reference = data, law, given, reference
+        self.names = numbers_of(data.samples, law)
+        self.rows = rows(data.samples, given)
+        self.fold = np.concatenate([np.full(len(s.way), folds.index(s.fold)) for s in data.samples])
+        self.folds, self.left = folds, {}
+        self.whole, self.jacobian = self._fitted(np.ones(len(self.fold), bool), None)
+
+    def leave_out(self, fold: Geometry) -> None:
+        self.left[fold], _ = self._fitted(self.fold != self.folds.index(fold), self.whole)
+
+    def shape(self, numbers: Floats) -> Law:
+        return law_of(self.law, self._named(numbers), self.data.tables)
+
+    def errors(self) -> tuple[Floats, Floats]:
+        """RMSE of each sample in k r, fitted and left out."""
+        whole = force(self._named(self.whole), self.rows, self.shape(self.whole))
+        out = np.zeros(len(whole))
+        for k, fold in enumerate(self.folds):
+            mine, numbers = self.fold == k, self.left[fold]
+            out[mine] = force(self._named(numbers), self.rows, self.shape(numbers))[mine]
+        ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
+
+        def rmse(model: Floats) -> Floats:
+            gaps = np.split(model - self.rows.force, ends)
+            return np.array(
+                [
+                    rms(gap) / (s.bands * self.reference * s.cell.lever)
+                    for gap, s in zip(gaps, self.data.samples, strict=True)
+                ]
+            )
+
+        return rmse(whole), rmse(out)
+
+    def parameters(self) -> tuple[FittedParameter, ...]:
+        n, each = len(self.left), np.array(list(self.left.values()))
+        scatter = np.sum((each - np.mean(each, axis=0)) ** 2, axis=0)
+        wide = student(n - 1) * np.sqrt((n - 1) / n * scatter)
+        return tuple(
+            FittedParameter(name, number(name).unit, *map(float, row))
+            for name, *row in zip(
+                self.names, self.whole, self.whole - wide, self.whole + wide, strict=True
+            )
+        )
+
+    def predict(self, test: PairTest, weighing: Weighing | None) -> SnapPrediction:
+        """Snaps and order of a pair, from all curves and from those of the other geometries."""
+        series = test.series
+        fold = geometry_of(series.chain.levers[-1])
+        each = {name: self._snap(test, numbers, weighing) for name, numbers in self.left.items()}
+        fitted, _ = snap_of(
+            *self._asked(test, self.whole, weighing), self._missed(test, self.whole, True)
+        )
+        left_out, steep = snap_of(
+            *self._asked(test, self.left[fold], weighing),
+            self._missed(test, self.left[fold], False),
+        )
+        strokes = np.array([stroke for stroke, _ in each.values()])
+        strokes = strokes[~np.isnan(strokes)]
+        n = max(len(strokes), 1)
+        moved = (n - 1) / n * float(np.sum((strokes - np.mean(strokes)) ** 2)) if n > 1 else 0.0
+        off = [
+            error * sample.bands * self.reference * sample.cell.lever
+            for sample, error in zip(self.data.samples, self.errors()[1], strict=True)
+            if sample.in_pair and sample.bands == series.bands
+        ]
+        measured, spread, count = test.snap_strokes
+        scatter = 0.0 if math.isnan(spread) else spread**2 / count
+        plain = test.snaps_predicted[0] if test.snaps_predicted else math.nan
+        order = order_of(*self._asked(test, self.left[fold], weighing))
+        return SnapPrediction(
+            series.name,
+            fold,
+            measured,
+            spread,
+            float(test.stroke[0] if series.unloading else test.stroke[-1]),
+            plain,
+            fitted,
+            left_out,
+            # A snap is where two forces are equal, and each is off.
+            math.sqrt(moved + 2.0 * (rms(np.array(off)) / steep) ** 2 + scatter),
+            tuple(test.names(test.shown)),
+            order,
+            test.ratio,
+        )
+
+    def _missed(self, test: PairTest, numbers: Floats, own: bool) -> list[float]:
+        """By how much the forces of each cell are larger than the model's, late in its travel [N].
+
+        Read on the pair itself, or taken from the same cell of the pairs of other geometries, with
+        as many bands in the same direction.
+        """
+        series, found = test.series, [[] for _ in test.series.chain.cells]
+        gaps = self.rows.force - force(self._named(numbers), self.rows, self.shape(numbers))
+        ends = np.cumsum([len(s.way) for s in self.data.samples])[:-1]
+        fold = geometry_of(series.chain.levers[-1])
+        for sample, gap in zip(self.data.samples, np.split(gaps, ends), strict=True):
+            alike = sample.in_pair and (sample.bands, sample.unloading) == (
+                series.bands,
+                series.unloading,
+            )
+            asked = sample.series == series.name if own else alike and sample.fold != fold
+            if asked:
+                found[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
+        return [float(np.mean(one)) if one else 0.0 for one in found]
+
+    def _snap(
+        self, test: PairTest, numbers: Floats, weighing: Weighing | None
+    ) -> tuple[float, float]:
+        return snap_of(*self._asked(test, numbers, weighing))
+
+    def _asked(
+        self, test: PairTest, numbers: Floats, weighing: Weighing | None
+    ) -> tuple[Model, PairTest, float]:
+        values = self._named(numbers)
+        model = Model(values, self.shape(numbers), weighing, self.given)
+        bands = test.series.bands
+        return model, test, bands * values[rubber_name(bands, in_pair=True)]
+
+    def _named(self, numbers: Floats) -> dict[str, float]:
+        return dict(zip(self.names, numbers.tolist(), strict=True))
+
+    def _fitted(self, use: Bools, start: Floats | None) -> tuple[Floats, Floats]:
+        """Values of the numbers, and the Jacobian by their typical sizes."""
+        from scipy.optimize import least_squares
+
+        limits = np.array([number(name)[1:] for name in self.names])
+        first, low, high, size = limits.T
+        data = self.rows.where(use)
+
+        def residual(x: Floats) -> Floats:
+            # Per band, so that double bands do not count double.
+            values = self._named(x)
+            gaps = (force(values, data, self.shape(x)) - data.force) / data.bands
+            return np.concatenate([gaps, _HANDOVER * late(values, data)])
+
+        inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
+        found = least_squares(
+            residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
+        )
+        return found.x, found.jac * size
 
 
 def fit_record(calibration: Calibration) -> dict[str, Any]:
@@ -294,90 +461,3 @@ def fit_record(calibration: Calibration) -> dict[str, Any]:
         },
         "not_told_apart": [list(pair) for pair in calibration.tied],
     }
-
-
-def _sample(series: Series) -> Sample:
-    cell, curve, use = series.chain.levers[0], series.curve, series.judged()
-    stroke, net = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
-    # Means over strips: what is fitted is the curve, not the noise of single samples.
-    travel, force = (
-        np.array([float(np.mean(part)) for part in np.array_split(values, _POINTS) if len(part)])
-        for values in (stroke, net)
-    )
-    if series.unloading:
-        travel, force = travel[::-1], force[::-1]
-    return Sample(
-        series.name,
-        series.geometry,
-        series.bands,
-        cell,
-        cell.angle(travel),
-        force,
-        series.unloading,
-    )
-
-
-class _Rows(NamedTuple):
-    """What does not depend on the numbers that are fitted, all samples in a row."""
-
-    length: Floats  # of the band [m]
-    slope: Floats  # of the length by travel [1]
-    shorter: Floats  # than it has been in this run [m]
-    bands: Floats
-    direction: Floats  # +1 loading, -1 unloading
-    force: Floats
-
-
-def _rows(samples: Sequence[Sample]) -> _Rows:
-    parts: list[tuple[Floats, ...]] = []
-    for sample in samples:
-        lever, limit, theta = sample.cell.lever, sample.cell.limit, sample.theta
-        dx, dy = sample.geometry
-        band = Band((0.0, 0.0), (dx, dy))
-        # The band was taut at the stop where the run began.
-        start = limit if sample.unloading else -limit
-        length = band.length(np.concatenate([[start], theta]), lever)
-        shorter = (np.maximum.accumulate(length) - length)[1:]
-        slope, _, _ = length_slopes(np.sin(theta), np.cos(theta), length[1:], dx, dy, lever)
-        one = np.ones(len(theta))
-        direction = -one if sample.unloading else one
-        parts.append((length[1:], slope, shorter, sample.bands * one, direction, sample.force))
-    return _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-
-def _model(values: dict[str, float], rows: _Rows) -> Floats:
-    """F of every row [N]; the tension is `Band.tension` written out, for speed."""
-    e = np.maximum(rows.length - values["rest_length"], 0.0)
-    shape = cubic(e, 0.0, 1.0, values.get("quadratic", 0.0), values.get("cubic", 0.0))[0]
-    k = np.zeros(len(e))
-    for name, value in values.items():
-        if name.startswith("stiffness_"):
-            k[rows.bands == float(name.removeprefix("stiffness_"))] = value
-    kept = 1.0 - values["loss"] * (1.0 - np.exp(-rows.shorter / values["loss_length"]))
-    tension = rows.bands * k * shape * kept
-    return band_force(tension, rows.slope) + rows.direction * values["friction"]
-
-
-def _force(values: dict[str, float], sample: Sample) -> Floats:
-    return _model(values, _rows([sample]))
-
-
-def _fit(
-    samples: Sequence[Sample], names: list[str], start: Floats | None
-) -> tuple[Floats, Floats]:
-    """Values of the parameters, and the Jacobian by their typical sizes."""
-    from scipy.optimize import least_squares
-
-    limits = np.array([_FITTED[name.rstrip("_0123456789")][1:] for name in names])
-    first, low, high, size = limits.T
-    data = _rows(samples)
-
-    def residual(x: Floats) -> Floats:
-        # Per band, so that double bands do not count double.
-        return (_model(dict(zip(names, x, strict=True)), data) - data.force) / data.bands
-
-    inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
-    found = least_squares(
-        residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
-    )
-    return found.x, found.jac * size

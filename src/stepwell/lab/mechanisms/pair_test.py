@@ -21,7 +21,7 @@ from stepwell.lab.mechanisms.snaps import (
     matched,
     samples_of_jump,
 )
-from stepwell.lab.recordings import Recording, from_zero, rms
+from stepwell.lab.recordings import Curve, Recording, from_zero, mean_curve, rms
 from stepwell.mechanism import Chain
 from stepwell.statics import Event, EventKind, Path
 
@@ -33,6 +33,8 @@ TELLING = 1.25
 _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
 # Where none is predicted, a jump with the sign of a snap that is over so much of k r is one.
 SNAP_SHARE = 0.1
+# Shares of a travel at which the force does not show stops.
+_MIDDLE = np.linspace(0.3, 0.7, 41)
 # Strokes differ from the model's beyond so many standard deviations.
 AGREE = 2.0
 # Repeats that scatter more than this are not of one kind, however finely they are sampled [m].
@@ -60,6 +62,7 @@ class PairTest(ByValue, Drawn):
         rmse, worst, rmse_corrected: measured less model, in k r; corrected for the rig's bar.
         predicted: cells in the order in which the model moves them.
         tie: whether the model cannot tell that order.
+        first: the cell that is taken to move first in the baseline.
         snaps: for each run the strokes where it snaps, as predicted by sign and size of the jump in
             force, or where nothing is predicted with the sign of a snap [m].
         slips: for each run the strokes of its other jumps [m]: stick-slip, mostly.
@@ -85,6 +88,7 @@ class PairTest(ByValue, Drawn):
     rmse_corrected: float
     predicted: Order
     tie: bool
+    first: int
     snaps: tuple[tuple[float, ...], ...]
     slips: tuple[tuple[float, ...], ...]
     missing: tuple[int, ...]
@@ -103,6 +107,32 @@ class PairTest(ByValue, Drawn):
     def ratio(self) -> float:
         """Error against the order that is not shown, over that against the one that is."""
         return max(self.errors) / min(self.errors)
+
+    @property
+    def fitted(self) -> Bools:
+        """Which strokes (n,) tell the force of one cell: those judged, up to the first snap."""
+        return self.inside & judged(self.stroke, [past_snaps(self.series)])
+
+    @property
+    def handover(self) -> tuple[float, float]:
+        """Strokes between which one cell stops and the next one begins, by design [m]."""
+        return _zones(self.series, self.shown)[-1]
+
+    def moving(self) -> list[tuple[int, Bools]]:
+        """For each cell in the order shown: at which strokes (n,) it moves."""
+        return [(i, mine) for i, mine, _ in _one_by_one(self.series, self.shown, self.stroke)]
+
+    def baseline_levels(self) -> list[tuple[float, float]]:
+        """Force [N] of every baseline run while the inner cell is at mid-travel, and the outer."""
+        found: list[tuple[float, float]] = []
+        for run in self.series.baseline:
+            curve = mean_curve([run], self.series.chain.full_stroke)
+            levels = [
+                float(np.mean(_baseline_force(self.series, self.first, i, _MIDDLE * full, curve)))
+                for i, full in enumerate(cell.full_travel for cell in self.series.chain.levers)
+            ]
+            found.append((levels[0], levels[1]))
+        return found
 
     @property
     def right_order(self) -> bool | None:
@@ -289,6 +319,7 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         rms((force - model * factor)[inside] / series.scale),
         _predicted(series),
         bool(path.degenerate),
+        first,
         tuple(tuple(one.stroke for one in found) for found in snaps),
         tuple(
             tuple(one.stroke for one in every if one not in found)
@@ -352,7 +383,9 @@ def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int,
     return found
 
 
-def _baseline_force(series: Series, first: int, cell: int, travel: Floats) -> Floats:
+def _baseline_force(
+    series: Series, first: int, cell: int, travel: Floats, curve: Curve | None = None
+) -> Floats:
     """Baseline force [N] while a cell moves, at its travels (n,) [m].
 
     Args:
@@ -361,12 +394,14 @@ def _baseline_force(series: Series, first: int, cell: int, travel: Floats) -> Fl
             it has not left yet.
         cell: which.
         travel: of that cell.
+        curve: of one run; by default the mean of all.
     """
-    if series.baseline_curve is None:
+    curve = series.baseline_curve if curve is None else curve
+    if curve is None:
         return np.zeros(len(travel))
     above = (cell == first) == series.unloading
     rest = series.chain.full_stroke - series.chain.cells[cell].full_travel
-    return series.baseline_curve.at(travel + rest if above else travel)
+    return curve.at(travel + rest if above else travel)
 
 
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:

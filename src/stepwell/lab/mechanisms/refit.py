@@ -10,9 +10,8 @@ import numpy as np
 from stepwell.base import ByValue, Floats, Quantity, Schema, brief, record
 from stepwell.lab.mechanisms.cell_test import CellTest
 from stepwell.lab.mechanisms.compare import Comparison
-from stepwell.lab.mechanisms.pair_test import PairTest, past_snaps
+from stepwell.lab.mechanisms.pair_test import PairTest
 from stepwell.lab.mechanisms.predict import predicted_force
-from stepwell.lab.mechanisms.rig import judged
 from stepwell.lab.recordings import LabError, rms
 from stepwell.mechanism import Chain, Linear
 
@@ -131,7 +130,7 @@ def _points(test: CellTest | PairTest) -> _Points:
         stroke, force = series.curve.stroke, series.net(series.curve.stroke, series.curve.force)
     else:
         stroke, force = test.stroke, test.force
-        use = test.inside & judged(stroke, [past_snaps(series)])
+        use = test.fitted
     return _Points(series.unloading, stroke[use], force[use])
 
 

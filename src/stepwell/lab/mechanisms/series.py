@@ -40,7 +40,7 @@ Geometry = tuple[float, float]
 _COVER = (0.97, 1.1)
 # A band is at most so many times as strong as the model's, and at least so many times.
 _STRONG, _WEAK, _NEAR_BOTH = 1.4, 0.7, 0.1
-_TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
+TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
 # Shares of a design's stroke: a recording over less or more of it shows something else. Of the
 # longest repeat, what a shorter one must have, for a mean goes as far as all of its runs do.
 _LEAST, _MOST, _REPEAT = 0.5, 1.5, 0.9
@@ -185,7 +185,7 @@ def sort_series(
             continue
         setup = setup_of(recording.name)
         nameless = setup is None and not as_designed
-        if nameless and _TENSION_TEST.search(recording.name):
+        if nameless and TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
         elif nameless and _NAMED_CELLS.match(recording.name):
             told.append(f"{recording.source}: left out, the letters of its name are not known")

@@ -1,0 +1,270 @@
+"""What recordings of cells and pairs give to a fit: for each cell that moves its net force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, ReadOnly, brief
+from stepwell.lab.mechanisms import Geometry, PairTest, Series, pair_tests
+from stepwell.mechanism import Cell, Table
+
+_POINTS = 60
+# Between these shares of the jump in force from one cell to the next the rig alone gives way.
+_GIVING = 0.25, 0.75
+_FEWEST = 10  # samples in which a jump can be seen
+
+
+@dataclass(frozen=True, eq=False)
+class Sample(ByValue):
+    """One cell moving in one series, made ready for the fit, in the order of motion.
+
+    Attributes:
+        name: of the series, and in a pair of the cell.
+        geometry: d = q - p of the cell [m].
+        bands: how many it carried.
+        cell: lever and stops as designed.
+        way: (n,) of the machine since its motion began [m].
+        force: (n,) F of the block, the baseline subtracted [N].
+        unloading: whether the cell goes from state 1 to state 0.
+        fold: the geometry with which it is left out: that of the outermost cell [m].
+        before: travel of the cell that moved before it [m].
+        begins: way of the machine and its force where it began to move after another cell
+            [m], [N]; None where that is not seen.
+        drive: (n,) force at the machine [N], by which the rig gives way; None where it is stiff.
+        series, place: the name of a pair's series, and which of its cells it is, 0 the inner one.
+    """
+
+    name: str
+    geometry: Geometry
+    bands: int
+    cell: Cell = field(repr=False)
+    way: Floats = field(repr=False)
+    force: Floats = field(repr=False)
+    unloading: bool
+    fold: Geometry
+    before: float = 0.0
+    drive: Floats | None = field(default=None, repr=False)
+    begins: tuple[float, float] | None = None
+    series: str = ""
+    place: int = 0
+
+    @property
+    def in_pair(self) -> bool:
+        """Whether another cell is in series with it."""
+        return self.drive is not None
+
+    @property
+    def rubber(self) -> str:
+        """Name of its stiffness: pieces that were tested together are one kind of rubber."""
+        return rubber_name(self.bands, self.in_pair)
+
+    def __repr__(self):
+        return brief(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Weighing(ByValue):
+    """What runs of pairs without a band tell: the force while one cell moves, and the other.
+
+    Attributes:
+        weight: how much more the inner cell carries than the outer one [N]: the block between.
+        friction: of the machine and of empty joints, against the motion [N]; NaN where one
+            direction alone was tested.
+        doubt: standard deviation of the weight between runs [N].
+        both: whether loading and unloading were tested; else the friction is taken to be the
+            same for both cells.
+    """
+
+    weight: float
+    friction: float
+    doubt: float
+    both: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared(ByValue):
+    """What is fitted, and what it is tried on.
+
+    Attributes:
+        samples: each cell that moves in a series.
+        pairs: series of pairs beside their model without a fit.
+        tables: laws of bands by name, from tension tests.
+    """
+
+    samples: tuple[Sample, ...]
+    pairs: tuple[PairTest, ...] = ()
+    tables: Mapping[str, Table] = field(default_factory=dict)
+
+    def __post_init__(self):
+        object.__setattr__(self, "tables", ReadOnly(self.tables))
+
+    def __repr__(self):
+        return brief(self)
+
+
+def rubber_name(bands: int, in_pair: bool) -> str:
+    """Name of the stiffness of cells with so many bands: other tests, other pieces of rubber."""
+    return f"stiffness_{bands}{'_in_pairs' * in_pair}"
+
+
+def prepare(series: Sequence[Series], tables: Mapping[str, Table] | None = None) -> Prepared:
+    """Net forces of cells on even ways, in the order of motion; of pairs for each of both cells.
+
+    In pairs the baseline of the cell that moves is subtracted, in the order that the forces show,
+    and nothing from the first snap on is used, so that no snap has a part in a fit.
+
+    Args:
+        series: of one cell or of two.
+        tables: laws of bands to try, by name.
+
+    Returns:
+        A sample for each series of one cell, two for each of a pair.
+    """
+    cells = [_of_cell(one) for one in series if len(one.chain) == 1]
+    pairs = pair_tests([one for one in series if len(one.chain) > 1])
+    in_pairs = (sample for test in pairs for sample in _of_pair(test))
+    return Prepared((*cells, *in_pairs), tuple(pairs), tables or {})
+
+
+def weigh(tests: Iterable[PairTest]) -> Weighing | None:
+    """Weight between two cells and friction, from their runs without a band.
+
+    Rising, a baseline shows weight and friction, falling it shows weight less friction: the weight
+    is the half-sum and the friction the half-difference of the two, at mid-travel of each cell.
+
+    Args:
+        tests: pairs with their baselines.
+
+    Returns:
+        The weighing; None where there is no baseline.
+    """
+    levels: dict[int, list[tuple[float, float]]] = {}
+    seen: set[tuple[str, ...]] = set()
+    for test in tests:
+        runs = tuple(run.source for run in test.series.baseline)
+        if not runs or runs in seen:
+            continue
+        seen.add(runs)
+        way = -1 if test.series.unloading else 1
+        levels.setdefault(way, []).extend(test.baseline_levels())
+    if not levels:
+        return None
+    # Weight and friction of inner and outer cell add up going up, and are subtracted going down.
+    mean = {way: np.mean(np.array(each), axis=0) for way, each in levels.items()}
+    gaps = {way: np.array(each)[:, 0] - np.array(each)[:, 1] for way, each in levels.items()}
+    weight = float(np.mean([np.mean(gap) for gap in gaps.values()]))
+    spread = [float(np.var(gap, ddof=1)) / len(gap) for gap in gaps.values() if len(gap) > 1]
+    both = len(mean) == 2
+    friction = float(np.mean(mean[1] - mean[-1])) / 2.0 if both else math.nan
+    doubt = math.sqrt(sum(spread)) / len(gaps) if spread else math.nan
+    return Weighing(weight, friction, doubt, both)
+
+
+class Handover(NamedTuple):
+    """Where the force of a run jumps from one cell to the next.
+
+    Attributes:
+        stroke, force: of the middle of the jump [m], [N].
+        given: by how much the rig gives way there [m/N].
+    """
+
+    stroke: float
+    force: float
+    given: float
+
+
+def handovers(test: PairTest) -> list[Handover]:
+    """The handover of each run of a pair that shows one.
+
+    While no cell moves, the rig alone gives way: the force jumps over a short stroke.
+    """
+    low, high = test.handover
+    found: list[Handover] = []
+    for run in test.series.recordings:
+        stroke = test.series.placed(run)
+        near = (low <= stroke) & (stroke <= high)
+        u, force = stroke[near], run.force[near]
+        if len(u) < _FEWEST:
+            continue
+        edge = len(u) // 10 + 1
+        first, last = float(np.median(force[:edge])), float(np.median(force[-2 * edge :]))
+        share = (force - first) / (last - first if last != first else 1.0)
+        jump = (share > _GIVING[0]) & (share < _GIVING[1])
+        if np.count_nonzero(jump) > 1:
+            given = float(np.ptp(u[jump]) / max(float(np.ptp(force[jump])), 1e-9))
+            found.append(Handover(float(np.mean(u[jump])), float(np.mean(force[jump])), given))
+    return found
+
+
+def compliance(tests: Iterable[PairTest]) -> float:
+    """By how much the rig of pairs gives way [m/N]: the median over all runs; NaN for none."""
+    found = [one.given for test in tests for one in handovers(test)]
+    return float(np.median(found)) if found else math.nan
+
+
+def _of_cell(series: Series) -> Sample:
+    cell, curve, use = series.chain.levers[0], series.curve, series.judged()
+    force = series.net(curve.stroke, curve.force)[use]
+    stroke = curve.stroke[use]
+    way = cell.full_travel - stroke if series.unloading else stroke
+    ways, forces = _strips(series.unloading, way, force)
+    d = series.geometry
+    return Sample(series.name, d, series.bands, cell, ways, forces, series.unloading, d)
+
+
+def _of_pair(test: PairTest) -> list[Sample]:
+    series, use = test.series, test.fitted
+    full = series.chain.full_stroke
+    fold = geometry_of(series.chain.levers[-1])
+    found: list[Sample] = []
+    before, seen = 0.0, handovers(test)
+    begins = None
+    if seen:
+        stroke, push, _ = np.mean(np.array(seen), axis=0)
+        begins = float(full - stroke if series.unloading else stroke), float(push)
+    for i, moving in test.moving():
+        mine, cell = use & moving, series.chain.levers[i]
+        if np.count_nonzero(mine) > 1:
+            stroke = test.stroke[mine]
+            way = full - stroke if series.unloading else stroke
+            parts = _strips(series.unloading, way, test.force[mine], series.curve.force[mine])
+            name = f"{series.name}, {series.chain.names[i]}"
+            found.append(
+                Sample(
+                    name,
+                    geometry_of(cell),
+                    series.bands,
+                    cell,
+                    parts[0],
+                    parts[1],
+                    series.unloading,
+                    fold,
+                    before,
+                    parts[2],
+                    begins if before else None,
+                    series.name,
+                    i,
+                )
+            )
+        before += cell.full_travel
+    return found
+
+
+def _strips(backwards: bool, *columns: Floats) -> list[Floats]:
+    """Means over strips, in the order of motion: what is fitted is the curve, not its noise."""
+    parts = [
+        np.array([float(np.mean(part)) for part in np.array_split(values, _POINTS) if len(part)])
+        for values in columns
+    ]
+    return [part[::-1] for part in parts] if backwards else parts
+
+
+def geometry_of(cell: Cell) -> Geometry:
+    """d = q - p of a cell [m], equal where it is the same."""
+    dx, dy = cell.bands[0].d
+    return round(dx, 9), round(dy, 9)
