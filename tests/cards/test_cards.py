@@ -38,8 +38,8 @@ PARTS = {
         "Rig",
     ),
     *("Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
-    *("Sheet", "Sorted", "Stock", "Table", "Tie", "Tolerances"),
-    *("Transition", "Trial", "Turn", "Wall"),
+    *("Sheet", "SnapPrediction", "Sorted", "Stock", "Table", "Tie", "Tolerances"),
+    *("Transition", "Trial", "Turn", "Wall", "Weighing"),
 }
 VOID = {"img", "br"}
 HOSTILE = '<script>alert("1")</script>&amp;\x1b[1m\u202e'

@@ -150,7 +150,7 @@ def test_a_design_can_overrule_the_names(stepwell, data):
 def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
     result = stepwell("lab", "calibrate", "data", "--law", "linear", "--out", "fit")
     assert result.exit_code == 0, result.stderr
-    for words in ("by leaving out a geometry", "left out", "Correlations", "For a design file"):
+    for words in ("by leaving out a geometry", "left out", "Not told apart", "For a design file"):
         assert words in result.stdout
     text = (tmp_path / "fit" / "band.toml").read_text("utf-8")
     chain = files.loads(f"[chain]\n{text}[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n")

@@ -8,7 +8,7 @@ import pytest
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
-from stepwell.lab.calibration.calibrate import _force
+from stepwell.lab.calibration.model import force, law_of, rows
 from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
@@ -26,6 +26,15 @@ TRUE = {
 CUBIC = TRUE | {"rest_length": 0.010, "stiffness_1": 35.0, "quadratic": -20.0, "cubic": 400.0}
 
 
+def of(truth, sample):
+    """F of the model along a sample [N]."""
+    return force(truth, rows([sample]), law_of("cubic", truth, {}))
+
+
+def fitted(data, law=None):
+    return lab.calibrate(lab.Prepared(tuple(data)), law)
+
+
 def samples(truth, rng, *, noise=0.002, scatter=0.01, unloading=False, points=20):
     """Series of nine geometries and two numbers of bands; each piece of rubber differs a little."""
     found = []
@@ -33,14 +42,13 @@ def samples(truth, rng, *, noise=0.002, scatter=0.01, unloading=False, points=20
         for bands in (1, 2):
             cell = Cell(Band((0.0, 0.0), (d[0] * 1e-3, d[1] * 1e-3)))
             travel = np.linspace(0.0005, 0.0195, points)
-            theta = cell.angle(travel[::-1] if unloading else travel)
-            empty = np.zeros(points)
+            way = (cell.full_travel - travel)[::-1] if unloading else travel
             name = f"{d}, {bands}"
-            sample = lab.Sample(
-                name, (d[0] * 1e-3, d[1] * 1e-3), bands, cell, theta, empty, unloading
-            )
-            force = _force(truth, sample) * rng.normal(1.0, scatter)
-            found.append(replace(sample, force=force + rng.normal(0.0, noise, points)))
+            empty = np.zeros(points)
+            at = (d[0] * 1e-3, d[1] * 1e-3)
+            sample = lab.Sample(name, at, bands, cell, way, empty, unloading, at)
+            told = of(truth, sample) * rng.normal(1.0, scatter)
+            found.append(replace(sample, force=told + rng.normal(0.0, noise, points)))
     return found
 
 
@@ -48,7 +56,7 @@ def samples(truth, rng, *, noise=0.002, scatter=0.01, unloading=False, points=20
 @pytest.mark.parametrize(("law", "truth"), [("linear", TRUE), ("cubic", CUBIC)])
 def test_clean_curves_give_their_numbers_back(law, truth, unloading):
     data = samples(truth, np.random.default_rng(0), noise=0.0, scatter=0.0, unloading=unloading)
-    found = lab.calibrate(data, law)
+    found = fitted(data, law)
     for name, value in truth.items():
         if name in {p.name for p in found.parameters}:
             assert found[name].value == pytest.approx(value, rel=1e-3, abs=1e-5), name
@@ -59,7 +67,7 @@ def test_clean_curves_give_their_numbers_back(law, truth, unloading):
 def test_the_stated_intervals_hold_the_truth():
     inside = dict.fromkeys(TRUE, 0)
     for seed in range(DRAWS):
-        found = lab.calibrate(samples(TRUE, np.random.default_rng(seed), points=12), "linear")
+        found = fitted(samples(TRUE, np.random.default_rng(seed), points=12), "linear")
         for name, value in TRUE.items():
             inside[name] += found[name].low <= value <= found[name].high
     assert min(inside.values()) >= OFTEN * DRAWS, inside
@@ -70,7 +78,7 @@ def test_the_stated_intervals_of_the_cubic_law_hold_the_truth():
     inside: dict[str, int] = {}
     for seed in range(DRAWS):
         data = samples(CUBIC, np.random.default_rng(seed), points=12, scatter=0.005, noise=0.001)
-        found = lab.calibrate(data, "cubic")
+        found = fitted(data, "cubic")
         for p in found.parameters:
             inside[p.name] = inside.get(p.name, 0) + (p.low <= CUBIC[p.name] <= p.high)
     assert min(inside.values()) >= OFTEN * DRAWS, inside
@@ -78,8 +86,8 @@ def test_the_stated_intervals_of_the_cubic_law_hold_the_truth():
 
 def test_the_law_that_predicts_better_is_taken_by_default():
     rng = np.random.default_rng(1)
-    assert lab.calibrate(samples(CUBIC, rng, scatter=0.0)).law == "cubic"
-    assert lab.calibrate(samples(TRUE, rng, noise=0.004)).law == "linear"
+    assert fitted(samples(CUBIC, rng, scatter=0.0)).law == "cubic"
+    assert fitted(samples(TRUE, rng, noise=0.004)).law == "linear"
 
 
 def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
@@ -87,7 +95,7 @@ def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
     data = samples(TRUE, rng) + samples(TRUE, rng, unloading=True)
     # One geometry is of other rubber: by itself it cannot be predicted, and nothing else tells.
     odd = [replace(s, force=2 * s.force) if s.geometry == (0.02, 0.0) else s for s in data]
-    found = lab.calibrate(odd, "linear")
+    found = fitted(odd, "linear")
     errors = {k: [] for k in (True, False)}
     for sample, error in zip(found.samples, found.left_out_error, strict=True):
         errors[sample.geometry == (0.02, 0.0)].append(error)
@@ -97,7 +105,7 @@ def test_a_geometry_is_left_out_with_all_its_bands_and_directions():
 
 
 def test_numbers_that_the_data_cannot_tell_apart_are_named():
-    found = lab.calibrate(samples(CUBIC, np.random.default_rng(3)), "cubic")
+    found = fitted(samples(CUBIC, np.random.default_rng(3)), "cubic")
     assert any({"quadratic", "cubic"} == {a, b} for a, b, _ in found.tied)
     assert np.diag(found.correlations) == pytest.approx(1.0)
     assert "not told apart" in lab.calibrated_table(found)
@@ -125,7 +133,7 @@ def test_recordings_are_calibrated_from_end_to_end(tmp_path):
 
 
 def test_the_calibrated_band_is_the_model_while_it_loads():
-    found = lab.calibrate(samples(CUBIC, np.random.default_rng(0), noise=0, scatter=0), "cubic")
+    found = fitted(samples(CUBIC, np.random.default_rng(0), noise=0, scatter=0), "cubic")
     band = found.band(2)
     assert isinstance(band.law, Cubic)
     length = np.linspace(0.02, 0.04, 5)
@@ -137,23 +145,23 @@ def test_without_loss_and_friction_the_model_is_the_force_of_a_cell():
     truth = CUBIC | {"loss": 0.0, "friction": 0.0}
     for sample in samples(truth, np.random.default_rng(0), noise=0.0, scatter=0.0):
         k = truth[f"stiffness_{sample.bands}"]
-        band = Band((0.0, 0.0), sample.geometry, k, 0.010, Cubic(-20.0, 400.0))
-        force = sample.bands * Cell(band).force(sample.theta)
-        assert sample.force == pytest.approx(force, rel=1e-12)
+        cell = Cell(Band((0.0, 0.0), sample.geometry, k, 0.010, Cubic(-20.0, 400.0)))
+        expected = sample.bands * cell.force(cell.angle(sample.way))
+        assert sample.force == pytest.approx(expected, rel=1e-12)
 
 
 def test_too_few_geometries_are_refused():
     data = [s for s in samples(TRUE, np.random.default_rng(0)) if s.geometry[0] == 0.01][:4]
     with pytest.raises(lab.LabError, match="unit cells of 2 different q - p: calibration needs 3"):
-        lab.calibrate(data)
+        fitted(data)
     with pytest.raises(lab.LabError, match="'quartic': must be one of linear, cubic"):
-        lab.calibrate(samples(TRUE, np.random.default_rng(0)), "quartic")
+        fitted(samples(TRUE, np.random.default_rng(0)), "quartic")
 
 
 def test_a_calibration_goes_to_xarray_and_json():
     import json
 
-    found = lab.calibrate(samples(TRUE, np.random.default_rng(0)), "linear")
+    found = fitted(samples(TRUE, np.random.default_rng(0)), "linear")
     data = found.to_xarray()
     assert data.sizes == {"series": 18, "parameter": 6, "other": 6}
     record = lab.fit_record(found)

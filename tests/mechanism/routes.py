@@ -285,9 +285,9 @@ def _():
     samples = []
     for x, y in ((10, 0), (20, 5), (20, -5)):
         one = cell(x, y)
-        theta = one.angle(np.linspace(0.001, 0.019, 12))
-        samples.append(lab.Sample("", one.bands[0].d, 1, one, theta, recorded, False))
-    return [lab.calibrate(samples, "linear")["stiffness_1"].value]
+        way, d = np.linspace(0.001, 0.019, 12), one.bands[0].d
+        samples.append(lab.Sample("", d, 1, one, way, recorded, False, d))
+    return [lab.calibrate(lab.Prepared(tuple(samples)), "linear")["stiffness_1"].value]
 
 
 @route("snap of the gait that is predicted", None)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from stepwell.base import counted, number, record
 from stepwell.cards.html import Card, facts
 from stepwell.lab.as_built import KNOWN, as_built_record
-from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, PARAMETER
+from stepwell.lab.calibration import PARAMETER
+from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
 from stepwell.lab.recordings import SUMMARY
 
 if TYPE_CHECKING:
@@ -56,9 +57,10 @@ def _calibration(found: Calibration) -> Card:
     return Card(
         f"Calibration with a {found.law} law",
         [
-            f"RMSE {found.mean_error(n, left_out=False):.3f} k r fitted, {found.mean_error(n):.3f} "
-            f"k r predicted from the other geometries, with {counted(n, 'band')} a cell."
-            for n in found.counts
+            f"RMSE {found.mean_error(n, pair, left_out=False):.3f} k r fitted, "
+            f"{found.mean_error(n, pair):.3f} k r predicted from the other geometries, "
+            f"{'pairs' if pair else 'cells'} with {counted(n, 'band')} each."
+            for n, pair in found.kinds
         ],
         {},
         PARAMETER,

@@ -222,7 +222,9 @@ def calibrate(
     law: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="linear or cubic; by default the one that predicts better."
+            metavar="NAME",
+            help="linear, cubic, or tension tests in DATA by their folder; by default the law that "
+            "predicts best.",
         ),
     ] = None,
     baseline: _Baseline = None,
@@ -231,11 +233,11 @@ def calibrate(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Fit one physical model to all unit cells at once.
+    """Fit one physical model to the curves of all cells at once, single and in pairs.
 
-    Stiffness, rest length, loss on the way back and friction, with the error of each geometry
-    predicted from the others, and the band as a table for a design file.
-    With --out, the table, the numbers and a figure are written into a folder.
+    Law and stiffness of the bands, loss on the way back, friction of machine and joints, weight and
+    rig, with what is predicted of each geometry from the others: forces, orders, snaps.
+    With --out, the numbers, a band and a pair for design files and a figure go into a folder.
     """
     from stepwell import lab as measured
     from stepwell.cli.text import lab as texts
@@ -244,20 +246,16 @@ def calibrate(
     free(out, "lab calibrate", force)
     given = _recordings([data])
     found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
-    samples = measured.prepare(found.series)
+    data_given = measured.prepare(found.series, measured.tension_tables(given))
     with progress("fits") as tell:
-        calibration = measured.calibrate(samples, law, progress=tell)
+        calibration = measured.calibrate(data_given, law, progress=tell)
     record = {
         **_head("calibrate", given),
         **measured.fit_record(calibration),
         "told": [
-            f"{one.name}: {line}"
-            for one in found.series
-            for line in one.told
-            if len(one.chain) == 1
-        ]
-        + [f"{one.name}: left out, a pair" for one in found.series if len(one.chain) > 1]
-        + list(found.told),
+            *(f"{one.name}: {line}" for one in found.series for line in one.told),
+            *found.told,
+        ],
         "table": measured.calibrated_table(calibration, data.name),
     }
     write = partial(write_calibration, calibration, record)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import shown
+from stepwell.files import dumps
 from stepwell.reports.pages import (
     band_page,
     calibration_page,
@@ -103,9 +104,12 @@ def write_calibration(
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a calibration and its record: band.toml, calibration.json and .nc, calibration."""
+    """Write a calibration and its record: band.toml, calibration.json and .nc, calibration.
+
+    With pairs, pair.toml too: the first of them with what was fitted.
+    """
     from stepwell import figures
-    from stepwell.lab.mechanisms import ERROR, PARAMETER
+    from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
 
     drawn = {"calibration": figures.calibration(calibration)}
     captioned = {"Fitted and measured forces": drawn["calibration"]}
@@ -113,6 +117,11 @@ def write_calibration(
         "band.toml": record["table"],
         "calibration.json": record,
         "calibration.nc": netcdf(calibration.to_xarray()),
-        "report.html": calibration_page(record, shown(PARAMETER), shown(ERROR), captioned),
+        "report.html": calibration_page(
+            record, shown(PARAMETER), shown(ERROR), shown(SNAP), captioned
+        ),
     }
+    if calibration.pairs:
+        first = calibration.pairs[0].series
+        contents["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
     return bundle(folder, "lab calibrate", contents, drawn, progress=progress, force=force)

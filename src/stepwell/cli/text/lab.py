@@ -8,7 +8,8 @@ from typing import Any
 
 from stepwell.base import Column, Quantity, number
 from stepwell.cli.screen import show_lines, show_records, show_table, show_verbatim
-from stepwell.lab.mechanisms import CELL_TEST, ERROR, PAIR_TEST, PARAMETER
+from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
+from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
 from stepwell.lab.recordings import SUMMARY
 
 
@@ -141,34 +142,35 @@ def comparison(record: dict[str, Any]) -> None:
 
 def calibration(record: dict[str, Any]) -> None:
     """Print what `stepwell lab calibrate` found."""
+    show_lines(*record["summary"])
     name, unit, *numbers = PARAMETER
     show_records(
-        f"{record['law']} law: each number with its 95 % interval, by leaving out a geometry",
+        f"Law: {record['law']}. Each number with its 95 % interval, by leaving out a geometry",
         [name, *numbers, unit],
         record["parameters"],
         most=None,
     )
+    series, *strokes = (q for q in SNAP if q.head)
+    snapping = [
+        one
+        for one in record["snaps"]
+        if one["measured_mm"] is not None or one["plain_mm"] is not None
+    ]
+    if snapping:
+        show_records("First snaps [mm]", [series, *strokes], snapping, most=None)
     title = f"RMSE in k r, k = {number(record['k_N_per_m'])} N/m a band"
     show_records(title, ERROR, record["errors"], most=None)
-    for mean in record["mean_errors"]:
-        show_lines(
-            f"Mean over the geometries, {_bands(mean['bands'])}: {mean['fit_over_kr']:.3f} fitted, "
-            f"{mean['left_out_over_kr']:.3f} left out."
-        )
-    names = list(record["correlations"])
-    show_table(
-        "Correlations",
-        ["", *names],
-        [[a, *(f"{record['correlations'][a][b]:+.2f}" for b in names)] for a in names],
-    )
     tied = [f"{a} and {b} ({c:+.2f})" for a, b, c in record["not_told_apart"]]
     told = f"Not told apart by the data: {', '.join(tied)}." if tied else "No two are tied."
     show_lines(
         "",
         "Intervals are of the jackknife over geometries, taken as independent; samples along a "
         "stroke are not.",
+        told,
+        *(f"Not told: {line}." for line in record["open"]),
+        "",
+        "For a design file:",
     )
-    show_lines(told, "", "For a design file:")
     show_verbatim(record["table"].rstrip())
     show_lines("", "Used, dropped and odd", *record["told"])
 

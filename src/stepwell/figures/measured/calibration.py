@@ -10,8 +10,10 @@ from matplotlib.figure import Figure
 from stepwell.figures.common import (
     BLUE,
     FAINT,
+    GREEN,
     INK,
     PAGE,
+    PURPLE,
     VERMILLION,
     blank,
     legends,
@@ -30,9 +32,14 @@ _SYMBOLS = {
     "loss": "$h$",
     "loss_length": "$c$",
     "friction": "$f$",
+    "joints": "$\\mu$",
+    "travel": "$\\lambda$",
+    "start_loading": "$u_+$",
+    "start_unloading": "$u_-$",
 }
 _MARKS = "o^sDv"
-_RIGHT = 96.0  # where the map of correlations begins [mm]
+_COLOURS = BLUE, VERMILLION, GREEN, PURPLE
+_RIGHT = 94.0  # where the map of correlations begins [mm]
 
 
 @styled
@@ -48,15 +55,20 @@ def calibration(result: Calibration) -> Figure:
         with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    tall = 24.0 + 7.0 * max(len(geometries), len(result.parameters))
+    head = 6.0 + 3.7 * len(result.kinds)
+    tall = 15.0 + head + 7.0 * max(len(geometries), len(result.parameters))
     figure = blank(PAGE, tall)
-    left = place(figure, 24.0, 11.0, 56.0, tall - 20.0)
-    for n, bands in enumerate(result.counts):
-        colour, mark = (BLUE, VERMILLION)[n % 2], _MARKS[n % len(_MARKS)]
-        at = [k for k, sample in enumerate(result.samples) if sample.bands == bands]
-        off = 0.12 * (n - (len(result.counts) - 1) / 2)
+    left = place(figure, 24.0, 11.0, 52.0, tall - 11.0 - head)
+    for n, (bands, pair) in enumerate(result.kinds):
+        colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
+        at = [
+            k
+            for k, sample in enumerate(result.samples)
+            if (sample.bands, sample.in_pair) == (bands, pair)
+        ]
+        off = 0.16 * (n - (len(result.kinds) - 1) / 2)
         rows = [geometries.index(result.samples[k].geometry) + off for k in at]
-        name = bands_words(bands)
+        name = f"{'pairs' if pair else 'cells'}, {bands_words(bands)}"
         style = {"linestyle": "none", "marker": mark, "markersize": 4.0, "color": colour}
         fit, left_out = np.array(result.fit_error)[at], np.array(result.left_out_error)[at]
         left.plot(fit, rows, markerfacecolor="white", label=f"{name}, fit", **style)
@@ -69,8 +81,8 @@ def calibration(result: Calibration) -> Figure:
     legends.above(left, columns=2, columnspacing=1.0)
 
     names = [_symbol(p.name) for p in result.parameters]
-    side = min(66.0, tall - 24.0)
-    right = place(figure, _RIGHT, 11.0 + (tall - 20.0 - side) / 2, side, side)
+    side = min(66.0, tall - 11.0 - head)
+    right = place(figure, _RIGHT, 11.0 + (tall - 11.0 - head - side) / 2, side, side)
     image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
@@ -80,11 +92,12 @@ def calibration(result: Calibration) -> Figure:
                 "va": "center",
                 "color": "white" if dark else INK,
             }
-            right.text(j, i, _hundredths(float(value)), **look, gid="correlation")
+            size = min(7.0, 1.15 * side / len(names))
+            right.text(j, i, _hundredths(float(value)), fontsize=size, **look, gid="correlation")
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)
     right.tick_params(length=0)
-    bar = place(figure, _RIGHT + side + 3.0, 11.0 + (tall - 20.0 - side) / 2, 2.5, side)
+    bar = place(figure, _RIGHT + side + 3.0, 11.0 + (tall - 11.0 - head - side) / 2, 2.5, side)
     figure.colorbar(image, cax=bar)
     bar.set_ylabel("Correlation [1]")
     return figure
@@ -98,5 +111,7 @@ def _hundredths(value: float) -> str:
 
 
 def _symbol(name: str) -> str:
-    stem, _, count = name.rpartition("_")
-    return f"$k_{{{count}}}$" if stem == "stiffness" else _SYMBOLS[name]
+    if name.startswith("stiffness_"):
+        count, _, pair = name.removeprefix("stiffness_").partition("_")
+        return f"$k_{{{count}}}{chr(39) * bool(pair)}$"
+    return _SYMBOLS[name]

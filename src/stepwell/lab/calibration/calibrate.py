@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, need, record
+from stepwell.base import Bools, ByValue, Drawn, Floats, need
 from stepwell.lab.bands import student
 from stepwell.lab.calibration.model import LAWS, force, late, law_of, number, numbers_of, rows
 from stepwell.lab.calibration.predict import Model, SnapPrediction, order_of, snap_of
@@ -23,8 +23,6 @@ from stepwell.lab.calibration.samples import (
     weigh,
 )
 from stepwell.lab.mechanisms import (
-    ERROR,
-    PARAMETER,
     TIED,
     Geometry,
     PairTest,
@@ -42,6 +40,7 @@ _FEW = 3
 # A handover is known to 0.1 mm, a force of one band to some 0.02 N; every row of a sample repeats
 # the handover, and its forces come as one [N/m].
 _HANDOVER = 200.0
+_STROKE = 0.05e-3  # [m] to which a stroke is told
 _LATE = 4  # the last of so many parts of what was used of a travel
 
 
@@ -83,7 +82,8 @@ class Calibration(ByValue, Drawn):
         shape: the law of a band, its numbers set.
         weighing: what pairs without bands tell; None where there are none.
         compliance: by which the rig gives way [m/N]; NaN where no pair tells it.
-        snaps: for each series of a pair what is predicted of its snaps, and what was seen.
+        pairs: the series of pairs beside their model without a fit.
+        snaps: for each of them what is predicted of its snaps, and what was seen.
     """
 
     law: str
@@ -97,6 +97,7 @@ class Calibration(ByValue, Drawn):
     weighing: Weighing | None = None
     compliance: float = math.nan
     snaps: tuple[SnapPrediction, ...] = field(repr=False, default=())
+    pairs: tuple[PairTest, ...] = field(repr=False, default=())
 
     def __getitem__(self, name: str) -> FittedParameter:
         found = {parameter.name: parameter for parameter in self.parameters}
@@ -160,6 +161,21 @@ class Calibration(ByValue, Drawn):
         return self._model.applied(chain, bands * self.band(bands, in_pair=True).stiffness)
 
     @property
+    def weight(self) -> float:
+        """Weight of the block between two cells [N]; 0 where nothing tells it."""
+        return self._model.weight
+
+    @property
+    def joints(self) -> float:
+        """Friction in the joints over the tension of the bands [1]; 0 where nothing tells it."""
+        return self.values.get("joints", 0.0)
+
+    def tension(self, bands: int) -> float:
+        """Tension of so many bands in a cell of a pair, at mid-travel with d = (20, 0) mm [N]."""
+        band, lever = self.band(bands, in_pair=True), self.samples[0].cell.lever
+        return bands * float(band.tension(band.length(0.0, lever)))
+
+    @property
     def _model(self) -> Model:
         given = 0.0 if math.isnan(self.compliance) else self.compliance
         return Model(self.values, self.shape, self.weighing, given)
@@ -179,6 +195,58 @@ class Calibration(ByValue, Drawn):
         return float(np.mean(known)) if known else math.nan
 
     @property
+    def orders(self) -> tuple[int, int]:
+        """Of how many series of pairs the order is predicted right from the others, and of all."""
+        return sum(one.order == one.order_seen for one in self.snaps), len(self.snaps)
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of the strength of bands from series to series, as a share.
+
+        Each series is scaled by itself to the model that fits all; NaN for fewer than three.
+        """
+        model = self._model
+        found: list[float] = []
+        for sample in self.samples:
+            told = force(self.values, rows([sample], model.given), self.shape)
+            found.append(float(told @ sample.force) / float(told @ told))
+        return float(np.std(found, ddof=1)) if len(found) >= _FEW else math.nan
+
+    @property
+    def open(self) -> list[str]:
+        """What these recordings cannot tell apart, and which experiment would tell it."""
+        told: list[str] = []
+        ways = {(sample.in_pair, sample.unloading) for sample in self.samples}
+        cells = [way for way in ways if not way[0]]
+        pairs = [way for way in ways if way[0]]
+        if len(cells) == 1 and len(pairs) < 2:
+            told.append(
+                "the loss of the rubber and friction in the joints: cells that are loaded and "
+                "unloaded tell them apart"
+            )
+        if len(pairs) == 1:
+            told.append(
+                "friction of the machine and in the joints: pairs that are loaded and unloaded "
+                "tell them apart, at mid-travel, with one band and with two"
+            )
+        if pairs and self.weighing is None:
+            told.append(
+                "the weight of the block between the cells, taken as none: runs of the pair "
+                "without a band, loading and unloading, tell it"
+            )
+        elif self.weighing is not None and not self.weighing.both:
+            told.append(
+                "weight and friction, which is taken to be the same for both cells: runs "
+                "without a band in the other direction tell them apart"
+            )
+        if len(pairs) == 2:
+            told.append(
+                "friction in the joints and rubber that recovers while it waits at a stop, which "
+                "both hold a snap back: a run that waits a minute before the snap tells them apart"
+            )
+        return told
+
+    @property
     def coverage(self) -> tuple[int, int]:
         """Of how many series of pairs the 90 % interval holds what was seen, and how many."""
         told = [one.covered for one in self.snaps if one.covered is not None]
@@ -195,6 +263,7 @@ class Calibration(ByValue, Drawn):
                 "fit_error": ("series", self.fit_error, {"units": "k r"}),
                 "left_out_error": ("series", self.left_out_error, {"units": "k r"}),
                 "bands": ("series", [s.bands for s in self.samples], {"units": "1"}),
+                "in_pair": ("series", [s.in_pair for s in self.samples]),
                 "value": ("parameter", list(self.values.values())),
                 "low": ("parameter", [p.low for p in self.parameters]),
                 "high": ("parameter", [p.high for p in self.parameters]),
@@ -284,6 +353,7 @@ def calibrate(
         weighing,
         given,
         tuple(best.predict(test, weighing) for test in data.pairs),
+        data.pairs,
     )
 
 
@@ -372,7 +442,7 @@ class _Fit:
             fitted,
             left_out,
             # A snap is where two forces are equal, and each is off.
-            math.sqrt(moved + 2.0 * (rms(np.array(off)) / steep) ** 2 + scatter),
+            math.sqrt(moved + 2.0 * (rms(np.array(off)) / steep) ** 2 + scatter + _STROKE**2),
             tuple(test.names(test.shown)),
             order,
             test.ratio,
@@ -433,31 +503,3 @@ class _Fit:
             residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
         )
         return found.x, found.jac * size
-
-
-def fit_record(calibration: Calibration) -> dict[str, Any]:
-    """The calibration as JSON can hold it; docs/commands.md describes the names."""
-    names = list(calibration.values)
-    errors = calibration.fit_error, calibration.left_out_error
-    return {
-        "law": calibration.law,
-        "k_N_per_m": calibration.reference,
-        "parameters": [record(PARAMETER, p) for p in calibration.parameters],
-        "errors": [
-            record(ERROR, sample, fit=fit, left_out=out)
-            for sample, fit, out in zip(calibration.samples, *errors, strict=True)
-        ],
-        "mean_errors": [
-            {
-                "bands": n,
-                "fit_over_kr": calibration.mean_error(n, left_out=False),
-                "left_out_over_kr": calibration.mean_error(n),
-            }
-            for n in calibration.counts
-        ],
-        "correlations": {
-            name: dict(zip(names, row.tolist(), strict=True))
-            for name, row in zip(names, calibration.correlations, strict=True)
-        },
-        "not_told_apart": [list(pair) for pair in calibration.tied],
-    }

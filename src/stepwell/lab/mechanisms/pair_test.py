@@ -13,7 +13,7 @@ from stepwell.base import Bools, ByValue, Drawn, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
-from stepwell.lab.mechanisms.series import Series
+from stepwell.lab.mechanisms.series import Series, carried
 from stepwell.lab.mechanisms.snaps import (
     MeasuredSnap,
     find_snaps,
@@ -405,10 +405,15 @@ def _baseline_force(
 
 
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
-    """The baseline, each cell's share of it put where that cell moves."""
+    """What the model leaves out: the baseline, each cell's share put where that cell moves.
+
+    A weight that the design states as a load is in its model, and stays in what is measured.
+    """
     found = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
         found[mine] = _baseline_force(series, first, cell, travel)
+        if series.baseline_curve is not None:
+            found[mine] -= carried(series.chain.levers[cell], travel)
     return found
 
 

@@ -74,17 +74,3 @@ PAIR_TEST: Schema = (
     Quantity("hold", "N", read=lambda test: test.hold if test.held else None),
     Quantity("verdict"),
 )
-PARAMETER: Schema = (
-    Quantity("name", head="number"),
-    Quantity("unit", head="unit"),
-    Quantity("value", head="value", left=False),
-    Quantity("low", head="from", left=False),
-    Quantity("high", head="to", left=False),
-)
-ERROR: Schema = (
-    Quantity("series", head="series", read="name"),
-    Quantity("d", "mm", "d", "geometry", lambda d: f"({d[0]:g}, {d[1]:g})", left=True),
-    Quantity("bands"),
-    Quantity("fit", "over_kr", "fit", form=".3f"),
-    Quantity("left_out", "over_kr", "left out", form=".3f"),
-)

@@ -108,9 +108,15 @@ class Series(ByValue):
         return from_zero(run, self.chain.full_stroke)
 
     def net(self, stroke: Floats, force: Floats) -> Floats:
-        """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m]."""
+        """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m].
+
+        A weight that the design of a single cell states as a load is in its model: it stays in.
+        """
         base = self.baseline_curve
-        return force - (0.0 if base is None else base.at(stroke))
+        if base is None:
+            return force
+        kept = carried(self.chain.levers[0], stroke) if len(self.chain) == 1 else 0.0
+        return force - base.at(stroke) + kept
 
     def judged(self) -> Bools:
         """Which strokes of the mean curve of one cell count (n,)."""
@@ -131,6 +137,13 @@ class Sorted(ByValue):
 
     series: tuple[Series, ...]
     told: tuple[str, ...]
+
+
+def carried(cell: Cell, travel: Floats) -> Floats:
+    """Load of a cell [N] at travels (n,) [m], held to its stops; zero without a load."""
+    if cell.load is None:
+        return np.zeros(len(travel))
+    return np.interp(np.clip(travel, 0.0, cell.full_travel), cell.load.travel, cell.load.force)
 
 
 def over_geometries(errors: Iterable[tuple[Geometry, float]]) -> float:

@@ -170,29 +170,29 @@ def calibration_page(
     record: Mapping[str, Any],
     numbers: Sequence[Any],
     errors: Sequence[Any],
+    snaps: Sequence[Any],
     drawn: Mapping[str, Figure],
 ) -> str:
     """The page of a calibration.
 
     Args:
         record: what `stepwell lab calibrate` found.
-        numbers, errors: columns of the tables of numbers and of errors.
+        numbers, errors, snaps: columns of the tables of numbers, of errors and of snaps.
         drawn: figures by caption.
 
     Returns:
         HTML text.
     """
-    means = "; ".join(
-        f"{one['fit_over_kr']:.3f} k r fitted and {one['left_out_over_kr']:.3f} left out, with "
-        f"{counted(one['bands'], 'band')}"
-        for one in record["mean_errors"]
-    )
     tied = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in record["not_told_apart"])
     return parts.page(
-        "Bands calibrated on unit cells",
-        f"A {record['law']} law, k = {number(record['k_N_per_m'])} N/m a band.",
-        f"Errors of {means}" if means else f"A {record['law']} law",
-        [f"The data do not tell apart {tied}." if tied else ""],
+        "Bands calibrated on cells",
+        f"Law: {record['law']}, k = {number(record['k_N_per_m'])} N/m a band.",
+        record["summary"][0],
+        [
+            *record["summary"],
+            f"The data do not tell apart {tied}." if tied else "",
+            *(f"Not told: {line}." for line in record["open"]),
+        ],
         {},
         [
             parts.part("Fitted and measured", parts.pictures(drawn)),
@@ -204,6 +204,7 @@ def calibration_page(
                     "With their 95 % intervals, by leaving out a geometry at a time.",
                 ),
             ),
+            *_of_snaps(record, snaps),
             parts.part(
                 "Errors", parts.table(errors, record["errors"], "Root mean squares in k r.")
             ),
@@ -211,6 +212,13 @@ def calibration_page(
             parts.part(_SAID, parts.listed(record["told"])),
         ],
     )
+
+
+def _of_snaps(record: Mapping[str, Any], snaps: Sequence[Any]) -> list[str]:
+    keys = ("measured_mm", "plain_mm", "left_out_mm")
+    rows = [one for one in record["snaps"] if any(one[key] is not None for key in keys)]
+    told = "First snaps, seen and predicted; no snap has a part in a fit."
+    return [parts.part("Snaps", parts.table(snaps, rows, told))] if rows else []
 
 
 def _between(estimate: Mapping[str, Any], low: str, high: str, unit: str = "N/m") -> str:
