@@ -221,6 +221,7 @@ def test_pairs_of_the_paper_are_predicted_as_well_as_the_page_says(kamp2024):
     found = lab.calibrate(data, "cubic")
     assert found.snap_error("left_out") <= 0.55e-3
     assert found.snap_error("fitted") <= 0.45e-3
+    assert found.snap_error("plain") == pytest.approx(0.85e-3, abs=0.01e-3)
     assert found.orders == (20, 20)
     held, of = found.coverage
     assert of == 8 and min(binom.cdf(held, of, 0.9), binom.sf(held - 1, of, 0.9)) > 0.025
