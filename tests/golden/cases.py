@@ -200,6 +200,12 @@ CHECKS = [
     ),
     _both("check/tie", "check preset:paper-identical --samples 100"),
     _both("check/program", "check preset:finger-selector --samples 10"),
+    Case(
+        "check/calibrated",
+        ("check preset:paper-cell-20-0 --data rubber --samples 50 --out out",),
+        prepare=rubber,
+        within=FITTED,
+    ),
     _both("check/pressures", "check preset:balloon --samples 10", slow=True),
 ]
 

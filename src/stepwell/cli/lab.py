@@ -12,8 +12,8 @@ import typer
 
 from stepwell.base import __version__, versions
 from stepwell.cli import as_built
-from stepwell.cli.options import Force, Json, Out, free, window as read_window
-from stepwell.cli.screen import EXIT_CODES, finish, progress, usable, warn
+from stepwell.cli.options import Force, Json, Out, free, recordings_in, window as read_window
+from stepwell.cli.screen import EXIT_CODES, finish, progress, usable
 
 if TYPE_CHECKING:
     from stepwell.lab import Recording
@@ -128,7 +128,7 @@ def band(
     free(out, "lab band", force)
     edges = None if window is None else read_window(window)
     counted = None if cycles is None else read_window(cycles, whole=True)
-    given = _recordings(folders)
+    given = recordings_in(folders)
     test = measured.band_test(
         given,
         window=None if edges is None else (edges[0] * 1e-3, edges[1] * 1e-3),
@@ -199,7 +199,7 @@ def compare(
     from stepwell.cli.text import lab as texts
 
     free(out, "lab compare", force)
-    given = _recordings([data])
+    given = recordings_in([data])
     designed = {design: files.text_of(design) for design in designs or ()}
     comparison = measured.compare(
         given,
@@ -244,7 +244,7 @@ def calibrate(
     from stepwell.reports import write_calibration
 
     free(out, "lab calibrate", force)
-    given = _recordings([data])
+    given = recordings_in([data])
     found = measured.sort_series(given, baseline=_subtracted(baseline, no_baseline))
     data_given = measured.prepare(found.series, measured.tension_tables(given))
     with progress("fits") as tell:
@@ -276,23 +276,10 @@ def _head(command: str, recordings: Sequence[Recording]) -> dict[str, Any]:
     }
 
 
-def _recordings(paths: Sequence[Path]) -> list[Recording]:
-    """All recordings of some paths; what cannot be read is told on standard error."""
-    from stepwell.lab import LabError, read_all
-
-    with progress("reading") as tell:
-        batch = read_all(paths, progress=tell)
-    for error in batch.refused:
-        warn(str(error))
-    if not batch.recordings:
-        raise LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
-    return list(batch.recordings)
-
-
 def _subtracted(path: Path | None, none: bool) -> list[Recording] | None:
     """The runs to subtract: those given, none, or None where names decide."""
     if path is not None and none:
         raise typer.BadParameter("cannot stand with --no-baseline.", param_hint="--baseline")
     if none:
         return []
-    return None if path is None else _recordings([path])
+    return None if path is None else recordings_in([path])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from stepwell.files import dumps
 from stepwell.reports.pages import (
@@ -81,6 +82,7 @@ def write_check(
     folder: Folder,
     *,
     design: str | None = None,
+    calibrated: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
@@ -88,8 +90,8 @@ def write_check(
     text = design or dumps(found.chain)
     contents = {
         "design.toml": text,
-        "check.json": check_record(found, design=text),
-        "report.html": check_page(found),
+        "check.json": check_record(found, design=text, calibrated=calibrated),
+        "report.html": check_page(found, calibrated),
     }
     return bundle(folder, "check", contents, progress=progress, force=force)
 

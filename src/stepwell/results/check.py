@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Measure, Quantity, Schema, in_measure, number, percent, record, signed
@@ -42,8 +43,19 @@ def pull_schema(chain: Chain) -> Schema:
     return in_measure(schema, chain.measure)
 
 
-def check_record(found: Check, *, design: str | None = None) -> dict[str, Any]:
-    """A verdict on a design, as docs/commands.md describes it."""
+def check_record(
+    found: Check, *, design: str | None = None, calibrated: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """A verdict on a design, as docs/commands.md describes it.
+
+    Args:
+        found: the verdict.
+        design: the text of the design file.
+        calibrated: what is told of the recordings that were folded in; None for none.
+
+    Returns:
+        Plain numbers and texts.
+    """
     chain = found.chain
     grams = abs(found.peak_force) / _GRAM_FORCE if chain.measure is Measure.TRAVEL else None
     return {
@@ -58,6 +70,7 @@ def check_record(found: Check, *, design: str | None = None) -> dict[str, Any]:
         "oddities": list(found.oddities),
         "measure": None if found.measure is None else _measure(chain, found.measure),
         "ties": tie_notes(found.path.degenerate, chain),
+        "calibrated": None if calibrated is None else dict(calibrated),
         "assumptions": found.yield_.assumptions,
     }
 

@@ -6,10 +6,12 @@ from typing import Annotated
 import typer
 
 from stepwell.cli.options import (
+    Data,
     Design,
     Force,
     Json,
     Out,
+    calibrated_on,
     free,
     own,
     read_chain,
@@ -34,6 +36,7 @@ def check(
     lever_tolerance: given.LeverTolerance = 0.0,
     friction: given.Friction = 0.0,
     travel_spread: given.TravelSpread = 0.0,
+    data: Data = None,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
@@ -62,12 +65,17 @@ def check(
         chain.measure,
     )
     free(out, "check", force, design=text)
+    told = None
+    if data is not None:
+        chain, spread, told = calibrated_on(data, chain, spread)
     wanted = want
     if want is None and files.loads_program(text, design) is not None:
         wanted = own(text, design)
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
-    record = results.check_record(found, design=text)
-    write = partial(reports.write_check, found, design=text)
+    if told is not None:
+        text = files.dumps(chain)
+    record = results.check_record(found, design=text, calibrated=told)
+    write = partial(reports.write_check, found, design=text, calibrated=told)
     finish(record, partial(checks.check, chain=chain), as_json, out, force, write)
     answered(record["verdict"] != "won't")

@@ -18,6 +18,7 @@ from stepwell.cli.options.common import (
     read_design,
     read_robot,
 )
+from stepwell.cli.options.data import Data, calibrated_on, recordings_in
 from stepwell.cli.options.driving import (
     Drive,
     From,

@@ -35,4 +35,9 @@ def check(record: dict[str, Any], chain: Chain) -> None:
     ):
         if lines:
             show_text(f"{head}: {lines[0]}", *lines[1:])
+    if record["calibrated"]:
+        about = record["calibrated"]
+        show_text(
+            f"Bands, weight and friction as calibrated on {about['data']}:", *about["summary"]
+        )
     show_text(record["assumptions"])

@@ -30,7 +30,7 @@ from stepwell.lab.mechanisms import (
     over_geometries,
 )
 from stepwell.lab.recordings import LabError, rms
-from stepwell.mechanism import Band, Chain, Law
+from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,20 +145,28 @@ class Calibration(ByValue, Drawn):
         k = self[rubber_name(bands, in_pair)].value
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
-    def applied(self, chain: Chain, bands: int = 1) -> Chain:
+    def applied(self, chain: Chain, bands: int | None = None) -> Chain:
         """A chain with these bands, this weight and this friction in its joints.
 
-        All bands of a cell have together the stiffness of so many fitted ones, and their rest
-        length and law; every cell but the outermost carries the block beyond it.
+        The bands of a cell get the stiffness of those in pairs, where pairs were tested and the
+        chain has two cells or more, and of the test with as many bands, or nearly as many; rest
+        length and law are shared. Every cell but the outermost carries the block beyond it.
 
         Args:
             chain: of cells.
-            bands: as many as were on each cell of a pair.
+            bands: how many are on each cell; by default as many as it has.
 
         Returns:
             The chain, its anchors, levers and stops as they were.
         """
-        return self._model.applied(chain, bands * self.band(bands, in_pair=True).stiffness)
+        kinds = [kind for kind in self.kinds if kind[1] == (len(chain) > 1)] or list(self.kinds)
+
+        def stiffness(cell: Cell) -> float:
+            count = len(cell.bands) if bands is None else bands
+            nearest = min(kinds, key=lambda kind: abs(kind[0] - count))
+            return count * self.band(*nearest).stiffness
+
+        return self._model.applied(chain, stiffness)
 
     @property
     def weight(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -40,7 +40,7 @@ class Model:
         """Of the block between two cells [N]; 0 where nothing tells it."""
         return 0.0 if self.weighing is None else self.weighing.weight
 
-    def applied(self, chain: Chain, stiffness: float) -> Chain:
+    def applied(self, chain: Chain, stiffness: Callable[[Cell], float]) -> Chain:
         """A chain with these bands, this weight and this friction in its joints.
 
         Args:
@@ -53,7 +53,7 @@ class Model:
         cells = chain.levers
         return replace(
             chain,
-            cells=[self._cell(cell, stiffness, cell is not cells[-1]) for cell in cells],
+            cells=[self._cell(cell, stiffness(cell), cell is not cells[-1]) for cell in cells],
         )
 
     def _cell(self, cell: Cell, stiffness: float, inner: bool) -> Cell:
@@ -147,7 +147,7 @@ def snap_of(
     Returns:
         Stroke of the machine [m], NaN for no snap, and how steeply the force falls there [N/m].
     """
-    chain = model.applied(test.series.chain, stiffness)
+    chain = model.applied(test.series.chain, lambda _: stiffness)
     for i, more in enumerate(missed):
         cell = chain.levers[i]
         load = (0.0 if cell.load is None else cell.load.force[0]) + more
@@ -179,7 +179,7 @@ def snap_of(
 
 def order_of(model: Model, test: PairTest, stiffness: float) -> tuple[str, ...]:
     """Names of the cells in the order in which the model moves them."""
-    chain = model.applied(test.series.chain, stiffness)
+    chain = model.applied(test.series.chain, lambda _: stiffness)
     share = 1.0 - _EARLY if test.series.unloading else _EARLY
     path = path_of(chain, test.series.unloading)
     at: Floats = np.array([share - 0.01, share, share + 0.01]) * chain.full_stroke

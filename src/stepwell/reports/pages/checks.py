@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from stepwell.base import counted, percent
 from stepwell.reports.pages import parts, words
@@ -19,11 +20,12 @@ if TYPE_CHECKING:
     from stepwell.design import Check
 
 
-def check_page(found: Check) -> str:
+def check_page(found: Check, calibrated: Mapping[str, Any] | None = None) -> str:
     """The page of a verdict, the verdict first.
 
     Args:
         found: what `design.check` returns.
+        calibrated: what is told of the recordings that were folded in; None for none.
 
     Returns:
         HTML text.
@@ -49,6 +51,10 @@ def check_page(found: Check) -> str:
             parts.part(
                 "Out of the ordinary",
                 parts.listed([parts.sentence(line) for line in found.oddities]),
+            ),
+            parts.part(
+                "Bands, weight and friction as calibrated",
+                parts.listed([] if calibrated is None else calibrated["summary"]),
             ),
             parts.part(
                 "What the numbers assume",

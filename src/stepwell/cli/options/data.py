@@ -1,0 +1,70 @@
+"""Recordings as options of commands: what a folder holds, and a design as it calibrates it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.cli.screen import progress, warn
+from stepwell.mechanism import Chain
+
+if TYPE_CHECKING:
+    from stepwell.design import Tolerances
+    from stepwell.lab import Recording
+
+Data = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="Recordings of your cells: their bands, weight and friction, and by how much bands "
+        "differ, instead of the design's and of --stiffness-spread.",
+    ),
+]
+
+
+def recordings_in(paths: Sequence[Path]) -> list[Recording]:
+    """All recordings of some paths; what cannot be read is told on standard error."""
+    from stepwell.lab import LabError, read_all
+
+    with progress("reading") as tell:
+        batch = read_all(paths, progress=tell)
+    for error in batch.refused:
+        warn(str(error))
+    if not batch.recordings:
+        raise LabError(", ".join(map(str, paths)), "holds no recording that can be read.")
+    return list(batch.recordings)
+
+
+def calibrated_on(
+    data: Path, chain: Chain, spread: Tolerances
+) -> tuple[Chain, Tolerances, dict[str, Any]]:
+    """A chain and its tolerances as recordings calibrate them.
+
+    Args:
+        data: a folder of recordings.
+        chain: as it is drawn.
+        spread: how far parts may be off.
+
+    Returns:
+        The chain with bands, weight and friction as measured; the tolerances with the scatter of
+        the bands; and what is told of it.
+    """
+    from stepwell import lab
+
+    given = recordings_in([data])
+    series = lab.sort_series(given).series
+    with progress("fits") as tell:
+        prepared = lab.prepare(series, lab.tension_tables(given))
+        found = lab.calibrate(prepared, progress=tell)
+    told = {
+        "data": data.name,
+        "data_sha256": lab.hashes(given),
+        "law": found.law,
+        "summary": lab.fit_record(found)["summary"],
+        "scatter_percent": found.scatter * 1e2,
+    }
+    return found.applied(chain), replace(spread, stiffness=found.scatter), told
