@@ -67,11 +67,15 @@ class Fresh:
         kept = {name: text for name, text in os.environ.items() if not _of_tests(name)}
         return kept | own
 
-    def install(self, what: str) -> None:
-        """Install it with what it needs, in the versions of the lock."""
+    def install(self, what: str, *, compiled: bool = True) -> None:
+        """Install it with what it needs, in the versions of the lock.
+
+        Compiled as people have it, or without, which is quicker and smaller.
+        """
         limits = self.folder / "constraints.txt"
         limits.write_text(locked(), "utf-8")
         pip = [str(self.python), "-m", "pip", "install", "--disable-pip-version-check", "--quiet"]
+        pip += [] if compiled else ["--no-compile"]
         told = subprocess.run(
             [*pip, "--only-binary", ":all:", "--constraint", str(limits), what],
             capture_output=True,
