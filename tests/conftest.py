@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[1]
 
 # No deadlines: the first call of a compiled kernel takes seconds, and no test asserts a time.
-settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=20)
+settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True, max_examples=30)
 settings.register_profile("full", deadline=None, print_blob=True, max_examples=1000)
 settings.load_profile(SIZE)
 
@@ -36,13 +36,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
-    """All cores for all tests, one process for a few that are named, unless `-n` is said.
-
-    One process more than there are cores, for there is always one that waits for a browser.
-    """
+    """All cores for all tests, one process for a few that are named, unless `-n` is said."""
     said = any(one.startswith(("-n", "--numprocesses")) for one in config.invocation_params.args)
     named = config.args_source is not pytest.Config.ArgsSource.TESTPATHS
-    return 0 if named and not said else (os.cpu_count() or 1) + 1
+    return 0 if named and not said else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -157,7 +157,8 @@ def test_calibration_writes_a_band_and_its_errors(stepwell, data, tmp_path):
     assert chain.cells[0].bands[0].stiffness == pytest.approx(28.5, rel=0.05)
     record = json.loads(stepwell("lab", "calibrate", "data", "--json").stdout)
     assert record["schema"] == "stepwell.lab.calibrate/1"
-    assert len(record["errors"]) == 3
+    # Three unit cells, and both cells of a pair.
+    assert [one["in_pair"] for one in record["errors"]] == [False] * 3 + [True] * 2
 
 
 def test_a_failure_leaves_no_folder_behind(stepwell, data, tmp_path, monkeypatch):

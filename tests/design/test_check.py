@@ -38,6 +38,15 @@ def test_the_rule_holds_at_its_bounds(low, high, verdict):
     assert tied is not Verdict.WORKS
 
 
+def test_two_bands_in_one_hole_are_odd_once():
+    band = sw.Band((-0.010, 0.0), (0.030, 0.0), 60.0, 0.025)
+    chain = sw.Chain(
+        [sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), 60.0, 0.025)), sw.Cell([band, band])]
+    )
+    told = sw.check(chain, samples=60).oddities
+    assert len(told) == len(set(told)) == 1
+
+
 def test_what_stands_between_two_sequences_never_works():
     for place in (0.010, 0.020):
         pair = Chain([CELL.with_anchors(q=(place, 0.0))] * 2)

@@ -30,7 +30,8 @@ def oddities(chain: Chain, path: Path) -> tuple[str, ...]:
     Returns:
         Sentences with numbers in the units in which people are told; none where all is usual.
     """
-    return tuple(_oddities(chain, path))
+    # Two bands in one hole are odd once.
+    return tuple(dict.fromkeys(_oddities(chain, path)))
 
 
 def _oddities(chain: Chain, path: Path) -> Iterator[str]:

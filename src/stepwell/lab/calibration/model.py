@@ -20,6 +20,7 @@ from stepwell.mechanism import (
     band_force,
     band_length,
     length_slopes,
+    sine_at,
 )
 
 
@@ -179,7 +180,7 @@ def force(values: Mapping[str, float], data: Rows, law: Law) -> Floats:
     full = 2.0 * data.lever * data.sin_limit
     way = np.clip(way_of_cell(values, data, data.way), 0.0, full)
     travel = np.where(data.direction > 0, way, full - way)
-    sine = travel / data.lever - data.sin_limit
+    sine = sine_at(travel, data.lever, data.sin_limit)
     cosine = np.sqrt(1.0 - sine**2)
     length = band_length(sine, cosine, data.dx, data.dy, data.lever)
     slope, _, _ = length_slopes(sine, cosine, length, data.dx, data.dy, data.lever)
