@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -49,7 +50,9 @@ def by_hand() -> Figure:
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, 180), ylim=(0, 88), aspect="equal")
     ax.set_axis_off()
-    words = {"fontsize": 8.5, "color": ink, "va": "center"}
+    words: dict[str, Any] = {"fontsize": 8.5, "color": ink, "va": "center"}
+    moved: dict[str, Any] = {**words, "color": hand}
+    quiet: dict[str, Any] = {**words, "color": faint}
 
     def arrow(low: float, high: float, x: float, colour: str, kind: str = "<->") -> None:
         look = {"arrowstyle": kind, "color": colour, "linewidth": 1.1, "shrinkA": 0, "shrinkB": 0}
@@ -89,13 +92,13 @@ def by_hand() -> Figure:
             ax.plot(*joint, marker="o", color="white", markeredgecolor=ink, markersize=5)
     top, middle = 50 + rise, 114 + side
     arrow(top + 3, top + 19, middle, hand)
-    ax.text(middle - 3, top + 13, "slowly down,\nslowly up", ha="right", **words | {"color": hand})
+    ax.text(middle - 3, top + 13, "slowly down,\nslowly up", ha="right", **moved)
     ax.text(112, 56, "r, joint to joint", ha="center", **words)
     stop = lever * np.sin(np.deg2rad(45.0))
     for way, name in ((-1, "stop"), (1, "stop")):
         y = 50 + way * stop
         ax.plot([147, 168], [y, y], color=faint, linewidth=0.8, linestyle=(0, (4, 3)))
-        ax.text(169, y, name, ha="left", **words | {"color": faint})
+        ax.text(169, y, name, ha="left", **quiet)
     arrow(50 - stop, 50 + stop, 158, ink)
     ax.text(160, 50, "travel S", ha="left", **words)
     return figure

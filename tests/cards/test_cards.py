@@ -30,6 +30,7 @@ PARTS = {
         "Observed",
         "Parameter",
         "Phase",
+        "Prepared",
         "Push",
         "Reached",
         "Refit",

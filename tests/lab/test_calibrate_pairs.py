@@ -75,6 +75,7 @@ def calibrated(seed=0):
 
 def test_weight_frictions_and_rig_that_were_put_in_come_out():
     found = calibrated()
+    assert found.weighing is not None
     assert found.weighing.weight == pytest.approx(WEIGHT, abs=0.002)
     assert found.weighing.friction == pytest.approx(MACHINE, abs=0.002)
     assert found.compliance == pytest.approx(GIVEN, rel=0.35)
@@ -135,6 +136,7 @@ def test_one_direction_says_what_it_cannot_tell():
     series = lab.sort_series(everything(ways=(False,))).series
     found = lab.calibrate(lab.prepare(series), "linear")
     assert "joints" not in found.values
+    assert found.weighing is not None
     assert not found.weighing.both and np.isnan(found.weighing.friction)
     assert found.weighing.weight == pytest.approx(WEIGHT, abs=0.005)
     told = " ".join(found.open)
@@ -151,7 +153,7 @@ def test_a_chain_with_the_calibration_carries_all_of_it():
     plain = Chain([paper_cell(), paper_cell()])
     chain = found.applied(plain)
     assert [cell.bands[0].d for cell in chain.levers] == [c.bands[0].d for c in plain.levers]
-    assert chain.levers[0].load.force == (found.weight,)
+    assert chain.levers[0].load == Load.constant(found.weight)
     assert chain.levers[1].load is None
     k = found["stiffness_1_in_pairs"].value
     with pytest.raises(KeyError, match="must be one of"):

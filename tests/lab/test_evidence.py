@@ -65,7 +65,9 @@ def test_a_clean_curve_that_bends_is_no_line_and_its_rest_length_is_not_that_of_
     assert choice.rest_length == pytest.approx(REST, abs=3e-4)
     assert abs(GAUGE + line.fitted.onset - REST) > 3e-4
     assert "independent readings" in choice.told and "linear leaves" in choice.told
-    _, onset = this_band(test, choice)
+    told = this_band(test, choice)
+    assert told is not None
+    _, onset = told
     assert onset.low <= REST - GAUGE <= onset.high
 
 
@@ -75,7 +77,9 @@ def test_the_intervals_of_one_curve_hold_the_truth(noise):
     draws, inside = examples(12, full=200), np.zeros(2)
     for seed in range(draws):
         test = curve("linear", 400, noise, 0.0, seed)
-        slope, onset = this_band(test, lab.choose_law(test, GAUGE))
+        told = this_band(test, lab.choose_law(test, GAUGE))
+        assert told is not None
+        slope, onset = told
         inside += [slope.low <= 28.5 <= slope.high, onset.low <= REST - GAUGE <= onset.high]
     assert min(inside) >= 0.8 * draws
 
