@@ -160,6 +160,19 @@ def test_a_chain_with_the_calibration_carries_all_of_it():
         found.band(2, in_pair=True)
     assert chain.levers[0].bands[0].stiffness == pytest.approx(k)
     assert chain.levers[0].friction > 0.0
+    twice = replace(plain.levers[0], band=replace(plain.levers[0].bands[0], stiffness=57.0))
+    doubled = found.applied(Chain([paper_cell(), twice]))
+    assert doubled.levers[1].bands[0].stiffness == pytest.approx(2 * k)
+    odd = replace(plain.levers[0], band=replace(plain.levers[0].bands[0], stiffness=40.0))
+    with pytest.raises(lab.LabError, match=r"a cell has 1\.4 times the stiffness"):
+        found.applied(Chain([paper_cell(), odd]))
+
+
+def test_friction_of_a_design_stays_where_recordings_do_not_tell_it():
+    series = lab.sort_series(everything(ways=(False,))).series
+    found = lab.calibrate(lab.prepare(series), "linear")
+    rubbing = Chain([replace(paper_cell(), friction=0.03), paper_cell()])
+    assert found.applied(rubbing).levers[0].friction == 0.03
 
 
 def test_the_model_of_a_band_follows_the_longest_it_has_been_by_brute_force():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,6 +42,7 @@ _FEW = 3
 # the handover, and its forces come as one [N/m].
 _HANDOVER = 200.0
 _STROKE = 0.05e-3  # [m] to which a stroke is told
+_WHOLE = 0.05  # by which a number of bands may be no whole one
 _LATE = 4  # the last of so many parts of what was used of a travel
 
 
@@ -146,7 +148,7 @@ class Calibration(ByValue, Drawn):
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
     def applied(self, chain: Chain, bands: int | None = None) -> Chain:
-        """A chain with these bands, this weight and this friction in its joints.
+        """A chain with these bands, and with this weight and friction where they are known.
 
         The bands of a cell get the stiffness of those in pairs, where pairs were tested and the
         chain has two cells or more, and of the test with as many bands, or nearly as many; rest
@@ -154,15 +156,28 @@ class Calibration(ByValue, Drawn):
 
         Args:
             chain: of cells.
-            bands: how many are on each cell; by default as many as it has.
+            bands: how many are on each cell; by default as many as the stiffness says: a cell that
+                is twice as stiff as the softest band has two.
 
         Returns:
             The chain, its anchors, levers and stops as they were.
+
+        Raises:
+            LabError: a cell whose stiffness is no whole number of bands.
         """
         kinds = [kind for kind in self.kinds if kind[1] == (len(chain) > 1)] or list(self.kinds)
+        softest = min(band.stiffness for cell in chain.levers for band in cell.bands)
 
         def stiffness(cell: Cell) -> float:
-            count = len(cell.bands) if bands is None else bands
+            ratio = sum(band.stiffness for band in cell.bands) / softest
+            if bands is None and abs(ratio - round(ratio)) > _WHOLE:
+                raise LabError(
+                    "design",
+                    f"its bands are not of one kind: a cell has {ratio:.3g} times the stiffness of "
+                    f"the softest band ({softest:.4g} N/m). Recordings of one kind can stand for "
+                    f"whole numbers of bands only.",
+                )
+            count = round(ratio) if bands is None else bands
             nearest = min(kinds, key=lambda kind: abs(kind[0] - count))
             return count * self.band(*nearest).stiffness
 
@@ -346,8 +361,8 @@ def calibrate(
             if progress is not None:
                 progress(done, total)
         found.append(fit)
-    best = min(found, key=lambda one: float(np.mean(one.errors()[1])))
-    fitted, left_out = best.errors()
+    best = min(found, key=lambda one: float(np.mean(one.errors[1])))
+    fitted, left_out = best.errors
     weighing = weigh(data.pairs)
     return Calibration(
         best.law,
@@ -379,11 +394,14 @@ class _Fit:
         self.whole, self.jacobian = self._fitted(np.ones(len(self.fold), bool), None)
 
     def leave_out(self, fold: Geometry) -> None:
+        """Fit everything but one geometry."""
         self.left[fold], _ = self._fitted(self.fold != self.folds.index(fold), self.whole)
 
     def shape(self, numbers: Floats) -> Law:
+        """The law of a band with some of the fitted numbers."""
         return law_of(self.law, self._named(numbers), self.data.tables)
 
+    @cached_property
     def errors(self) -> tuple[Floats, Floats]:
         """RMSE of each sample in k r, fitted and left out."""
         whole = force(self._named(self.whole), self.rows, self.shape(self.whole))
@@ -433,7 +451,7 @@ class _Fit:
         moved = (n - 1) / n * float(np.sum((strokes - np.mean(strokes)) ** 2)) if n > 1 else 0.0
         off = [
             error * sample.bands * self.reference * sample.cell.lever
-            for sample, error in zip(self.data.samples, self.errors()[1], strict=True)
+            for sample, error in zip(self.data.samples, self.errors[1], strict=True)
             if sample.in_pair and sample.bands == series.bands
         ]
         measured, spread, count = test.snap_strokes

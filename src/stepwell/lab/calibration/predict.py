@@ -41,7 +41,7 @@ class Model:
         return 0.0 if self.weighing is None else self.weighing.weight
 
     def applied(self, chain: Chain, stiffness: Callable[[Cell], float]) -> Chain:
-        """A chain with these bands, this weight and this friction in its joints.
+        """A chain with these bands, and with this weight and friction where they are known.
 
         Args:
             chain: of cells; the bands of each share the stiffness as they do now.
@@ -70,7 +70,8 @@ class Model:
         ]
         theta = np.linspace(-cell.limit, cell.limit, 41)
         tension = sum((band.tension(band.length(theta, cell.lever)) for band in bands), 0.0 * theta)
-        friction = self.values.get("joints", 0.0) * float(np.mean(tension))
+        joints = self.values.get("joints")
+        friction = cell.friction if joints is None else joints * float(np.mean(tension))
         load = Load.constant(self.weight) if inner and self.weight else cell.load
         return replace(
             cell, band=bands[0] if len(bands) == 1 else bands, load=load, friction=friction
