@@ -13,7 +13,7 @@ import typer
 
 from golden.comparing import EXACT, FITTED, SIMULATED, Tolerance
 from golden.elements import DESIGNS
-from golden.recordings import bands, cells, rubber
+from golden.recordings import bands, cells, on_a_rig, rubber
 from stepwell.cli import app
 from stepwell.files import preset_text, presets
 
@@ -367,8 +367,11 @@ LABS = [
             "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf",
             "lab compare data/1unit --baseline data/1unit/friction",
             "lab compare data/2unit_00_11 --no-baseline --json",
+            "lab compare data/2unit_00_11 --rig rig.toml",
+            "lab compare data/2unit_00_11 --rig odd.toml",
+            "lab compare data/2unit_00_11 --rig rig.toml --bar-mm 80",
         ),
-        prepare=cells,
+        prepare=on_a_rig,
     ),
     Case("lab/calibrate", ("lab calibrate rubber --out out",), prepare=rubber, within=FITTED),
     Case(

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from lab.machine import Array, pair, saved, tension, unit
-from stepwell.files import preset
+from stepwell.files import preset, rig_toml
+from stepwell.lab import Rig
 from stepwell.mechanism import Chain
 
 (_CELL,) = preset("paper-cell-10-0").cells
@@ -30,6 +31,17 @@ def cells(folder: Path) -> None:
     saved(pair("2unit_00_11/x/2unit_MMT_1.txt", chain, seed=1), data)
     saved(pair("2unit_00_11/f/2unit_friction_1.txt", None), data)
     (data / "broken.txt").write_bytes(b"\x00\x01")
+
+
+def on_a_rig(folder: Path) -> None:
+    """The same, and the rigs of two machines, one of which cannot be."""
+    cells(folder)
+    rig = Rig(0.070, 1.02, -0.0002, 0.0003, 0.0003, 0.06)
+    (folder / "rig.toml").write_text(rig_toml(rig), "utf-8")
+    odd = "stretch = 0\ncompliance_mm_per_N = -1\nbars_mm = 70\n"
+    (folder / "odd.toml").write_text(odd, "utf-8")
+        "stretch = 0\ncompliance_mm_per_N = -1\nbars_mm = 70\n", "utf-8"
+    )
 
 
 def rubber(folder: Path) -> None:

@@ -229,6 +229,20 @@ def test_tension_tests_give_the_shape_of_a_law_whatever_the_strength():
     assert lab.tension_tables([]) == {}
 
 
+def test_a_rig_that_was_found_brings_the_predictions_to_where_the_machine_shows_snaps():
+    found, seen = calibrated(), everything(seed=1)
+    design = found.applied(found.pairs[0].series.chain)
+
+    def gaps(rig):
+        tests = lab.compare(seen, [design], rig=rig).pairs
+        assert len(tests) == 10
+        return [t.snap_strokes[0] - t.snaps_predicted[0] for t in tests if t.snap_strokes[2]]
+
+    # Stops are 2 % farther apart than drawn, which is 0.8 mm at the end.
+    assert np.max(np.abs(gaps(found.rig))) < 0.2e-3
+    assert np.min(np.abs(gaps(lab.PAPER_RIG))) > 0.6e-3
+
+
 @pytest.mark.slow
 def test_pairs_of_the_paper_are_predicted_as_well_as_the_page_says(kamp2024):
     batch = lab.read_all([kamp2024])
@@ -243,3 +257,16 @@ def test_pairs_of_the_paper_are_predicted_as_well_as_the_page_says(kamp2024):
     for bands in (1, 2):
         assert found.mean_error(bands, left_out=False) <= 0.05
     assert found.weight == pytest.approx(0.079, abs=0.001)
+
+    # As a design and a rig: no pair has its forces farther off, and snaps come near.
+    design = found.applied(found.pairs[0].series.chain, 1)
+    known = lab.compare(batch.recordings, [design], rig=found.rig).pairs
+    plain = lab.compare(batch.recordings).pairs
+    misses = [
+        [abs(t.snap_strokes[0] - t.snaps_predicted[0]) for t in tests if t.snap_strokes[2]]
+        for tests in (plain, known)
+    ]
+    assert np.mean(misses, axis=1) * 1e3 == pytest.approx([0.846, 0.569], abs=0.01)
+    assert np.max(misses, axis=1) * 1e3 == pytest.approx([2.61, 1.07], abs=0.02)
+    assert len(plain) == 20
+    assert all(b.rmse < a.rmse for a, b in zip(plain, known, strict=True))

@@ -1,6 +1,7 @@
 """The tilting bar: virtual work, and how little it does."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -41,6 +42,34 @@ def test_angles_follow_from_the_stroke_of_the_machine():
         assert rig.angle(CELL, rig.stroke(CELL, THETA)) == pytest.approx(THETA, abs=1e-4)
 
 
-def test_a_bar_of_no_length_is_refused():
-    with pytest.raises(ValueError, match="bar = 0 m: must be > 0"):
-        Rig(0)
+@pytest.mark.parametrize("unloading", [False, True])
+def test_a_rig_as_drawn_shows_the_stroke_of_the_mechanism(unloading):
+    stroke = np.linspace(0.0, 0.04, 9)
+    assert np.array_equal(PAPER_RIG.at_machine(stroke, 3.0 + stroke, 0.04, unloading), stroke)
+
+
+def test_the_machine_is_ahead_of_the_mechanism_in_the_direction_of_the_motion():
+    # 1 N to push and 0.2 N of friction on 0.5 mm/N; stops 2 % farther apart; 0.3 mm of slack.
+    rig = Rig(0.07, 1.02, 0.3e-3, 0.3e-3, 0.5e-3, 0.2)
+    out = rig.at_machine(0.010, 1.0, 0.04, unloading=False)
+    assert out == pytest.approx(0.010 * 1.02 + 0.3e-3 + 1.2 * 0.5e-3)
+    # Going back it has come 30 mm, and the mechanism that pushes back helps.
+    back = rig.at_machine(0.010, 1.0, 0.04, unloading=True)
+    assert back == pytest.approx(0.04 - (0.030 * 1.02 + 0.3e-3 + (-1.0 + 0.2) * 0.5e-3))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"bar": 0.0}, "bar = 0.0 m: must be > 0"),
+        ({"stretch": 0.0}, "stretch = 0.0: must be > 0 and finite"),
+        ({"stretch": math.inf}, "stretch = inf: must be > 0 and finite"),
+        ({"start_loading": math.nan}, "start_loading = nan m: must be finite"),
+        ({"start_unloading": math.inf}, "start_unloading = inf m: must be finite"),
+        ({"compliance": -1e-9}, "compliance = -1e-09 m/N: must be >= 0 and finite"),
+        ({"friction": math.inf}, "friction = inf N: must be >= 0 and finite"),
+    ],
+)
+def test_what_no_rig_can_be_is_refused(wrong, told):
+    with pytest.raises(ValueError, match=re.escape(told)):
+        Rig(**wrong)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,7 @@ from stepwell.cli.options import Force, Json, Out, free, recordings_in, window a
 from stepwell.cli.screen import EXIT_CODES, finish, progress, usable
 
 if TYPE_CHECKING:
-    from stepwell.lab import Recording
+    from stepwell.lab import Recording, Rig
 
 commands = typer.Typer(no_args_is_help=True, add_completion=False)
 
@@ -182,9 +181,21 @@ def compare(
         typer.Option("--as-designed", help="Take the design as it is, whatever file names say."),
     ] = False,
     bar: Annotated[
-        float,
-        typer.Option("--bar-mm", metavar="LENGTH", min=20, help="Bar of the rig; inf for none."),
-    ] = 70.0,
+        float | None,
+        typer.Option(
+            "--bar-mm",
+            metavar="LENGTH",
+            min=20,
+            help="Bar of the rig, inf for none; 70 if not said.",
+        ),
+    ] = None,
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.",
+        ),
+    ] = None,
     out: Out = None,
     force: Force = False,
     as_json: Json = False,
@@ -206,7 +217,7 @@ def compare(
         [files.loads(text, design) for design, text in designed.items()],
         baseline=_subtracted(baseline, no_baseline),
         as_designed=as_designed,
-        rig=measured.Rig(math.inf if math.isinf(bar) else bar * 1e-3),
+        rig=_rig(rig, bar),
     )
     record = measured.comparison_record(comparison) | {
         "designs_sha256": {design: files.digest(text) for design, text in designed.items()},
@@ -274,6 +285,17 @@ def _head(command: str, recordings: Sequence[Recording]) -> dict[str, Any]:
         "versions": versions(),
         "data_sha256": hashes(recordings),
     }
+
+
+def _rig(file: Path | None, bar: float | None) -> Rig:
+    """The rig of a file, or the paper's with another bar."""
+    from stepwell import files, lab as measured
+
+    if file is not None and bar is not None:
+        raise typer.BadParameter("cannot stand with --bar-mm: FILE has bar_mm.", param_hint="--rig")
+    if file is not None:
+        return files.loads_rig(files.text_of(file), str(file))
+    return measured.PAPER_RIG if bar is None else measured.Rig(bar * 1e-3)
 
 
 def _subtracted(path: Path | None, none: bool) -> list[Recording] | None:

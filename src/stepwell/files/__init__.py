@@ -36,6 +36,7 @@ from stepwell.files.folder import (
 )
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
 from stepwell.files.parameters import Given, parameters, provenance, vary
+from stepwell.files.rig import loads_rig, rig_toml
 from stepwell.files.schema import slips_text
 from stepwell.files.tables import WrittenProgram
 from stepwell.files.text import DesignError
@@ -66,6 +67,7 @@ __all__ = [
     "loads_arena_tables",
     "loads_chain",
     "loads_program",
+    "loads_rig",
     "loads_robot",
     "loads_tables",
     "manifest",
@@ -75,6 +77,7 @@ __all__ = [
     "preset_text",
     "presets",
     "provenance",
+    "rig_toml",
     "text_of",
     "save",
     "slips_text",

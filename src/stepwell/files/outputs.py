@@ -38,7 +38,10 @@ _OF_COMMANDS = {
     "lab band": ("band.toml band.json", "laws"),
     "lab compare": ("compare.json curves.csv", "forces energies pairs"),
     "lab as-built": ("built.toml moved.toml built.json", ""),
-    "lab calibrate": ("band.toml pair.toml calibration.json calibration.nc", "calibration"),
+    "lab calibrate": (
+        "band.toml pair.toml rig.toml calibration.json calibration.nc",
+        "calibration",
+    ),
 }
 # What writes a file, by the end of its name. An MP4 is left out where its encoder is not there.
 _EXTRAS = {".png": "figures", ".svg": "figures", ".gif": "figures", ".nc": "tables"}

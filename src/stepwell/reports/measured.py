@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import shown
-from stepwell.files import dumps
+from stepwell.files import dumps, rig_toml
 from stepwell.reports.pages import (
     band_page,
     calibration_page,
@@ -106,7 +106,7 @@ def write_calibration(
 ) -> tuple[str, ...]:
     """Write a calibration and its record: band.toml, calibration.json and .nc, calibration.
 
-    With pairs, pair.toml too: the first of them with what was fitted.
+    With pairs, pair.toml and rig.toml too: the first of them with what was fitted, and the rig.
     """
     from stepwell import figures
     from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
@@ -124,4 +124,5 @@ def write_calibration(
     if calibration.pairs:
         first = calibration.pairs[0].series
         contents["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
+        contents["rig.toml"] = rig_toml(calibration.rig)
     return bundle(folder, "lab calibrate", contents, drawn, progress=progress, force=force)

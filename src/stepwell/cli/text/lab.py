@@ -6,11 +6,13 @@ from collections import Counter
 from pathlib import PurePath
 from typing import Any
 
-from stepwell.base import Column, Quantity, number
+from stepwell.base import Column, Quantity, number, record
 from stepwell.cli.screen import show_lines, show_records, show_table, show_verbatim
 from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
-from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
+from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST, RIG, Rig
 from stepwell.lab.recordings import SUMMARY
+
+_AS_DRAWN = record(RIG, Rig())
 
 
 def readings(record: dict[str, Any]) -> None:
@@ -130,6 +132,8 @@ def comparison(record: dict[str, Any]) -> None:
         ]
         show_records(title, columns, pairs, most=None)
     show_lines("", "Verdicts", *(f"{row['series']}: {row['verdict']}" for row in record["series"]))
+    if pairs and record["rig"] != _AS_DRAWN:
+        show_lines("", _moved_by(record["rig"]))
     show_lines("", "Used, dropped and odd")
     for row in record["series"]:
         show_lines(*(f"{row['series']}: {line}" for line in row["told"]))
@@ -137,6 +141,16 @@ def comparison(record: dict[str, Any]) -> None:
     show_lines(
         "",
         record["not_judged"],
+    )
+
+
+def _moved_by(rig: dict[str, Any]) -> str:
+    """The rig that moves predicted snaps to what the machine shows."""
+    return (
+        f"Predicted where the machine shows it: travels {rig['stretch']:.4g} times as drawn, "
+        f"{rig['start_loading_mm']:+.2f} mm before loading, {rig['start_unloading_mm']:+.2f} mm "
+        f"before unloading; the rig gives way by {rig['compliance_mm_per_N']:.2g} mm/N, with "
+        f"{rig['friction_N']:.2g} N of its own friction."
     )
 
 

@@ -1,6 +1,6 @@
 """The keys of design files: what each may hold, and in which unit."""
 
-from stepwell.files.schema import arena, chain, elements, robot
+from stepwell.files.schema import arena, chain, elements, rig, robot
 from stepwell.files.schema.checks import Within
 from stepwell.files.schema.keys import (
     UNITS,

@@ -20,6 +20,7 @@ UNITS = {
     "_N_s_per_m": "N s/m",
     "_N_per_m": "N/m",
     "_m_per_s2": "m/s²",
+    "_mm_per_N": "mm/N",
     "_per_mm2": "1/mm²",
     "_per_mm": "1/mm",
     "_mm": "mm",
@@ -35,6 +36,7 @@ UNITS = {
 # Decimal places from a unit of files to SI; angles are turned, and all others are SI.
 _PLACES = {
     "mm": -3,
+    "mm/N": -3,
     "g": -3,
     "1/mm": 3,
     "1/mm²": 6,

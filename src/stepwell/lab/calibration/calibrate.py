@@ -27,6 +27,7 @@ from stepwell.lab.mechanisms import (
     TIED,
     Geometry,
     PairTest,
+    Rig,
     correlations,
     over_geometries,
 )
@@ -187,6 +188,11 @@ class Calibration(ByValue, Drawn):
     def weight(self) -> float:
         """Weight of the block between two cells [N]; 0 where nothing tells it."""
         return self._model.weight
+
+    @property
+    def rig(self) -> Rig:
+        """The rig on which the pairs were tested; one as drawn where there are none."""
+        return self._model.rig
 
     @property
     def joints(self) -> float:

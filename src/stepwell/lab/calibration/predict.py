@@ -10,7 +10,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats
 from stepwell.lab.calibration.samples import Weighing
-from stepwell.lab.mechanisms import Geometry, PairTest, mover, path_of
+from stepwell.lab.mechanisms import PAPER_RIG, Geometry, PairTest, Rig, mover, path_of
 from stepwell.mechanism import Band, Cell, Chain, Law, Load
 from stepwell.statics import EventKind
 
@@ -34,6 +34,19 @@ class Model:
     law: Law
     weighing: Weighing | None
     given: float
+
+    @property
+    def rig(self) -> Rig:
+        """The rig of the pairs; its bar is not in the fit."""
+        friction = 0.0 if self.weighing is None else self.weighing.friction
+        return Rig(
+            PAPER_RIG.bar,
+            self.values.get("travel", 1.0),
+            self.values.get("start_loading", 0.0),
+            self.values.get("start_unloading", 0.0),
+            self.given,
+            0.0 if math.isnan(friction) else friction,
+        )
 
     @property
     def weight(self) -> float:
@@ -165,17 +178,11 @@ def snap_of(
     if not events:
         return math.nan, math.nan
     event, way = events[0], -1.0 if unloading else 1.0
-    force = event.force_before
-    if model.weighing is not None and not math.isnan(model.weighing.friction):
-        force += way * model.weighing.friction
-    full = chain.full_stroke
-    moved = full - event.stroke if unloading else event.stroke
-    start = model.values.get("start_unloading" if unloading else "start_loading", 0.0)
-    moved = moved * model.values.get("travel", 1.0) + start + model.given * way * force
+    at = model.rig.at_machine(event.stroke, event.force_before, chain.full_stroke, unloading)
     order = np.argsort(path.stroke, kind="stable")
     ends = event.stroke - way * np.array([_BEFORE, 1e-6])
     rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
-    return (full - moved if unloading else moved), max(abs(float(rise)), _FLATTEST)
+    return float(at), max(abs(float(rise)), _FLATTEST)
 
 
 def order_of(model: Model, test: PairTest, stiffness: float) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.predict import mover, path_of
 from stepwell.lab.mechanisms.refit import TIED, Refit, correlations, refit
 from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig
-from stepwell.lab.mechanisms.schema import CELL_TEST, PAIR_TEST
+from stepwell.lab.mechanisms.schema import CELL_TEST, PAIR_TEST, RIG
 from stepwell.lab.mechanisms.series import (
     TENSION_TEST,
     Geometry,

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Quantity, __version__, need, versions, write_csv
+from stepwell.base import ByValue, Drawn, Quantity, __version__, need, record, versions, write_csv
 from stepwell.lab.mechanisms.cell_test import RISE, CellTest, cell_test
 from stepwell.lab.mechanisms.pair_test import PairTest, pair_tests
 from stepwell.lab.mechanisms.rig import NOT_JUDGED, PAPER_RIG, Rig
+from stepwell.lab.mechanisms.schema import RIG
 from stepwell.lab.mechanisms.series import over_geometries, sort_series
 from stepwell.lab.recordings import LabError, Recording
 from stepwell.mechanism import Chain
@@ -29,7 +30,7 @@ class Comparison(ByValue, Drawn):
         cells: unit cells.
         pairs: two-cell mechanisms.
         told: what became of recordings that are in no series.
-        rig: the rig that the corrected numbers are for.
+        rig: on which was measured.
     """
 
     cells: tuple[CellTest, ...]
@@ -103,7 +104,9 @@ def compare(
         designs: what file names leave open; see `sort_series`.
         baseline: runs without a band; by default found by name, empty for none.
         as_designed: take the design as it is, whatever names say.
-        rig: for the correction that is reported beside the plain result.
+        rig: its stretch, starts, compliance and friction move what is predicted of pairs to the
+            strokes that the machine shows; its bar is for the correction that is reported beside
+            the plain result.
 
     Returns:
         A verdict for every series.
@@ -131,6 +134,7 @@ def comparison_record(comparison: Comparison) -> dict[str, Any]:
         "stepwell": __version__,
         "versions": versions(),
         "bar_mm": None if np.isinf(comparison.rig.bar) else comparison.rig.bar * 1e3,
+        "rig": record(RIG, comparison.rig),
         "mean_rmse_over_kr": [
             {"bands": n, "rmse_over_kr": comparison.mean_rmse(n)} for n in counts
         ],

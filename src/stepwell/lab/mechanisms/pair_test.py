@@ -70,7 +70,7 @@ class PairTest(ByValue, Drawn):
         doubt: standard deviation of a measured snap less the predicted one [m]: the scatter of the
             repeats, the samples, and what a doubt of 0.03 N in force, and the spread of the
             repeats, makes of it where the force falls as slowly as it does before the snap.
-        snaps_predicted: strokes where the model snaps, without friction [m].
+        snaps_predicted: strokes that the machine shows where the model snaps, without friction [m].
         snaps_with_friction: the same with the friction of the baseline [m].
         pull: difference of the measured forces of the two cells at the ends of their travels [N].
         hold: what friction of both can hold there by the baseline [N]; a snap needs a larger pull.
@@ -273,7 +273,9 @@ def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]
 
     Args:
         series: each of two cells.
-        rig: for the correction that is reported beside the plain result.
+        rig: its stretch, starts, compliance and friction move what is predicted to the strokes
+            that the machine shows; its bar is for the correction that is reported beside the plain
+            result.
 
     Returns:
         A comparison for each.
@@ -295,11 +297,12 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
     shown = _ORDERS[int(np.argmin(errors))]
     force = curve.force - _friction(series, first, shown, curve.stroke)
 
-    path = path_of(chain, series.unloading)
-    model = on_path(path, curve.stroke)
+    path, full = path_of(chain, series.unloading), chain.full_stroke
+    shown_at = rig.at_machine(path.stroke, path.force, full, series.unloading)
+    model = on_path(path, curve.stroke, shown_at)
     inside = judged(curve.stroke, _zones(series, shown))
     gap = (force - model)[inside] / series.scale
-    moving, travels = mover(path, curve.stroke)
+    moving, travels = mover(path, curve.stroke, shown_at)
     jumps = [_jumps(series, run, shown) for run in series.recordings]
     snaps = _snaps_of_runs(series, jumps)
     factor = np.ones(len(curve))
@@ -327,8 +330,8 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         ),
         tuple(holes_of(run) for run in series.recordings),
         _doubt(series, snaps),
-        _snaps_of(path),
-        _snaps_of(path_of(_with_friction(series, first), series.unloading)),
+        _snaps_of(path, rig),
+        _snaps_of(path_of(_with_friction(series, first), series.unloading), rig),
         *_pull_and_hold(series, first, shown, curve.stroke[inside], force[inside]),
     )
 
@@ -357,7 +360,7 @@ def _errors(series: Series) -> Floats:
 
 def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
-    found = [*_snaps_of(path_of(series.chain, series.unloading))]
+    found = [*_snaps_of(path_of(series.chain, series.unloading), Rig())]
     # In neither order may a handover be taken for a snap.
     ways = [
         _snaps_of_runs(series, [_jumps(series, run, order) for run in series.recordings])
@@ -494,8 +497,13 @@ def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
     return math.hypot(scatter, seen / math.sqrt(12.0), off / max(abs(float(rise)), _FLATTEST))
 
 
-def _snaps_of(path: Path) -> tuple[float, ...]:
-    return tuple(event.stroke for event in path.events if event.kind is EventKind.SNAP)
+def _snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
+    """Strokes that the machine shows where a path snaps [m]."""
+    full, unloading = path.chain.full_stroke, bool(path.stroke[-1] < path.stroke[0])
+    return tuple(
+        float(rig.at_machine(event.stroke, event.force_before, full, unloading))
+        for event in _snap_events(path)
+    )
 
 
 def _pull_and_hold(

@@ -15,7 +15,7 @@ from stepwell.mechanism import Cell
 
 @dataclass(frozen=True, eq=False)
 class Rig(ByValue):
-    """What lies between the machine and the outermost block.
+    """What lies between the machine and the outermost block, and how it is not as drawn.
 
     The levers carry the block sideways by r (cos θ - cos θc); the bar, upright at both stops,
     follows by tilting. Virtual work makes of the block's F the machine's F / (1 + b tan θ), b being
@@ -23,18 +23,53 @@ class Rig(ByValue):
 
     Attributes:
         bar: length of the bar [m]; infinite for a machine that moves with the block.
+        stretch: way of the machine over that of a mechanism whose stops are as drawn [1].
+        start_loading, start_unloading: way of the machine before the mechanism moves [m].
+        compliance: by which the rig gives way [m/N].
+        friction: of the machine, against the motion [N].
 
     Raises:
-        ValueError: a length that is not above zero.
+        ValueError: a bar or a stretch that is not above zero, a number that is not finite, or a
+            compliance or friction below zero.
 
     Source: theory page, "The tilting bar"; the paper's rig has a bar of 70 mm.
     """
 
     bar: float = math.inf
+    stretch: float = 1.0
+    start_loading: float = 0.0
+    start_unloading: float = 0.0
+    compliance: float = 0.0
+    friction: float = 0.0
 
     def __post_init__(self):
         if not self.bar > 0:
             raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
+        if not 0 < self.stretch < math.inf:
+            raise InputError(f"stretch = {self.stretch}: must be > 0 and finite; 1 is as drawn.")
+        for name, unit in (("start_loading", "m"), ("start_unloading", "m")):
+            if not math.isfinite(value := getattr(self, name)):
+                raise InputError(f"{name} = {value} {unit}: must be finite.")
+        for name, unit in (("compliance", "m/N"), ("friction", "N")):
+            if not 0 <= (value := getattr(self, name)) < math.inf:
+                raise InputError(f"{name} = {value} {unit}: must be >= 0 and finite.")
+
+    def at_machine(
+        self, stroke: ArrayLike, force: ArrayLike, full: float, unloading: bool
+    ) -> Floats:
+        """Stroke that the machine shows [m] of any shape while the mechanism is at another one.
+
+        Args:
+            stroke: of the mechanism, from state 0 on [m].
+            force: of the mechanism there [N], of the shape of `stroke`.
+            full: stroke of the mechanism with every cell at state 1 [m].
+            unloading: whether the stroke falls from there.
+        """
+        stroke, way = np.asarray(stroke, float), -1.0 if unloading else 1.0
+        ahead = (full - stroke if unloading else stroke) * (self.stretch - 1.0)
+        ahead += self.start_unloading if unloading else self.start_loading
+        ahead += self.compliance * (way * np.asarray(force, float) + self.friction)
+        return stroke + way * ahead
 
     def tilt(self, cell: Cell, theta: ArrayLike) -> Floats:
         """b = tan φ [1] of the bar at lever angles θ [rad] of any shape."""

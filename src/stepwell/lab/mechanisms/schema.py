@@ -1,4 +1,4 @@
-"""Columns of the results about unit cells, pairs and calibrations: name, unit, heading, format."""
+"""Columns of the results about unit cells, pairs and rigs: name, unit, heading, format."""
 
 from __future__ import annotations
 
@@ -32,6 +32,13 @@ def _series(kind: str) -> Schema:
     )
 
 
+RIG: Schema = (
+    Quantity("stretch"),
+    Quantity("start_loading", "mm"),
+    Quantity("start_unloading", "mm"),
+    Quantity("compliance_mm_per_N", read=lambda rig: rig.compliance * 1e3),
+    Quantity("friction", "N"),
+)
 _THEN = " then ".join
 _SPREAD = Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale)
 CELL_TEST: Schema = (
