@@ -40,8 +40,6 @@ def on_a_rig(folder: Path) -> None:
     (folder / "rig.toml").write_text(rig_toml(rig), "utf-8")
     odd = "stretch = 0\ncompliance_mm_per_N = -1\nbars_mm = 70\n"
     (folder / "odd.toml").write_text(odd, "utf-8")
-        "stretch = 0\ncompliance_mm_per_N = -1\nbars_mm = 70\n", "utf-8"
-    )
 
 
 def rubber(folder: Path) -> None:
