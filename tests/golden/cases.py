@@ -188,6 +188,15 @@ YIELDS = [
     _both("yield/robust", "yield preset:three-wave --robust 10 --samples 20"),
     _both("yield/other", "yield preset:paper-forward --wanted '00>11>00' --samples 50"),
     _both("yield/program", "yield preset:finger-selector --program --samples 10"),
+    Case(
+        "yield/calibrated",
+        (
+            "yield preset:paper-cell-20-0 --data rubber --samples 50 --out out",
+            "yield preset:paper-cell-20-0 --data rubber --samples 50 --json",
+        ),
+        prepare=rubber,
+        within=FITTED,
+    ),
 ]
 
 CHECKS = [

@@ -55,6 +55,7 @@ def write_yield(
     folder: Folder,
     *,
     design: str | None = None,
+    calibrated: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
@@ -70,9 +71,11 @@ def write_yield(
     text = design or dumps(found.chain)
     contents = {
         "design.toml": text,
-        "yield.json": yield_record(found, design=text),
+        "yield.json": yield_record(found, design=text, calibrated=calibrated),
         "yield.csv": found.to_csv,
-        "report.html": yield_page(found, {_CAPTIONS[name]: one for name, one in drawn.items()}),
+        "report.html": yield_page(
+            found, {_CAPTIONS[name]: one for name, one in drawn.items()}, calibrated
+        ),
     }
     return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
 
@@ -101,13 +104,17 @@ def write_survival(
     folder: Folder,
     *,
     design: str | None = None,
+    calibrated: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
     """Write how many mechanisms a program works on: design.toml, survival.json, report.html."""
     text = design or dumps(found.chain)
-    contents = {"design.toml": text, "survival.json": survival_record(found, design=text)}
-    contents["report.html"] = survival_page(found)
+    contents = {
+        "design.toml": text,
+        "survival.json": survival_record(found, design=text, calibrated=calibrated),
+        "report.html": survival_page(found, calibrated),
+    }
     return bundle(folder, "yield", contents, progress=progress, force=force)
 
 

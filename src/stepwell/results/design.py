@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Quantity, Schema, in_measure, number, record, rows_of, told_in
@@ -134,13 +135,39 @@ SENSITIVITY: Schema = (
 )
 
 
-def yield_record(found: Yield, *, design: str | None = None) -> dict[str, Any]:
-    """How many built mechanisms do what is wanted, as docs/commands.md describes it."""
-    return {**_about("stepwell.yield/1", found, design), **_yield(found)}
+def yield_record(
+    found: Yield, *, design: str | None = None, calibrated: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """How many built mechanisms do what is wanted, as docs/commands.md describes it.
+
+    Args:
+        found: the share.
+        design: the text of the design file.
+        calibrated: what is told of the recordings that were folded in; None for none.
+
+    Returns:
+        Plain numbers and texts.
+    """
+    return {
+        **_about("stepwell.yield/1", found, design),
+        **_yield(found),
+        "calibrated": None if calibrated is None else dict(calibrated),
+    }
 
 
-def survival_record(found: Survival, *, design: str | None = None) -> dict[str, Any]:
-    """How many mechanisms a program brings where it should, as docs/commands.md describes it."""
+def survival_record(
+    found: Survival, *, design: str | None = None, calibrated: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """How many mechanisms a program brings where it should, as docs/commands.md describes it.
+
+    Args:
+        found: the share.
+        design: the text of the design file.
+        calibrated: what is told of the recordings that were folded in; None for none.
+
+    Returns:
+        Plain numbers and texts.
+    """
     schema = (
         Quantity("from", read="start"),
         Quantity("to", read="ends"),
@@ -148,7 +175,11 @@ def survival_record(found: Survival, *, design: str | None = None) -> dict[str, 
         *COUNTED,
         Quantity("assumptions"),
     )
-    return {**_about("stepwell.survival/1", found, design), **record(schema, found)}
+    return {
+        **_about("stepwell.survival/1", found, design),
+        **record(schema, found),
+        "calibrated": None if calibrated is None else dict(calibrated),
+    }
 
 
 def design_record(found: Design) -> dict[str, Any]:

@@ -67,14 +67,12 @@ def check(
     free(out, "check", force, design=text)
     told = None
     if data is not None:
-        chain, spread, told = calibrated_on(data, chain, spread)
+        text, chain, spread, told = calibrated_on(data, text, chain, spread)
     wanted = want
     if want is None and files.loads_program(text, design) is not None:
         wanted = own(text, design)
     with usable(design), progress("check") as tell:
         found = check(chain, wanted, spread, samples=samples, seed=seed, progress=tell)
-    if told is not None:
-        text = files.dumps(chain)
     record = results.check_record(found, design=text, calibrated=told)
     write = partial(reports.write_check, found, design=text, calibrated=told)
     finish(record, partial(checks.check, chain=chain), as_json, out, force, write)

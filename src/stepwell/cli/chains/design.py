@@ -11,6 +11,7 @@ import typer
 
 from stepwell.base import REACH
 from stepwell.cli.options import (
+    Data,
     Design,
     Force,
     Json,
@@ -18,6 +19,7 @@ from stepwell.cli.options import (
     Out,
     Range,
     Robust,
+    calibrated_on,
     free,
     own,
     read_chain,
@@ -254,6 +256,7 @@ def yield_(
         ),
     ] = False,
     robust: Robust = None,
+    data: Data = None,
     samples: given.Samples = None,
     seed: given.Seed = 0,
     out: Out = None,
@@ -285,6 +288,9 @@ def yield_(
     option = next((option for option, value in asked.items() if value), None)
     if program and option:
         raise typer.BadParameter("cannot stand with --program.", param_hint=option)
+    told = None
+    if data is not None:
+        text, chain, spread, told = calibrated_on(data, text, chain, spread)
     if program:
         played = own(text, design)
         points, start, ends = played.turning_points, played.start, played.to
@@ -292,8 +298,8 @@ def yield_(
             kept = survival(
                 played.chain, points, ends, spread, start=start, n=samples, seed=seed, progress=tell
             )
-        record = results.survival_record(kept, design=text)
-        write = partial(reports.write_survival, kept, design=text)
+        record = results.survival_record(kept, design=text, calibrated=told)
+        write = partial(reports.write_survival, kept, design=text, calibrated=told)
     else:
         states = wanted.split(",") if wanted and "," in wanted else None
         with usable(design), progress("yield") as tell:
@@ -307,8 +313,8 @@ def yield_(
                 robust=robust,
                 progress=tell,
             )
-        record = results.yield_record(found, design=text)
-        write = partial(reports.write_yield, found, design=text)
+        record = results.yield_record(found, design=text, calibrated=told)
+        write = partial(reports.write_yield, found, design=text, calibrated=told)
     finish(record, partial(texts.yields, chain=chain), as_json, out, force, write)
 
 

@@ -40,20 +40,21 @@ def recordings_in(paths: Sequence[Path]) -> list[Recording]:
 
 
 def calibrated_on(
-    data: Path, chain: Chain, spread: Tolerances
-) -> tuple[Chain, Tolerances, dict[str, Any]]:
-    """A chain and its tolerances as recordings calibrate them.
+    data: Path, text: str, chain: Chain, spread: Tolerances
+) -> tuple[str, Chain, Tolerances, dict[str, Any]]:
+    """A design and its tolerances as recordings calibrate them.
 
     Args:
         data: a folder of recordings.
-        chain: as it is drawn.
+        text: of the design file.
+        chain: as it is drawn there.
         spread: how far parts may be off.
 
     Returns:
-        The chain with bands, weight and friction as measured; the tolerances with the scatter of
-        the bands; and what is told of it.
+        The file and the chain with bands, weight and friction as measured; the tolerances with the
+        scatter of the bands; and what is told of it.
     """
-    from stepwell import lab
+    from stepwell import files, lab
 
     given = recordings_in([data])
     series = lab.sort_series(given).series
@@ -67,4 +68,6 @@ def calibrated_on(
         "summary": lab.fit_record(found)["summary"],
         "scatter_percent": found.scatter * 1e2,
     }
-    return found.applied(chain), replace(spread, stiffness=found.scatter), told
+    measured = found.applied(chain)
+    text = files.dumps(measured, program=files.loads_program(text))
+    return text, measured, replace(spread, stiffness=found.scatter), told

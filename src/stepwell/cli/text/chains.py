@@ -348,6 +348,7 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
     """Print what `results.yield_record` or `results.survival_record` returns of a chain."""
     show_facts(record, _shares(record, chain), 10)
     if "outcomes" not in record:
+        calibrated(record)
         show_text(record["assumptions"])
         return
     if record["advice"]:
@@ -371,7 +372,16 @@ def yields(record: dict[str, Any], chain: Chain) -> None:
         if record["gap_agreement"] is not None:
             agreed = percent(record["gap_agreement"])
             show_lines(f"The gap tells what the engine finds in {agreed}")
+    calibrated(record)
     show_text(record["assumptions"])
+
+
+def calibrated(record: dict[str, Any]) -> None:
+    """Print what recordings have told, where some were folded in."""
+    if about := record["calibrated"]:
+        show_text(
+            f"Bands, weight and friction as calibrated on {about['data']}:", *about["summary"]
+        )
 
 
 def _shares(record: dict[str, Any], chain: Chain) -> dict[str, str]:

@@ -4,6 +4,7 @@ from typing import Any
 
 from stepwell.base import percent
 from stepwell.cli.screen import show_facts, show_text
+from stepwell.cli.text.chains import calibrated
 from stepwell.mechanism import Chain
 from stepwell.results import (
     killer_words,
@@ -35,9 +36,5 @@ def check(record: dict[str, Any], chain: Chain) -> None:
     ):
         if lines:
             show_text(f"{head}: {lines[0]}", *lines[1:])
-    if record["calibrated"]:
-        about = record["calibrated"]
-        show_text(
-            f"Bands, weight and friction as calibrated on {about['data']}:", *about["summary"]
-        )
+    calibrated(record)
     show_text(record["assumptions"])

@@ -52,10 +52,7 @@ def check_page(found: Check, calibrated: Mapping[str, Any] | None = None) -> str
                 "Out of the ordinary",
                 parts.listed([parts.sentence(line) for line in found.oddities]),
             ),
-            parts.part(
-                "Bands, weight and friction as calibrated",
-                parts.listed([] if calibrated is None else calibrated["summary"]),
-            ),
+            parts.calibration(calibrated),
             parts.part(
                 "What the numbers assume",
                 parts.listed([*assumptions(chain), parts.sentence(found.yield_.assumptions)]),

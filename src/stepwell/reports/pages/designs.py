@@ -94,12 +94,15 @@ def _worst(found: dict[str, Any] | None) -> str:
     )
 
 
-def yield_page(found: Yield, drawn: Mapping[str, Figure]) -> str:
+def yield_page(
+    found: Yield, drawn: Mapping[str, Figure], calibrated: Mapping[str, Any] | None = None
+) -> str:
     """The page of a yield.
 
     Args:
         found: what `design.yields` returns.
         drawn: figures by caption.
+        calibrated: what is told of the recordings that were folded in; None for none.
 
     Returns:
         HTML text.
@@ -133,6 +136,7 @@ def yield_page(found: Yield, drawn: Mapping[str, Figure]) -> str:
                     "others.",
                 ),
             ),
+            parts.calibration(calibrated),
             parts.part(
                 "What the numbers assume",
                 parts.listed([*assumptions(chain), parts.sentence(found.assumptions)]),
@@ -161,11 +165,12 @@ def _critical(found: Yield) -> str:
     )
 
 
-def survival_page(found: Survival) -> str:
+def survival_page(found: Survival, calibrated: Mapping[str, Any] | None = None) -> str:
     """The page of how many mechanisms a program works on.
 
     Args:
         found: what `design.survival` returns.
+        calibrated: what is told of the recordings that were folded in; None for none.
 
     Returns:
         HTML text.
@@ -186,10 +191,11 @@ def survival_page(found: Survival) -> str:
             "Surely between": " and ".join(map(percent, found.interval)),
         },
         [
+            parts.calibration(calibrated),
             parts.part(
                 "What the numbers assume",
                 parts.listed([*assumptions(chain), parts.sentence(found.assumptions)]),
-            )
+            ),
         ],
     )
 

@@ -75,6 +75,14 @@ def paragraph(text: str, kind: str = "") -> str:
     return f"<p{mark}>{escape(minus(text))}</p>" if text else ""
 
 
+def calibration(calibrated: Mapping[str, Any] | None) -> str:
+    """What recordings that were folded in have told; "" for none."""
+    return part(
+        "Bands, weight and friction as calibrated",
+        listed([] if calibrated is None else calibrated["summary"]),
+    )
+
+
 def listed(lines: Iterable[str]) -> str:
     """Lines of plain text as a list; nothing of none."""
     items = [f"<li>{escape(minus(line))}</li>" for line in lines]
