@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.design import USUAL, parameter, parameters
+from stepwell.design import USUAL, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.results import design_record, yield_record
 from stepwell.studio.answering import answered
@@ -223,8 +223,24 @@ def test_a_yield_shows_few_first_and_is_pythons():
     last = answer("yield", Design(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))
     tolerances = sw.Tolerances(anchor=3e-3, stiffness=USUAL.stiffness)
     chain = sw.preset("paper-forward")
-    assert last.header == yield_record(chain.yields(tolerances))
-    assert [one.header for one in shown] == [yield_record(chain.yields(tolerances, n=1000))]
+    assert last.header == _judged(chain, chain.yields(tolerances))
+    assert [one.header for one in shown] == [_judged(chain, chain.yields(tolerances, n=1000))]
+
+
+def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
+    """The record of a yield, and the verdict on what the drawing does."""
+    checked = check(chain, tolerances=found.tolerances, samples=found.n, seed=found.seed)
+    return {**yield_record(found), "verdict": checked.verdict}
+
+
+@pytest.mark.parametrize(
+    ("name", "verdict"),
+    [("paper-forward", "works"), ("paper-identical", "won't"), ("paper-via-01", "works")],
+)
+def test_the_verdict_is_that_of_check(name: str, verdict: str):
+    chain = sw.preset(name)
+    header = ask("yield", tables(name)).header
+    assert header["verdict"] == verdict == check(chain).verdict
 
 
 def test_where_each_has_to_be_followed_a_thousand_are_enough():

@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from stepwell import files
-from stepwell.design import parameter, parameter_map
+from stepwell.design import check, parameter, parameter_map
 from studio.browser import (
     anchors,
     chain_shown,
@@ -252,6 +252,8 @@ def test_a_wish_of_five_cells_is_typed(page: Page):
 def test_the_yield_is_pythons(page: Page):
     tolerance = page.get_by_role("spinbutton", name="Tolerance of the anchors in mm", exact=True)
     expect(output(page, "yield")).to_have_text("100")
+    expect(output(page, "verdict")).to_have_text("works")
+    expect(output(page, "verdict, always in view")).to_be_in_viewport()
     expect(tolerance).to_have_value("0.3")
     tolerance.fill("4")
     tolerance.press("Enter")
@@ -260,6 +262,7 @@ def test_the_yield_is_pythons(page: Page):
     found = chain.yields(sw.Tolerances(anchor=4e-3, stiffness=0.05), seed=0)
     low, high = found.interval
     expect(output(page, "yield")).to_have_text(f"{found.share * 100:.6g}")
+    expect(output(page, "verdict")).to_have_text(check(chain, tolerances=found.tolerances).verdict)
     expect(output(page, "interval")).to_have_text(f"{low * 100:.6g} to {high * 100:.6g}")
     expect(output(page, "most failures")).to_have_text(next(iter(found.outcomes)))
     assert found.critical is not None

@@ -1,9 +1,12 @@
-"""How many mechanisms built with tolerances do what the drawing does."""
+"""Whether the real one will do what the drawing does, and how many built with tolerances do."""
 
 from __future__ import annotations
 
-from stepwell.design import USUAL, Tolerances, yields
+from typing import Any
+
+from stepwell.design import USUAL, Tolerances, Yield, judged, yields
 from stepwell.results import yield_record
+from stepwell.sequences import cycle
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
@@ -13,7 +16,9 @@ _FIRST = 1000
 
 
 def answer(design: Design, ask: Ask) -> View:
-    """The record that `stepwell yield --json` prints; of few mechanisms first, where it takes long.
+    """The record that `stepwell yield --json` prints, and the verdict that `stepwell check` gives.
+
+    Of few mechanisms first, where it takes long.
 
     Without `samples` as many as by default, or fewer where each has to be followed.
     """
@@ -25,9 +30,15 @@ def answer(design: Design, ask: Ask) -> View:
     seed = ask.whole("seed", 0, 2**32 - 1, 0)
     ask.close()
     chain = design.chain
+    tied = bool(cycle(chain).path.degenerate)
     if n is None:
         first = yields(chain, tolerances, n=_FIRST, seed=seed, progress=ask.tell)
         if first.by_engine > _FIRST // 10:
-            return View(yield_record(first))
-        ask.show(View(yield_record(first)))
-    return View(yield_record(yields(chain, tolerances, n=n, seed=seed, progress=ask.tell)))
+            return View(_told(first, tied))
+        ask.show(View(_told(first, tied)))
+    return View(_told(yields(chain, tolerances, n=n, seed=seed, progress=ask.tell), tied))
+
+
+def _told(found: Yield, tied: bool) -> dict[str, Any]:
+    verdict = judged(does_it=True, tied=tied, interval=found.interval)
+    return {**yield_record(found), "verdict": verdict}
