@@ -7,6 +7,8 @@ UV_VERSION := 0.13.8
 # Only pinned, hashed packages are installed, and pyright uses the copy in its own wheel.
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 export NO_MKDOCS_2_WARNING := 1
+# Where somebody asks for no bytecode every process of the tests would compile the house anew.
+export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

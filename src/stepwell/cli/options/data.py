@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stepwell.cli.screen import progress, warn
-from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
     from stepwell.design import Tolerances
     from stepwell.lab import Recording
+    from stepwell.mechanism import Chain
 
 Data = Annotated[
     Path | None,

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
 from stepwell.base import Bools, Floats
 from stepwell.design.orders import Orders
@@ -47,6 +46,8 @@ class Placement:
 
     def quality(self, worst: bool) -> tuple[float, float]:
         """The larger the better: first the chance that no gap closes, then the smallest gap."""
+        from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
+
         chance = float(np.sum(log_ndtr(self.gaps)))
         return (0.0 if worst or chance > -1e-9 else chance, self.smallest)
 
@@ -84,6 +85,8 @@ def choose(
         The choice, None where none was found; whether the search was complete, which proves
         that it is the best one, or that there is none; and how many partial choices it took.
     """
+    from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
+
     table, allowed = joined(tables), shared(tables, owner)
     gaps = rule.gaps(table)
     found = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
@@ -163,6 +166,8 @@ class Search:
         return unit if math.isfinite(unit) else 1.0  # a single cell has no gaps
 
     def _score(self, cells: Candidates, i: int, offered: Candidates, unit: float) -> Floats:
+        from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
+
         total = log_ndtr(offered.room / unit)
         for end, order in enumerate(self.orders.rising):
             place = order.index(i)

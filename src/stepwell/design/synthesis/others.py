@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
 from stepwell.base import Floats, Ints
 from stepwell.concave import TIED
@@ -78,6 +77,8 @@ def _drawn(attempt: Attempt, rng: np.random.Generator) -> Ints:
 
 def _surety(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
+    from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
+
     total = np.zeros(len(picks))
     least = TIED * float(np.max(np.abs(table.force)))
     for end, order in enumerate(attempt.orders.rising):

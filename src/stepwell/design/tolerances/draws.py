@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from stepwell.base import ByValue, Floats
 from stepwell.concave import in_disc
@@ -140,6 +139,8 @@ class Draws(ByValue):
 
     def shaped(self, even: Floats) -> Floats:
         """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
+        from scipy.special import ndtr, ndtri
+
         t, tail = self.tolerances, ndtr(-_CUT)
         if t.stiffness > 0 or t.rest_length > 0 or t.travel > 0:
             bands, elements = (4 * self.bands, 6 * self.bands), (self.scales, self.mobilities)

@@ -113,7 +113,7 @@ Point = Annotated[tuple[Decimal, ...], PlainValidator(point)]
 class Keys(BaseModel):
     """A table of the file: strict, and no key that we do not know."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
     def given(self) -> dict[str, Any]:
         """Only the keys that stand in the file."""
