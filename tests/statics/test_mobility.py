@@ -78,8 +78,10 @@ def test_scaling_all_mobilities_changes_no_landing(seed, cells, stiffness, facto
     ours, theirs = chain.cycle(), moved(chain, mobilities * factor).cycle()
     assume(not ours.degenerate and not theirs.degenerate)
     assert [e.arrivals for e in ours.events] == [e.arrivals for e in theirs.events]
-    # With friction a landing is as good as the integration, which rounding leads another way.
-    blur = 1e-5 if any(cell.friction for cell in chain.cells) else 1e-9
+    # With friction every place near by is a rest too: where a snap ends among them is as good as
+    # the integration, whose way out of an unstable state rounding decides. In 400 chains at random
+    # the largest difference was 5e-5 of the stroke.
+    blur = 1e-4 if any(cell.friction for cell in chain.cells) else 1e-9
     for a, b in zip(ours.events, theirs.events, strict=True):
         assert a.after == pytest.approx(b.after, abs=blur * chain.full_stroke)
 
