@@ -57,8 +57,8 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 
 def build(folder: Path, **environment: str) -> Path:
-    """The pages, built strictly."""
-    words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(folder)]
+    """The pages, built strictly; told to be quiet it would not count warnings."""
+    words = [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", str(folder)]
     done = subprocess.run(
         words,
         cwd=ROOT,
