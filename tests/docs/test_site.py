@@ -289,6 +289,17 @@ def test_the_gallery_on_a_phone_has_one_card_beside_another_and_loads_few_at_fir
     assert sum(sizes) < 3_000_000
 
 
+@pytest.mark.parametrize(("path", "columns"), [("", 2), ("gallery/", 3)])
+def test_cards_stand_side_by_side_on_paper(chromium, home, path, columns):
+    context = chromium.new_context(viewport={"width": 794, "height": 1123})
+    page = Opened(context.new_page()).page
+    page.emulate_media(media="print")
+    page.goto(home + path)
+    boxes = [card.bounding_box() for card in page.locator(".cards > .card").all()]
+    assert len({round(box["x"]) for box in boxes if box}) == columns
+    context.close()
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_pictures_of_the_studio_show_what_it_is_now(chromium, tmp_path, scheme):
     needed("starlette", "uvicorn", "websockets")
