@@ -31,7 +31,8 @@ class Recording(ByValue, Drawn):
         steps: in which stroke [m] and force [N] are told; 0 where the digits show none.
 
     Raises:
-        ValueError: arrays that are not as long as each other, or fewer than two samples.
+        ValueError: arrays that are not as long as each other, fewer than two samples, or a stroke
+            or a force that is no finite number.
     """
 
     source: str
@@ -49,6 +50,12 @@ class Recording(ByValue, Drawn):
             raise InputError(
                 f"time, stroke and force have {lengths} samples: must be as many each, 2 or more."
             )
+        for name, values in (("stroke", self.stroke), ("force", self.force)):
+            if not np.all(good := np.isfinite(values)):
+                k = int(np.argmin(good))
+                raise InputError(
+                    f"{name}[{k}] = {values[k]}: must be finite; leave such samples out."
+                )
 
     def __len__(self) -> int:
         return len(self.stroke)
