@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         sequences,
         simulation,
         statics,
+        studies,
         studio,
     )
     from stepwell.base import InputError, Measure, StepwellError, __version__, bar

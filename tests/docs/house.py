@@ -23,7 +23,7 @@ STOREYS = {
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),
     "in and out": (
         "#e69f00",
-        ("files", "results", "cards", "figures", "paper", "reports", "studio", "cli"),
+        ("files", "studies", "results", "cards", "figures", "paper", "reports", "studio", "cli"),
     ),
 }
 

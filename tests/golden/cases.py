@@ -427,6 +427,43 @@ ROBOTS = [
         within=SIMULATED,
     ),
     Case(
+        "sweep/cycle",
+        (
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20:5 --vary outer.q.y=-15:15:3 "
+            "--chunk 4 --workers 1 --out study.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20:5 --vary outer.q.y=-15:15:3 "
+            "--chunk 4 --workers 1 --out study.zarr --json",
+            "sweep status study.zarr --json",
+            "sweep resume study.zarr --workers 1",
+            "sweep export study.zarr --out table.csv",
+        ),
+    ),
+    Case(
+        "sweep/drawn",
+        (
+            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --sobol 4 --seed 2 "
+            "--chunk 4 --workers 1 --out sobol.zarr",
+            "sweep yield preset:paper-forward --vary 2.stiffness=20:40 --latin 2 --seed 2 "
+            "--workers 1 --chunk 2 --out latin.zarr",
+            "sweep graph preset:paper-forward --vary 2.stiffness=20:40 --random 2 --seed 2 "
+            "--workers 1 --chunk 2 --out random.zarr",
+            "sweep cycle preset:paper-forward --vary outer.lever=-5:20:2 --chunk 2 --workers 1 "
+            "--out poisoned.zarr",
+        ),
+    ),
+    Case(
+        "sweep/errors",
+        (
+            "sweep cycle preset:paper-forward --vary outer.q=0:20:5 --out a.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20 --out a.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=20:0:3 --out a.zarr",
+            "sweep cycle preset:paper-forward --vary other.q.x=0:20:3 --out a.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20 --sobol 2 --latin 2 "
+            "--out a.zarr",
+            "sweep status gone.zarr",
+        ),
+    ),
+    Case(
         "robot/converge",
         ("robot converge robot-forward --cycles 2", "robot converge robot-forward --json"),
         within=SIMULATED,

@@ -126,5 +126,10 @@ def _files(folder: Path) -> dict[str, bytes]:
     return {
         file.relative_to(folder).as_posix(): file.read_bytes()
         for file in folder.rglob("*")
-        if file.is_file()
+        if file.is_file() and not _of_a_store(file.relative_to(folder))
     }
+
+
+def _of_a_store(name: Path) -> bool:
+    """Whether it is a file of a study; what it holds is shown by the commands."""
+    return any(part.endswith(".zarr") for part in name.parts)

@@ -50,6 +50,11 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "Its wheel bundles the encoder that writes them, libx264, which is under the GPL; GIF "
             "files need neither.",
         ),
+        "studies": Extra(
+            {"zarr": "zarr"},
+            "stores of `stepwell sweep`",
+            "Sweeps need Zarr",
+        ),
         "studio": Extra(
             {"starlette": "starlette", "uvicorn": "uvicorn", "websockets": "websockets"},
             "the page of `stepwell studio`",

@@ -64,6 +64,7 @@ from stepwell.results.run import (
     run_record,
     unreachable_record,
 )
+from stepwell.results.study import STUDY_OUTCOME, study_record
 
 __all__ = [
     "assumptions",
@@ -84,6 +85,7 @@ __all__ = [
     "schema_kinds",
     "schema_of",
     "simulation_assumptions",
+    "study_record",
     "survival_record",
     "sweep_record",
     "unreachable_record",

@@ -85,15 +85,16 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
     from stepwell.mechanism import SlipError
     from stepwell.sequences import Unreachable
     from stepwell.statics import StaticsError
+    from stepwell.studies import StudyError, SweepError
 
-    if isinstance(error, DesignError | LabError | OverwriteError):
+    if isinstance(error, DesignError | LabError | OverwriteError | StudyError):
         return WRONG_INPUT, str(error)
     if isinstance(error, SlipError):
         return WRONG_INPUT, slips_text(error)
     if isinstance(error, Unreachable):
         return NO, str(error)
     # Any other missing module is a bug of ours.
-    if isinstance(error, StaticsError | ExtraError):
+    if isinstance(error, StaticsError | ExtraError | SweepError):
         return FAILED, str(error)
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         place = f"{error.filename}: " if error.filename else ""
