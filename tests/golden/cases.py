@@ -452,6 +452,26 @@ ROBOTS = [
         ),
     ),
     Case(
+        "sweep/json",
+        (
+            "sweep cycle preset:paper-forward --vary outer.q.x=15:20 --random 2 --seed 3 "
+            "--workers 1 --out cycle.zarr --json",
+            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --latin 2 --workers 1 "
+            "--out margin.zarr --json",
+            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 1 "
+            "--out drawn.zarr",
+            "sweep yield preset:paper-forward --vary outer.q.x=15:20 --sobol 2 --workers 1 "
+            "--out yield.zarr --json",
+            "sweep yield preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 1 "
+            "--out other.zarr",
+            "sweep graph preset:paper-forward --vary outer.q.x=15:20 --latin 2 --workers 1 "
+            "--out graph.zarr --json",
+            "sweep graph preset:paper-forward --vary outer.q.x=15:20 --sobol 2 --workers 1 "
+            "--out states.zarr",
+            "sweep resume graph.zarr --workers 1 --json",
+        ),
+    ),
+    Case(
         "sweep/errors",
         (
             "sweep cycle preset:paper-forward --vary outer.q=0:20:5 --out a.zarr",

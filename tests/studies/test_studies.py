@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stepwell as sw
+from dying import marked
 from sizes import examples
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
@@ -204,19 +205,11 @@ def test_a_call_whose_process_always_dies_is_told_and_no_other_is_lost(tmp_path)
     from stepwell.studies import mapped
 
     calls = {}
-    for (name,), raised in mapped(_marked, [(str(tmp_path / n),) for n in "abcdie"], 2):
+    for (name,), raised in mapped(marked, [(str(tmp_path / n),) for n in "abcdie"], 2):
         calls[Path(name).name] = raised
     assert {name for name, raised in calls.items() if raised is None} == set("abce")
     assert "died 3 times" in str(calls["d"]) and "SIGKILL" in str(calls["d"])
     assert isinstance(calls["i"], OSError)
-
-
-def _marked(name: str) -> None:
-    if name.endswith("d"):
-        os.kill(os.getpid(), signal.SIGKILL)
-    if name.endswith("i"):
-        raise OSError("no room")
-    Path(name).touch()
 
 
 def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
