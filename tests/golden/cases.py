@@ -454,22 +454,33 @@ ROBOTS = [
     Case(
         "sweep/json",
         (
-            "sweep cycle preset:paper-forward --vary outer.q.x=15:20 --random 2 --seed 3 "
-            "--workers 1 --out cycle.zarr --json",
-            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --latin 2 --workers 1 "
-            "--out margin.zarr --json",
             "sweep margin preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 1 "
-            "--out drawn.zarr",
-            "sweep yield preset:paper-forward --vary outer.q.x=15:20 --sobol 2 --workers 1 "
-            "--out yield.zarr --json",
-            "sweep yield preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 1 "
-            "--out other.zarr",
-            "sweep graph preset:paper-forward --vary outer.q.x=15:20 --latin 2 --workers 1 "
-            "--out graph.zarr --json",
-            "sweep graph preset:paper-forward --vary outer.q.x=15:20 --sobol 2 --workers 1 "
-            "--out states.zarr",
-            "sweep resume graph.zarr --workers 1 --json",
+            "--out margin.zarr --json",
+            "sweep extend margin.zarr --count 3 --workers 1 --json",
+            "sweep cancel margin.zarr",
+            "sweep resume margin.zarr --workers 1 --json",
+            "sweep cycle preset:paper-forward --table list.csv --workers 1 --out list.zarr",
+            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness 4 --rest-length 2 "
+            "--lever 0.1 --friction 0.01 --travel 1 --workers 1 --out built.zarr",
+            "sweep program preset:paper-forward --from 00 --to 11 --vary outer.q.x=10:20:2 "
+            "--workers 1 --out program.zarr",
+            "sweep call preset:paper-forward --function own.py:measure --vary outer.q.x=10:20:2 "
+            "--workers 1 --out call.zarr",
         ),
+        given={
+            "list.csv": "outer.q.x_mm,outer.stiffness_N_per_m\n12,28\n18,30\n",
+            "own.py": "def measure(chain, seed):\n    return {'cells': len(chain)}\n",
+        },
+    ),
+    Case(
+        "sweep/robots",
+        (
+            "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 1 "
+            "--out walk.zarr",
+            "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --workers 1 "
+            "--vary foot.below_mm=0.3:0.6:2 --out maze.zarr",
+        ),
+        within=SIMULATED,
     ),
     Case(
         "sweep/errors",
@@ -481,6 +492,16 @@ ROBOTS = [
             "sweep cycle preset:paper-forward --vary outer.q.x=0:20 --sobol 2 --latin 2 "
             "--out a.zarr",
             "sweep status gone.zarr",
+            "sweep cycle preset:paper-forward --out a.zarr",
+            "sweep cycle preset:paper-forward --built 2 --vary outer.q.x=0:20 --out a.zarr",
+            "sweep walk preset:paper-forward --vary outer.q.x=0:20:2 --out a.zarr",
+            "sweep cycle preset:paper-forward --table gone.csv --out a.zarr",
+            "sweep call preset:paper-forward --function gone.py:f --vary outer.q.x=0:20:2 "
+            "--out a.zarr",
+            "sweep maze robot-forward --arena nowhere --vary foot.below_mm=0.3:0.6:2 --out a.zarr",
+            "sweep export gone.zarr --out table.xls",
+            "sweep resume gone.zarr --scheduler tcp://127.0.0.1:9",
+            "sweep extend gone.zarr --count 3 --scheduler tcp://127.0.0.1:9",
         ),
     ),
     Case(

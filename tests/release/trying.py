@@ -156,6 +156,7 @@ LACKS = {
     "tables": [("map", "preset:paper-forward"), ("paper",)],
     "robot": [("walk", "robot-forward")],
     "studio": [("studio", "--no-open")],
+    "studies": [("sweep", "status", "study.zarr")],
     "video": [],
 }
 
@@ -228,6 +229,14 @@ def everything(env: Fresh) -> None:
     assert (env.folder / "walk" / "walk.nc").is_file()
 
 
+def studies(env: Fresh) -> None:
+    """Designs are computed by processes of their own, and the store is read again."""
+    varied = "--vary", "outer.q.x=10:20:2", "--workers", "1"
+    env.stepwell("sweep", "cycle", "preset:paper-forward", *varied, "--out", "study.zarr")
+    env.stepwell("sweep", "export", "study.zarr", "--out", "study.csv")
+    assert len((env.folder / "study.csv").read_text().splitlines()) == 3
+
+
 # What each installation must be able to do, besides what the core does.
 CHECKS: dict[str, Callable[[Fresh], None]] = {
     "figures": figures,
@@ -235,6 +244,7 @@ CHECKS: dict[str, Callable[[Fresh], None]] = {
     "robot": robot,
     "video": video,
     "studio": studio,
+    "studies": studies,
 }
 
 

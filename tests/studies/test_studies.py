@@ -1,6 +1,5 @@
 """A study loses nothing: whatever is killed, damaged or done twice, the store ends the same."""
 
-import hashlib
 import os
 import random
 import resource
@@ -9,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,17 +17,26 @@ from hypothesis import given, strategies as st
 import stepwell as sw
 from dying import marked
 from sizes import examples
+from studies_bytes import bytes_of
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
 
 from stepwell.studies import (
     Axis,
+    CancelledError,
     How,
     Space,
     Study,
     StudyError,
     SweepError,
+    Table,
+    Workshop,
+    cancel,
+    estimate,
+    extended,
+    function_of,
     opened,
+    read_table,
     resumed,
     status,
     store,
@@ -50,15 +59,6 @@ if __name__ == "__main__":
 """
 
 
-def bytes_of(folder: Path) -> dict[str, str]:
-    """The digest of every file of a store; drafts that somebody left are none of it."""
-    return {
-        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in sorted(folder.rglob("*"))
-        if file.is_file() and not file.name.endswith(".partial")
-    }
-
-
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory) -> dict[str, str]:
     folder = tmp_path_factory.mktemp("undisturbed") / "study.zarr"
@@ -66,7 +66,7 @@ def undisturbed(tmp_path_factory) -> dict[str, str]:
     return bytes_of(folder)
 
 
-def client(folder: Path, **told) -> subprocess.Popen[bytes]:
+def client(folder: Path, **told) -> Any:
     script = folder.parent / "client.py"
     script.write_text(CLIENT)
     command = [sys.executable, str(script), str(folder)]
@@ -218,3 +218,219 @@ def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
     folder.joinpath("zarr.json").write_text("{}")
     with pytest.raises(SweepError, match=r"0 of 8 chunks are done\. chunk 0: .*holds no study"):
         resumed(study, 1)
+
+
+def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_path):
+    small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (11, 21))
+    grown, whole = tmp_path / "grown.zarr", tmp_path / "whole.zarr"
+    found = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=1)
+    before = found.study.column("share")[:]
+    after = resumed(extended(found.study, 21), 1)
+    sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=1)
+    assert bytes_of(grown) == bytes_of(whole)
+    assert after.finished and (after.study.column("share")[:11] == before).all()
+    with pytest.raises(StudyError, match="20 would be fewer"):
+        extended(after.study, 20)
+
+
+def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
+    for k, designs in enumerate(
+        (GRID, Table(("outer.q.x",), np.array([[0.01]])), Space(AXES[:1], How.LATIN, 4))
+    ):
+        study = store.begun(Study(tmp_path / str(k), "cycle", sw.files.dumps(LEG), designs, 4))
+        with pytest.raises(StudyError, match="more of them would move the others"):
+            extended(study, 400)
+
+
+def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
+    from stepwell.design import Draws
+
+    within = sw.Tolerances(anchor=0.002, stiffness=0.1, friction=0.01)
+    data = sweep(LEG, "cycle", Workshop(within, 12, seed=5), tmp_path / "s.zarr", workers=1)
+    drawn, found = Draws(LEG, within, 5), data.study.to_xarray()
+    for k in range(12):
+        chain = drawn.sample(k)
+        assert found.sequence.values[k] == str(chain.cycle().sequence)
+        assert found.peak_force.values[k] == chain.cycle().peak_force
+        assert found["2.q.x"].values[k] == chain.levers[1].bands[0].q[0]
+        assert found["1.friction"].values[k] == chain.cells[0].friction
+
+
+def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
+    first = sweep(LEG, "margin", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=1)
+    first.study.to_csv(tmp_path / "all.csv")
+    lines = (tmp_path / "all.csv").read_text().splitlines()
+    kept = "\n".join(",".join(line.split(",")[:3]) for line in lines)
+    (tmp_path / "list.csv").write_text(kept + "\n")
+    listed = read_table(tmp_path / "list.csv", LEG)
+    assert listed.columns == ("outer.q.x", "outer.q.y")
+    again = sweep(LEG, "margin", listed, tmp_path / "b.zarr", workers=1).study
+    assert np.allclose(again.column("anchor")[:], first.study.column("anchor")[:], rtol=1e-9)
+    group = opened(tmp_path / "b.zarr").group
+    group["listed"][0] = 0.5
+    with pytest.raises(StudyError, match="its list of designs is damaged"):
+        opened(tmp_path / "b.zarr")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("outer.q.x_mm\n1\nx\n", "line 3, outer.q.x = 'x': must be a number"),
+        ("outer.q.x_mm\n1,2\n", "line 2 has 2 cells: must have 1"),
+        ("outer.q.z_mm\n1\n", "column 'outer.q.z_mm'"),
+        ("outer.q.x_N\n1\n", "column 'outer.q.x_N'"),
+        ("outer.q.x_mm,outer.q.x\n1,2\n", "each once"),
+        ("outer.q.x_mm\nnan\n", "must be finite"),
+        ("", "must be one or more"),
+    ],
+)
+def test_a_list_that_cannot_be_read_says_which_line_and_why(tmp_path, text, told):
+    (tmp_path / "list.csv").write_text(text)
+    with pytest.raises(ValueError, match=told):
+        read_table(tmp_path / "list.csv", LEG)
+
+
+def test_a_study_that_is_cancelled_stops_and_goes_on_later(tmp_path, undisturbed):
+    folder = tmp_path / "study.zarr"
+    study = store.begun(Study(folder, "cycle", sw.files.dumps(LEG), GRID, CHUNK))
+
+    def stop(_done: int, _all: int) -> None:
+        cancel(study)
+
+    with pytest.raises(CancelledError, match="It was cancelled"):
+        resumed(study, 1, progress=stop)
+    assert 0 < status(folder).done < study.chunks
+    assert resumed(study, 1).finished and bytes_of(folder) == undisturbed
+
+
+def test_programs_are_found_of_every_design_or_proved_impossible(tmp_path):
+    space = Space((Axis("outer.q.x", 0.0, 0.02, 5),))
+    from stepwell.design import parameter
+
+    given = {"start": "00", "to": "01"}
+    data = sweep(LEG, "program", space, tmp_path / "p.zarr", given=given, workers=1)
+    found = data.study.to_xarray()
+    for k, x in enumerate(np.linspace(0.0, 0.02, 5)):
+        chain = parameter(LEG, "outer.q.x").changed(LEG, x)
+        try:
+            wanted = chain.program("01", start="00").strokes
+        except sw.Unreachable:
+            wanted = 0
+        assert found.found.values[k] == (wanted > 0)
+        assert not wanted or found.strokes.values[k] == wanted
+
+
+OWN = """
+def measure(chain, seed):
+    if chain.cells[1].bands[0].q[0] > 0.015:
+        raise KeyError("too far")
+    return {"seed": float(seed), "cells": len(chain), "name": chain.title}
+
+measure.units = {"seed": "s"}
+
+def other(chain, seed):
+    return {"x": 1.0} if seed else {"y": 1.0}
+
+def wrong(chain, seed):
+    return 3
+"""
+
+
+def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp_path):
+    file = tmp_path / "own.py"
+    file.write_text(OWN)
+    space = Space((Axis("outer.q.x", 0.0, 0.02, 3),))
+    given = function_of(f"{file}:measure", sw.preset("three-wave"))
+    folder = tmp_path / "s.zarr"
+    found = sweep(LEG, "call", space, folder, given=given, workers=1)
+    data = found.study.to_xarray()
+    assert found.problems == {"KeyError": 1} and "too far" in data.problem.values[2]
+    assert data.seed.attrs["units"] == "s" and data.cells.values[0] == 2
+    assert [int(one) for one in data.seed.values[:2]] == [found.study.seed_of(k) for k in (0, 1)]
+    given = function_of(f"{file}:other", LEG)
+    found = sweep(LEG, "call", space, tmp_path / "o.zarr", given=given, workers=1)
+    assert found.problems == {"StudyError": 3}  # another name than on the design as it was
+    (folder / "seed" / "c" / "0").unlink()
+    file.write_text(OWN + "# changed\n")
+    with pytest.raises(ValueError, match="is not the file that the study was begun with"):
+        resumed(opened(folder), 1)
+    for name, told in (("wrong", "must give values by name"), ("none", "no function of that name")):
+        with pytest.raises(ValueError, match=told):
+            function_of(f"{file}:{name}", LEG)
+
+
+def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
+    pytest.importorskip("mujoco", reason="robots' studies are not tested: mujoco is not installed")
+    from stepwell.simulation import Trial, walk
+
+    robot = sw.preset("robot-forward")
+    space = Space((Axis("foot.below_mm", 0.3, 0.6, 2),))
+    data = sweep(robot, "walk", space, tmp_path / "w.zarr", given={"cycles": 1}, workers=1)
+    found = data.study.to_xarray()
+    alone = Trial.of(walk(sw.files.vary(robot, {"foot.below_mm": 0.6}), 1))
+    assert found.advance.values[1] == alone.advance and found["foot.below_mm"].units == "mm"
+    data.study.to_csv(tmp_path / "w.csv")
+    head, first, _ = (tmp_path / "w.csv").read_text().splitlines()
+    assert head.startswith("design,foot.below_mm,advance") and first.startswith("0,0.3,")
+    (spanned,) = sw.results.study_record(data)["varied"]
+    assert (spanned["from"], spanned["to"]) == (0.3, 0.6)
+    arena = sw.files.dumps(sw.load_arena("pen"))
+    given = {"arena": arena, "limit": 1.0, "layouts": 2}
+    ways = sweep(robot, "maze", space, tmp_path / "m.zarr", given=given, workers=1).study
+    assert ways.to_xarray().outcomes.values.tolist() == ["timed out, timed out"] * 2
+
+
+@pytest.mark.parametrize(
+    ("what", "given", "told"),
+    [
+        ("cycle", {"cycles": 2}, "takes nothing else, not cycles"),
+        ("program", {}, "to: must be a state"),
+        ("walk", {}, "takes a robot"),
+        ("cicle", {}, "Did you mean cycle"),
+        ("call", {"file": "gone.py", "name": "f"}, "must be FILE.py:NAME"),
+    ],
+)
+def test_what_cannot_be_computed_is_refused_before_anything_is_written(tmp_path, what, given, told):
+    with pytest.raises(ValueError, match=told):
+        sweep(LEG, what, GRID, tmp_path / "s.zarr", given=given)
+    assert not (tmp_path / "s.zarr").exists()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"format": "1"},
+        {"chunk": 0},
+        {"chunk": "many"},
+        {"design": "nonsense"},
+        {"designs": {"axes": [], "how": "grid", "count": 1, "seed": 0}},
+        {"designs": {"columns": ["outer.q.x"], "sha256": "0"}},
+        {"other": 1},
+        {"given": None},
+    ],
+)
+def test_a_description_that_was_changed_by_hand_is_refused(tmp_path, change):
+    study = store.begun(Study(tmp_path / "s", "cycle", sw.files.dumps(LEG), GRID, CHUNK))
+    study.group.attrs["stepwell_study"] = study.asked() | change
+    with pytest.raises(StudyError):
+        opened(tmp_path / "s")
+
+
+def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
+    study = Study(tmp_path / "s.zarr", "cycle", sw.files.dumps(LEG), GRID, CHUNK)
+    found = estimate(study, 2)
+    assert found.designs == 63 and found.sample == 8 and found.each > 0
+    assert found.seconds == pytest.approx(found.each * 63 / 2)
+    done = resumed(store.begun(study), 1).study
+    chunks = (done.folder / name / "c" for name in done.columns)
+    assert not any(file.stat().st_size > found.disk for one in chunks for file in one.iterdir())
+
+
+def test_parquet_holds_what_csv_holds(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is not tested: no pyarrow")
+    study = sweep(LEG, "cycle", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=1).study
+    assert study.to_parquet(tmp_path / "a.parquet") == study.to_csv(tmp_path / "a.csv") == 5
+    table = parquet.read_table(tmp_path / "a.parquet")
+    head, *lines = (tmp_path / "a.csv").read_text().splitlines()
+    assert table.column_names == head.split(",")
+    assert table["peak_force_N"][2].as_py() == pytest.approx(float(lines[2].split(",")[5]))

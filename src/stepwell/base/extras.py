@@ -55,6 +55,16 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "stores of `stepwell sweep`",
             "Sweeps need Zarr",
         ),
+        "parquet": Extra(
+            {"pyarrow": "pyarrow"},
+            "`stepwell sweep export` as Parquet",
+            "Parquet files need PyArrow",
+        ),
+        "cluster": Extra(
+            {"distributed": "distributed"},
+            "`stepwell sweep --scheduler`",
+            "Work on a Dask cluster needs Dask's distributed",
+        ),
         "studio": Extra(
             {"starlette": "starlette", "uvicorn": "uvicorn", "websockets": "websockets"},
             "the page of `stepwell studio`",

@@ -35,7 +35,7 @@ from stepwell.files.folder import (
     staged_folder,
 )
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
-from stepwell.files.parameters import Given, parameters, provenance, vary
+from stepwell.files.parameters import Given, key_unit, parameters, provenance, vary
 from stepwell.files.rig import loads_rig, rig_toml
 from stepwell.files.schema import slips_text
 from stepwell.files.tables import WrittenProgram
@@ -56,6 +56,7 @@ __all__ = [
     "digest",
     "dumps",
     "extras_of",
+    "key_unit",
     "load",
     "load_arena",
     "load_chain",

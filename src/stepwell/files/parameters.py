@@ -105,6 +105,18 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     return replace(made, sources=_assumed(robot, list(changed)))
 
 
+def key_unit(robot: Robot, path: str) -> str:
+    """The unit that a key path of a robot names, "" where there is none.
+
+    Raises:
+        ValueError: the path means no number of it; the text says what was probably meant.
+    """
+    steps, rest = find(path, dict(leaves(tree_of(robot))))[0]
+    if rest:
+        raise InputError(f"{path} is a list: name one of its numbers, such as {path}[0].")
+    return _unit(steps)
+
+
 def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
     """The robot's sources with the changed numbers assumed."""
     said = dict(robot.sources)

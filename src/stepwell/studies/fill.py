@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+import math
+import time
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.design import parameter
-from stepwell.mechanism import Chain
-from stepwell.statics import StaticsError
-from stepwell.studies.store import PROBLEM, Study, StudyError, opened
-from stepwell.studies.work import TEXT, work_of
+from stepwell.base import StepwellError, __version__
+from stepwell.studies.store import PROBLEM, Study, StudyError, opened, same_version
+from stepwell.studies.work import TEXT
+
+# Designs that an estimate computes, and seconds after which it takes no more.
+_SAMPLE, _PATIENCE = 8, 10.0
 
 
-def fill(folder: str, identity: str, version: str, chunk: int) -> None:
+def fill(folder: str, identity: str, chunk: int) -> None:
     """Compute a chunk and write it: the same bytes whoever does it, and however often.
 
     Args:
         folder: of the store.
         identity: of the study that is meant.
-        version: of Stepwell that began it.
         chunk: which.
 
     Raises:
-        StudyError: the folder holds another study, or this is another version.
+        StudyError: the folder holds another study, or one that another version has begun.
         OSError: it cannot be written.
     """
-    study = opened(Path(folder))
-    if study.identity != identity or study.version != version:
+    study = opened(folder)
+    same_version(study, __version__)
+    if study.identity != identity:
         raise StudyError(f"{folder}: holds another study than the one that was begun.")
     if not study.is_done(chunk):
         study.write(chunk, columns_of(study, chunk))
@@ -36,31 +38,97 @@ def fill(folder: str, identity: str, version: str, chunk: int) -> None:
 
 def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
     """Every column of a chunk (rows,), in SI; a design that cannot be has a problem instead."""
-    work, rows = work_of(study.what), study.rows(chunk)
-    points = study.space.points(rows.start, rows.stop)
-    columns: dict[str, Any] = dict(zip(study.space.names, points.T, strict=True))
-    for name, unit in work.columns.items():
-        columns[name] = [""] * len(rows) if unit == TEXT else np.full(len(rows), np.nan)
-    problems = [""] * len(rows)
-    for k, number in enumerate(rows):
-        try:
-            row = work.row(_varied(study, points[k].tolist()), study.seed_of(number))
-        except (ValueError, StaticsError, ArithmeticError) as error:
-            problems[k] = f"{type(error).__name__}: {error}"
-            continue
-        for name, value in row.items():
-            columns[name][k] = value
-    columns[PROBLEM] = problems
+    rows = study.rows(chunk)
+    columns: dict[str, list[Any]] = {name: [] for name in study.columns}
+    for row in _computed(study, rows):
+        for name, values in columns.items():
+            values.append(row[name])
     return {
         name: np.array(values, dtype=np.dtypes.StringDType() if unit == TEXT else float)
-        for (name, unit), values in zip(
-            study.columns.items(), (columns[name] for name in study.columns), strict=True
-        )
+        for (name, unit), values in zip(study.columns.items(), columns.values(), strict=True)
     }
 
 
-def _varied(study: Study, values: list[float]) -> Chain:
-    chain = study.chain
-    for name, value in zip(study.space.names, values, strict=True):
-        chain = parameter(chain, name).changed(chain, value)
-    return chain
+def _computed(study: Study, rows: range) -> Any:
+    """Of every row all that its columns hold."""
+    nothing = {name: "" if unit == TEXT else math.nan for name, unit in study.columns.items()}
+    made = study.designs.made(study.subject, rows.start, rows.stop)
+    for number, (values, design) in zip(rows, made, strict=True):
+        row = nothing | dict(zip(study.varied, values, strict=True))
+        if isinstance(design, ValueError):
+            yield row | {PROBLEM: _told(design)}
+            continue
+        try:
+            found = study.work.row(design, study.seed_of(number))
+            _refuse_others(study, found)
+        # A function of one's own may raise anything.
+        except (StepwellError, Exception) as error:
+            yield row | {PROBLEM: _told(error)}
+            continue
+        yield row | dict(found)
+
+
+def _refuse_others(study: Study, found: Any) -> None:
+    if found.keys() != study.work.columns.keys():
+        wanted = ", ".join(study.work.columns)
+        raise StudyError(f"gave {', '.join(found)}: must give {wanted}.")
+
+
+def _told(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+class Estimate(NamedTuple):
+    """What a study will take, from a few of its designs.
+
+    Attributes:
+        designs: in all.
+        sample: how many were computed.
+        each: time that one takes on one core [s].
+        seconds: all of them on `workers` cores [s].
+        workers: cores.
+        disk: at most, before compression [bytes].
+    """
+
+    designs: int
+    sample: int
+    each: float
+    seconds: float
+    workers: int
+    disk: int
+
+
+def estimate(study: Study, workers: int) -> Estimate:
+    """What a study will take; it need not be begun.
+
+    A few of its designs, evenly over all, are computed here and now. The first of them is not
+    counted where there are others: it compiles and opens what the others find ready.
+
+    Args:
+        study: any.
+        workers: cores that will work on it.
+
+    Raises:
+        ValueError: nothing can be computed.
+    """
+    count = min(_SAMPLE, study.count)
+    chosen = sorted({round(k * (study.count - 1) / max(count - 1, 1)) for k in range(count)})
+    begin, spent, text = time.perf_counter(), list[float](), 0
+    for number in chosen:
+        now = time.perf_counter()
+        (row,) = _computed(study, range(number, number + 1))
+        spent.append(time.perf_counter() - now)
+        text = max(text, sum(len(v.encode()) for v in row.values() if isinstance(v, str)))
+        if time.perf_counter() - begin > _PATIENCE:
+            break
+    counted = spent[1:] or spent
+    each = sum(counted) / len(counted)
+    numbers = sum(unit != TEXT for unit in study.columns.values())
+    return Estimate(
+        study.count,
+        len(spent),
+        each,
+        each * study.count / workers,
+        workers,
+        study.count * (8 * numbers + text + 4 * (len(study.columns) - numbers)),
+    )

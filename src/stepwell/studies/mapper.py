@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import suppress
+from itertools import islice
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from stepwell.base import StepwellError
+from stepwell.base import StepwellError, need
 
 # A call whose process dies so often is what kills it.
 DEATHS = 3
+# Calls that wait at each thread of a cluster, and for how long a scheduler may not answer.
+_AHEAD, _PATIENCE = 3, "10s"
+_COMING = 60  # [s] until the first worker
 
 
-class WorkerError(StepwellError):
-    """A call whose process died every time."""
+class WorkerError(StepwellError, RuntimeError):
+    """A call whose process died every time, or a cluster that is not there."""
 
 
 def mapped(
     call: Callable[..., Any], tasks: Iterable[Sequence[Any]], workers: int
-) -> Iterator[tuple[Sequence[Any], Exception | None]]:
+) -> Generator[tuple[Sequence[Any], Exception | None]]:
     """Make calls in processes of their own, and tell each as it ends.
 
     Args:
@@ -83,6 +88,81 @@ def mapped(
             pipe.close()
             process.kill()
             process.join()
+
+
+def mapped_on(
+    address: str, call: Callable[..., Any], tasks: Iterable[Sequence[Any]]
+) -> Generator[tuple[Sequence[Any], Exception | None]]:
+    """Make calls on the workers of a Dask cluster, and tell each as it ends.
+
+    A call whose worker dies is made again elsewhere, as often as the scheduler allows; its memory
+    holds nothing that the next scheduler would need.
+
+    Args:
+        address: of the scheduler, such as tcp://10.0.0.1:8786.
+        call: importable by the workers.
+        tasks: its arguments; some for each thread are waiting there, and no more.
+
+    Yields:
+        The arguments of a call that has ended, and what it raised.
+
+    Raises:
+        WorkerError: no scheduler answers there, or it is lost.
+        ExtraError: the extra cluster is not installed.
+    """
+    need("cluster")
+    from distributed import Client, KilledWorker, as_completed
+
+    # What is lost is told below, in a line.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise WorkerError(f"{address}: no Dask scheduler answers there ({error}).") from None
+    with client:
+        left, going = iter(tasks), dict[Any, Sequence[Any]]()
+        ended = as_completed(loop=client.loop)
+        while True:
+            try:
+                for task in islice(left, max(_room(client, address) - len(going), 0)):
+                    future = client.submit(call, *task, pure=False)
+                    going[future.key] = task
+                    ended.add(future)
+                if not going:
+                    return
+                future: Any = next(ended)
+                gone = future.cancelled()
+                raised = None if gone else future.exception()
+            except (OSError, TimeoutError) as error:
+                raise WorkerError(f"{address}: the scheduler is lost ({error}).") from None
+            if gone:
+                raise WorkerError(f"{address}: the scheduler is lost, or was shut down.")
+            task = going.pop(future.key)
+            if isinstance(raised, KilledWorker):
+                raised = WorkerError(f"its worker died again and again ({raised}).")
+            yield task, raised
+
+
+def _room(client: Any, address: str) -> int:
+    """How many calls may wait there at once; an error where nobody comes to do them."""
+    if not client.nthreads():
+        try:
+            client.wait_for_workers(1, timeout=_COMING)
+        except TimeoutError:
+            raise WorkerError(f"{address}: no worker has come in {_COMING} s.") from None
+    return _AHEAD * max(sum(client.nthreads().values()), 1)
+
+
+def dashboard(address: str) -> str:
+    """Where the page of a Dask cluster is; errors as for `mapped_on`."""
+    need("cluster")
+    from distributed import Client
+
+    try:
+        with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
+            return client.dashboard_link or "none"
+    except (OSError, ValueError) as error:
+        raise WorkerError(f"{address}: no Dask scheduler answers there ({error}).") from None
 
 
 def _told(process: BaseProcess) -> str:

@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from stepwell.base import ByValue, StepwellError
 from stepwell.kernels import cores
-from stepwell.mechanism import Chain
+from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
-from stepwell.studies.mapper import mapped
-from stepwell.studies.space import Space
-from stepwell.studies.store import PROBLEM, Study, begun, opened
+from stepwell.studies.mapper import WorkerError, mapped, mapped_on
+from stepwell.studies.store import PROBLEM, Study, StudyError, begun, opened
 
 # Of a chunk that nobody has given the size of: some seconds, and files that are not too many.
 _CHUNK, _MOST_CHUNKS = 64, 10_000
+_CANCELLED = ".cancelled"
 
 
 class SweepError(StepwellError, RuntimeError):
     """A study that could not be finished; what is done stays."""
+
+
+class CancelledError(SweepError):
+    """A study that somebody has cancelled; what is done stays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,13 +58,15 @@ class Status(ByValue):
 
 
 def sweep(
-    chain: Chain,
+    design: Subject,
     what: str,
-    space: Space,
+    designs: Designs,
     folder: str | os.PathLike[str],
     *,
+    given: Mapping[str, Any] | None = None,
     chunk: int | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Status:
     """Compute something of many designs, into a store that loses nothing.
@@ -67,59 +75,116 @@ def sweep(
     finished store has the same bytes.
 
     Args:
-        chain: the design that is varied.
-        what: is computed: "cycle", "margin", "yield" or "graph".
-        space: of its parameters.
+        design: the chain or robot that is varied.
+        what: is computed: "cycle", "margin", "yield", "graph" or "program" of chains, "walk" or
+            "maze" of robots, "call" of either.
+        designs: a `Space` of its numbers, a `Workshop`, or a `Table`.
         folder: of the store, which xarray opens as Zarr.
+        given: what `what` takes besides the design, as `work_of` says.
         chunk: designs that are computed and written together; by default 64, or more where the
-            study has more than 640,000.
+            study has more than 640,000; 1 of walks and mazes.
         workers: processes at once; one for every core by default.
+        scheduler: address of a running Dask scheduler, whose workers do it instead; they must see
+            the folder under this name, and have this version of Stepwell.
         progress: called with (done, all) chunks.
 
     Returns:
         How far it is: finished.
 
     Raises:
-        ValueError: a parameter that the chain does not have, or nothing of that name to compute.
+        ValueError: a number that the design does not have, or nothing of that name to compute.
         StudyError: the folder holds another study, or one that another version has begun.
         SweepError: chunks could not be computed or written; the text says why.
-        ExtraError: the extra studies is not installed.
+        ExtraError: the extra studies, or for a scheduler the extra cluster, is not installed.
     """
+    study = asked(design, what, designs, folder, given=given, chunk=chunk)
+    return resumed(begun(study), workers, scheduler=scheduler, progress=progress)
+
+
+def asked(
+    design: Subject,
+    what: str,
+    designs: Designs,
+    folder: str | os.PathLike[str],
+    *,
+    given: Mapping[str, Any] | None = None,
+    chunk: int | None = None,
+) -> Study:
+    """The study that `sweep` begins with these arguments, which it explains; nothing is written."""
     from stepwell.files import dumps
 
-    size = chunk or max(_CHUNK, -(-space.count // _MOST_CHUNKS))
-    return resumed(begun(Study(Path(folder), what, dumps(chain), space, size)), workers, progress)
+    least = 1 if what in ("walk", "maze") else _CHUNK
+    size = chunk or max(least, -(-designs.count // _MOST_CHUNKS))
+    study = Study(Path(folder), what, dumps(design), designs, size, given or {})
+    study.columns  # noqa: B018  refuses what cannot be computed
+    return study
 
 
 def resumed(
     study: Study,
     workers: int | None = None,
+    *,
+    scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Status:
-    """Compute what is missing of a study; arguments and errors as for `sweep`."""
+    """Compute what is missing of a study; arguments and errors as for `sweep`.
+
+    Raises:
+        CancelledError: somebody has called `cancel` meanwhile.
+    """
+    folder = study.folder.resolve()
+    cancelled = study.folder / _CANCELLED
+    cancelled.unlink(missing_ok=True)
     missing = study.missing()
     done = study.chunks - len(missing)
-    told = str(study.folder), study.identity, study.version
-    tasks = ((*told, number) for number in missing)
+    tasks = ((str(folder), study.identity, number) for number in missing)
+    if scheduler is None:
+        ended = mapped(fill, tasks, min(workers or cores(), max(len(missing), 1)))
+    else:
+        ended = mapped_on(scheduler, fill, tasks)
     failed: list[str] = []
-    for task, raised in mapped(fill, tasks, min(workers or cores(), max(len(missing), 1))):
-        if raised is not None:
-            failed.append(f"chunk {task[-1]}: {raised}")
-            if isinstance(
-                raised, OSError
-            ):  # the disk is full, or gone: no other chunk can do better
-                break
-            continue
-        done += 1
-        if progress is not None:
-            progress(done, study.chunks)
+    with closing(ended), _how_far(study, lambda: done):
+        for task, raised in ended:
+            if raised is not None:
+                failed.append(f"chunk {task[-1]}: {raised}")
+                # The disk is full, or this is another version: no other chunk can do better.
+                if isinstance(raised, OSError | StudyError):
+                    break
+                continue
+            done += 1
+            if progress is not None:
+                progress(done, study.chunks)
+            if cancelled.exists() and done < study.chunks:
+                raise CancelledError(_left(study, done, "It was cancelled."))
     if failed:
         more = f"; and {len(failed) - 1} more" if len(failed) > 1 else ""
-        raise SweepError(
-            f"{study.folder}: {done} of {study.chunks} chunks are done. {failed[0]}{more}. The "
-            f"same command goes on with the others."
-        )
+        raise SweepError(_left(study, done, f"{failed[0]}{more}."))
     return status(study)
+
+
+@contextmanager
+def _how_far(study: Study, done: Callable[[], int]) -> Iterator[None]:
+    """What ends all of the work says how far it is."""
+    try:
+        yield
+    except WorkerError as error:
+        raise SweepError(_left(study, done(), str(error))) from None
+
+
+def _left(study: Study, done: int, why: str) -> str:
+    return (
+        f"{study.folder}: {done} of {study.chunks} chunks are done. {why} The same command goes on "
+        f"with the others."
+    )
+
+
+def cancel(study: Study) -> None:
+    """Have whoever works on a study stop after the chunks that are being computed.
+
+    Raises:
+        OSError: the store cannot be written.
+    """
+    (study.folder / _CANCELLED).touch()
 
 
 def status(study: Study | str | os.PathLike[str]) -> Status:

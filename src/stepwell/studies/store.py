@@ -11,34 +11,40 @@ import json
 import os
 import shutil
 import uuid
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from stepwell.base import (
     ByValue,
     InputError,
     Quantity,
+    ReadOnly,
     __version__,
     need,
     sync_folder,
     told_in,
+    write_atomic,
     write_csv,
 )
-from stepwell.studies.space import Axis, How, Space
-from stepwell.studies.work import TEXT, work_of
+from stepwell.robot import Robot
+from stepwell.studies.designs import Designs, Space, Subject, Table, Workshop, unit_in
+from stepwell.studies.work import TEXT, Work, work_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stepwell.mechanism import Chain
-
 # What is wrong with a design is a row's last column; empty where nothing is.
 PROBLEM = "problem"
 _FORMAT = 1
+# The designs that somebody listed, beside the columns.
+_LISTED = "listed"
 
 
 class StudyError(InputError):
@@ -53,47 +59,84 @@ class Study(ByValue):
         folder: of the store.
         what: is computed of each design.
         text: of the design file that is varied.
-        space: of the designs.
+        designs: that it is computed of.
         chunk: designs that are computed and written together.
+        given: what `what` takes besides the design.
         version: of Stepwell that fills it.
+
+    Raises:
+        ValueError: chunks of nothing.
     """
 
     folder: Path
     what: str
     text: str = field(repr=False)
-    space: Space
+    designs: Designs
     chunk: int
+    given: Mapping[str, Any] = field(default_factory=dict, repr=False)
     version: str = __version__
+
+    def __post_init__(self):
+        object.__setattr__(self, "folder", Path(self.folder))
+        object.__setattr__(self, "given", ReadOnly(self.given))
+        if self.chunk < 1:
+            raise InputError(f"chunk = {self.chunk}: must be 1 or more.")
 
     @property
     def count(self) -> int:
         """Designs in all."""
-        return self.space.count
+        return self.designs.count
 
     @property
     def chunks(self) -> int:
         """Chunks in all."""
         return -(-self.count // self.chunk)
 
-    @property
-    def columns(self) -> dict[str, str]:
-        """Unit of every column by its name: what varies, what is found, what was wrong."""
-        from stepwell.design import parameter
-
-        varied = {name: parameter(self.chain, name).unit or "1" for name in self.space.names}
-        return varied | dict(work_of(self.what).columns) | {PROBLEM: TEXT}
+    @cached_property
+    def varied(self) -> dict[str, str]:
+        """Unit of every number that differs, by its name."""
+        return {name: unit_in(self.subject, name) for name in self.designs.names(self.subject)}
 
     @cached_property
-    def chain(self) -> Chain:
-        """The design that is varied."""
-        from stepwell.files import loads_chain
+    def columns(self) -> dict[str, str]:
+        """Unit of every column by its name: what differs, what is found, what was wrong."""
+        found = dict(self.work.columns)
+        if twice := sorted({PROBLEM, *self.varied} & found.keys()):
+            raise InputError(f"{self.what}: gives {', '.join(twice)}, which is a column already.")
+        return self.varied | found | {PROBLEM: TEXT}
 
-        return loads_chain(self.text)
+    def told(self, name: str) -> tuple[str, float]:
+        """In which unit people are told a column, and how many of it make one as it is kept.
+
+        A key of a robot has its unit in its name, and is told as it is kept.
+        """
+        unit = self.columns[name]
+        if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, Robot)):
+            return "", 1.0
+        return told_in(unit)
+
+    @cached_property
+    def work(self) -> Work:
+        """What is computed."""
+        return work_of(self.what, self.given, self.subject)
+
+    @cached_property
+    def subject(self) -> Subject:
+        """The design that is varied."""
+        from stepwell.files import loads
+
+        return loads(self.text)
 
     @cached_property
     def identity(self) -> str:
-        """SHA-256 of all that is asked; two studies of one identity hold the same bytes."""
-        return hashlib.sha256(json.dumps(self._asked(), sort_keys=True).encode()).hexdigest()
+        """SHA-256 of all that is asked; two studies of one identity hold the same bytes.
+
+        Where more designs leave the others as they are, their number is none of it.
+        """
+        asked = self.asked()
+        if self.designs.grows:
+            del asked["designs"]["count"]
+        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
     def seed_of(self, number: int) -> int:
         """The seed of a design: of the study and its number, and of nothing else."""
@@ -134,6 +177,11 @@ class Study(ByValue):
 
         return xr.open_zarr(self.folder, consolidated=False, chunks=None)
 
+    def done_rows(self) -> list[int]:
+        """Numbers of the designs that are done."""
+        missing = set(self.missing())
+        return [n for k in range(self.chunks) if k not in missing for n in self.rows(k)]
+
     def to_csv(self, file: str | os.PathLike[str]) -> int:
         """Write what is done as CSV, a line for every design, units in the headings.
 
@@ -146,45 +194,96 @@ class Study(ByValue):
         Raises:
             OSError: it cannot be written.
         """
-        missing = set(self.missing())
-        done = [n for k in range(self.chunks) if k not in missing for n in self.rows(k)]
+        done, columns = self._table()
+        write_csv(file, columns)
+        return len(done)
+
+    def to_parquet(self, file: str | os.PathLike[str]) -> int:
+        """Write what is done as Parquet, columns as in `to_csv`; all else as there.
+
+        Raises:
+            ExtraError: the extra parquet is not installed.
+            OSError: it cannot be written.
+        """
+        need("parquet")
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        done, columns = self._table()
+        table = pa.table(
+            {
+                q.key: values if isinstance(values, list) else np.asarray(values) * q.factor
+                for q, values in columns
+            }
+        )
+
+        whole = BytesIO()
+        parquet.write_table(table, whole)
+        write_atomic(file, whole.getvalue())
+        return len(done)
+
+    def _table(self) -> tuple[list[int], list[tuple[Quantity, Any]]]:
+        """What is done, and every column of it in SI with how it is told."""
+        done = self.done_rows()
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), done)]
         for name, unit in self.columns.items():
-            told = "" if unit in (TEXT, "1") else told_in(unit)[0]
+            told, _ = self.told(name)
             values = self.column(name)[:][done] if done else []
             columns.append(
                 (Quantity(name, told), [str(v) for v in values] if unit == TEXT else values)
             )
-        write_csv(file, columns)
-        return len(done)
+        return done, columns
 
     @cached_property
-    def _group(self) -> Any:
+    def group(self) -> Any:
+        """The Zarr group."""
         import zarr
 
         return zarr.open_group(self.folder, mode="r+")
 
     def column(self, name: str) -> Any:
         """The Zarr array of a column (count,), in which a chunk of empty words is there too."""
-        return self._group[name].with_config({"write_empty_chunks": True})
+        return self.group[name].with_config({"write_empty_chunks": True})
 
-    def _asked(self) -> dict[str, Any]:
-        axes = [[a.name, a.low, a.high, a.count, a.log] for a in self.space.axes]
+    def asked(self) -> dict[str, Any]:
+        """All that is asked, as the store holds it."""
+        designs = self.designs
+        if isinstance(designs, Table):
+            told: Any = {"columns": designs.columns, "sha256": designs.digest}
+        else:
+            told = TypeAdapter(type(designs)).dump_python(designs, mode="json")
         return {
             "format": _FORMAT,
             "what": self.what,
+            "given": dict(self.given),
             "design": self.text,
-            "axes": axes,
-            "how": str(self.space.how),
-            "count": self.count,
-            "seed": self.space.seed,
+            "designs": told,
             "chunk": self.chunk,
             "version": self.version,
         }
 
     def __repr__(self):
-        varied = ", ".join(self.space.names)
+        names = self.designs.names(self.subject)
+        varied = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
         return f"Study({self.what} of {self.count} designs over {varied}, in {self.folder})"
+
+
+class _Listed(BaseModel):
+    columns: tuple[str, ...]
+    sha256: str
+
+
+class _Asked(BaseModel):
+    """What a store holds of a study, so that nothing of it is believed unseen."""
+
+    model_config = ConfigDict(extra="forbid")
+    format: int
+    what: str
+    given: dict[str, Any]
+    design: str
+    designs: _Listed | Space | Workshop
+    chunk: int
+    version: str
 
 
 def opened(folder: str | os.PathLike[str]) -> Study:
@@ -198,17 +297,28 @@ def opened(folder: str | os.PathLike[str]) -> Study:
 
     place = Path(folder)
     try:
-        asked = dict(zarr.open_group(place, mode="r").attrs)["stepwell_study"]
-        if asked["format"] != _FORMAT:
-            problem = f"is of format {asked['format']}, and this version reads {_FORMAT}"
+        group = zarr.open_group(place, mode="r")
+        held: Any = group.attrs["stepwell_study"]
+        if isinstance(held, dict) and held.get("format", _FORMAT) != _FORMAT:
+            problem = f"is of format {held['format']}, and this version reads {_FORMAT}"
             raise StudyError(f"{place}: {problem}.")
-        axes = tuple(Axis(*axis) for axis in asked["axes"])
-        space = Space(axes, How(asked["how"]), asked["count"], asked["seed"])
-        return Study(place, asked["what"], asked["design"], space, asked["chunk"], asked["version"])
+        asked = _Asked.model_validate(held)
+        designs = asked.designs
+        if isinstance(designs, _Listed):
+            listed: Any = group[_LISTED]
+            table = Table(designs.columns, listed[:])
+            if table.digest != designs.sha256:
+                raise StudyError(f"{place}: its list of designs is damaged.")
+            designs = table
+        study = Study(
+            place, asked.what, asked.design, designs, asked.chunk, asked.given, asked.version
+        )
+        study.subject  # noqa: B018  the design is read, or refused
     except StudyError:
         raise
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise StudyError(f"{place}: holds no study ({type(error).__name__}: {error}).") from None
+    return study
 
 
 def begun(study: Study) -> Study:
@@ -222,17 +332,64 @@ def begun(study: Study) -> Study:
     if not study.folder.exists():
         _make(study)
     there = opened(study.folder)
-    if there.version != study.version:
-        raise StudyError(
-            f"{study.folder}: was begun by Stepwell {there.version}, and this is {study.version}: "
-            f"numbers of two versions are not mixed. Go on with that version, or name another "
-            f"folder."
-        )
+    same_version(there, study.version)
     if there.identity != study.identity:
         raise StudyError(
             f"{study.folder}: holds another study: {there!r}. Name another folder, or remove it."
         )
+    if there.count != study.count:
+        raise StudyError(
+            f"{study.folder}: holds this study with {there.count} designs, not {study.count}: "
+            f"extend it, or name another folder."
+        )
     return there
+
+
+def same_version(study: Study, version: str) -> None:
+    """Refuse to go on with what another version of Stepwell has begun.
+
+    Raises:
+        StudyError: it has.
+    """
+    if study.version != version:
+        raise StudyError(
+            f"{study.folder}: was begun by Stepwell {study.version}, and this is {version}: "
+            f"numbers of two versions are not mixed. Go on with that version, or name another "
+            f"folder."
+        )
+
+
+def extended(study: Study, count: int) -> Study:
+    """The study with more designs; those that there are stay.
+
+    Args:
+        study: whose designs were drawn one by one: of a Sobol' sequence, at random, as built.
+        count: of designs in all.
+
+    Raises:
+        StudyError: fewer designs, or designs of which more would move the others.
+        OSError: it cannot be written; the same call goes on.
+    """
+    designs = study.designs
+    if isinstance(designs, Table) or not designs.grows:
+        raise StudyError(
+            f"{study.folder}: its designs are {designs.how}: more of them would move the others. "
+            f"Those that are sobol, random or as built can be extended."
+        )
+    if count < study.count:
+        raise StudyError(f"{study.folder}: has {study.count} designs: {count} would be fewer.")
+    larger = replace(study, designs=replace(designs, count=count))
+    if study.count % study.chunk and count > study.count:
+        # The last chunk was not full: it is computed again with what now belongs to it.
+        for name in study.columns:
+            (study.folder / name / "c" / str(study.chunks - 1)).unlink(missing_ok=True)
+    # Columns first: whoever dies in between leaves a study of as many designs as before.
+    for name in study.columns:
+        if study.column(name).shape[0] < count:
+            study.column(name).resize((count,))
+    study.group.attrs["stepwell_study"] = larger.asked()
+    sync_folder(study.folder)
+    return opened(study.folder)
 
 
 def _make(study: Study) -> None:
@@ -240,8 +397,6 @@ def _make(study: Study) -> None:
     import zarr
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
-    if study.chunk < 1:
-        raise InputError(f"chunk = {study.chunk}: must be 1 or more.")
     draft = study.folder.with_name(f".{study.folder.name}.{uuid.uuid4().hex}")
     try:
         group = zarr.open_group(draft, mode="w", zarr_format=3)
@@ -257,8 +412,16 @@ def _make(study: Study) -> None:
             )
             if unit != TEXT:
                 array.attrs["units"] = unit
+        if isinstance(study.designs, Table):
+            rows = study.designs.rows
+            dims = ["row", "listed_column"]
+            group.create_array(
+                _LISTED, data=np.array(rows), chunks=rows.shape, dimension_names=dims
+            )
         design = hashlib.sha256(study.text.encode()).hexdigest()
-        group.attrs.update({"stepwell_study": study._asked(), "design_sha256": design})
+        told = {"stepwell_study": study.asked(), "design_sha256": design}
+        # What xarray then has as coordinates.
+        group.attrs.update(told | {"coordinates": " ".join(study.varied)})
         try:
             draft.rename(study.folder)
         except OSError:

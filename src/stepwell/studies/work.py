@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
+import inspect
+import math
 from collections.abc import Callable, Mapping
+from functools import partial
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from stepwell.base import InputError, nearest_word
 from stepwell.mechanism import Chain
+from stepwell.robot import Robot
+from stepwell.studies.designs import Subject
 
 Row = Mapping[str, Any]
+Given = Mapping[str, Any]
 TEXT = "text"
 
 
@@ -17,72 +26,230 @@ class Work(NamedTuple):
 
     Attributes:
         columns: unit of every column by its name; `TEXT` for words, "1" for ratios and counts.
-        row: the values of one design, from the chain and a seed of its own.
+        row: the values of one design, from the design and a seed of its own.
     """
 
     columns: Mapping[str, str]
-    row: Callable[[Chain, int], Row]
+    row: Callable[[Any, int], Row]
 
 
-def work_of(what: str) -> Work:
+def work_of(what: str, given: Given, subject: Subject) -> Work:
     """What is computed under a name.
 
+    Args:
+        what: "cycle", "margin", "yield", "graph", "program", "walk", "maze" or "call".
+        given: what it takes besides the design, by name: of a program `start` and `to`; of a walk
+            `cycles`; of a maze `arena` (the text of its file), `limit` [s] and `layouts`; of a call
+            what `function_of` gives.
+        subject: the design that is varied.
+
     Raises:
-        ValueError: nothing is; the text says which name is nearest.
+        ValueError: nothing is computed under this name, it takes something else, or another kind of
+            design; the text says which name is nearest.
     """
     if what not in WORKS:
-        raise InputError(f"what = {what!r}: must be one of {', '.join(WORKS)}.{_meant(what)}")
-    return WORKS[what]
+        near = nearest_word(what, WORKS)
+        meant = f" Did you mean {near}?" if near else ""
+        raise InputError(f"what = {what!r}: must be one of {', '.join(WORKS)}.{meant}")
+    kind, make = WORKS[what]
+    if not isinstance(subject, kind):
+        wanted = "a robot" if kind is Robot else "a chain"
+        raise InputError(f"{what}: takes {wanted}, and this design is none.")
+    takes = inspect.signature(make).parameters.keys() - {"subject"}
+    if unknown := given.keys() - takes:
+        raise InputError(
+            f"{what}: takes {', '.join(sorted(takes)) or 'nothing else'}, not "
+            f"{', '.join(sorted(unknown))}."
+        )
+    if "subject" in inspect.signature(make).parameters:
+        make = partial(make, subject)
+    try:
+        return make(**given)
+    except TypeError as error:
+        raise InputError(f"{what}: {error}.") from None
 
 
-def _meant(what: str) -> str:
-    near = nearest_word(what, WORKS)
-    return f" Did you mean {near}?" if near else ""
-
-
-def _cycle(chain: Chain, _seed: int) -> Row:
+def _cycle() -> Work:
     from stepwell.sequences import cycle
 
-    found = cycle(chain)
-    return {
-        "sequence": str(found.sequence),
-        "snaps": len(found.snaps),
-        "peak_force": found.peak_force,
-        "dissipated": found.dissipated,
-        "ties": len(found.degenerate),
-    }
+    def row(chain: Chain, _seed: int) -> Row:
+        found = cycle(chain)
+        return {
+            "sequence": str(found.sequence),
+            "snaps": len(found.snaps),
+            "peak_force": found.peak_force,
+            "dissipated": found.dissipated,
+            "ties": len(found.degenerate),
+        }
+
+    columns = {"sequence": TEXT, "snaps": "1", "peak_force": "N", "dissipated": "J", "ties": "1"}
+    return Work(columns, row)
 
 
-def _margin(chain: Chain, _seed: int) -> Row:
+def _margin() -> Work:
     from stepwell.design import margin
     from stepwell.sequences import cycle
 
-    found = margin(chain)
-    return {
-        "sequence": str(cycle(chain).sequence),
-        "anchor": float(found.anchors.min(initial=float("inf"))),
-        "stiffness": float(found.stiffness.min(initial=float("inf"))),
-    }
+    def row(chain: Chain, _seed: int) -> Row:
+        found = margin(chain)
+        return {
+            "sequence": str(cycle(chain).sequence),
+            "anchor": float(found.anchors.min(initial=math.inf)),
+            "stiffness": float(found.stiffness.min(initial=math.inf)),
+        }
+
+    return Work({"sequence": TEXT, "anchor": "m", "stiffness": "1"}, row)
 
 
-def _yield(chain: Chain, seed: int) -> Row:
+def _yield() -> Work:
     from stepwell.design import yields
 
-    found = yields(chain, seed=seed)
-    low, high = found.interval
-    return {"sequence": found.wanted, "share": found.share, "share_low": low, "share_high": high}
+    def row(chain: Chain, seed: int) -> Row:
+        found = yields(chain, seed=seed)
+        low, high = found.interval
+        shares = {"share": found.share, "share_low": low, "share_high": high}
+        return {"sequence": found.wanted, **shares}
+
+    return Work({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, row)
 
 
-def _graph(chain: Chain, _seed: int) -> Row:
-    graph = chain.graph()
-    return {"states": len(graph), "transitions": graph.number_of_edges()}
+def _graph() -> Work:
+    def row(chain: Chain, _seed: int) -> Row:
+        graph = chain.graph()
+        return {"states": len(graph), "transitions": graph.number_of_edges()}
+
+    return Work({"states": "1", "transitions": "1"}, row)
 
 
-WORKS = {
-    "cycle": Work(
-        {"sequence": TEXT, "snaps": "1", "peak_force": "N", "dissipated": "J", "ties": "1"}, _cycle
-    ),
-    "margin": Work({"sequence": TEXT, "anchor": "m", "stiffness": "1"}, _margin),
-    "yield": Work({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, _yield),
-    "graph": Work({"states": "1", "transitions": "1"}, _graph),
+def _program(subject: Chain, start: str | None = None, to: str | None = None) -> Work:
+    from stepwell.sequences import Unreachable
+
+    if to is None:
+        raise InputError("program: to: must be a state, such as 01.")
+    unit = subject.drive_unit
+
+    def row(chain: Chain, _seed: int) -> Row:
+        try:
+            found = chain.program(to, start=start)
+        except Unreachable as why:
+            nothing = dict.fromkeys(("strokes", "slack", "end"), math.nan)
+            return {"found": 0, "proved": why.proved, **nothing}
+        numbers = {"strokes": found.strokes, "slack": found.slack, "end": found.end}
+        return {"found": 1, "proved": found.shortest, **numbers}
+
+    return Work({"found": "1", "proved": "1", "strokes": "1", "slack": unit, "end": unit}, row)
+
+
+def _walk(cycles: int = 4) -> Work:
+    from stepwell.simulation import Trial, walk
+
+    if not 1 <= cycles <= 1000:
+        raise InputError(f"walk: cycles = {cycles}: must be from 1 to 1000.")
+
+    def row(robot: Robot, _seed: int) -> Row:
+        found = Trial.of(walk(robot, cycles))
+        gaits = " | ".join(gait or "none" for gait in found.gaits)
+        numbers = {name: getattr(found, name) for name in ("advance", "sideways", "turn", "work")}
+        return {**numbers, "gaits": gaits, "stopped": found.stopped}
+
+    numbers = {"advance": "1", "sideways": "1", "turn": "rad", "work": "J"}
+    return Work({**numbers, "gaits": TEXT, "stopped": TEXT}, row)
+
+
+def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0) -> Work:
+    from stepwell.files import loads_arena
+    from stepwell.robot import other_layout, other_start
+    from stepwell.simulation import Outcome, maze
+
+    if not arena:
+        raise InputError("maze: arena: must be the text of an arena's file.")
+    if not limit > 0:
+        raise InputError(f"maze: limit = {limit} s: must be > 0.")
+    if not 0 <= layouts <= 10_000:
+        raise InputError(f"maze: layouts = {layouts}: must be from 0 to 10000.")
+    there = loads_arena(arena, "arena")
+    # The same for every design, so that what differs is the design.
+    moved = [other_start(other_layout(there, seed), seed) for seed in range(layouts)]
+    places = moved or [there]
+
+    def row(robot: Robot, _seed: int) -> Row:
+        ways = [maze(robot, place, limit=limit) for place in places]
+        reached = [way for way in ways if way.outcome is Outcome.REACHED]
+        times = [float(way.walk.time[-1]) for way in reached]
+        return {
+            "reached": len(reached) / len(ways),
+            "time": sum(times) / len(times) if times else math.nan,
+            "outcomes": ", ".join(way.outcome.name.lower().replace("_", " ") for way in ways),
+        }
+
+    return Work({"reached": "1", "time": "s", "outcomes": TEXT}, row)
+
+
+def _call(
+    subject: Subject, file: str = "", name: str = "", sha256: str = "", units: Given | None = None
+) -> Work:
+    function, digest = _loaded(file, name)
+    if digest != sha256:
+        raise InputError(f"{file}: is not the file that the study was begun with (SHA-256).")
+    if units is None:
+        raise InputError("call: units: must name what the function gives.")
+    return Work(dict(units), function)
+
+
+def function_of(where: str, subject: Subject) -> dict[str, Any]:
+    """What a study takes to call a function of one's own on every design.
+
+    The function takes a design and a seed, and gives a number or a text by name, the same ones for
+    every design. It is called once, on the design as it is. An attribute `units` of it may give SI
+    units by name.
+
+    Args:
+        where: FILE.py:NAME; the file is found again by whoever fills the study.
+        subject: the design that is varied.
+
+    Raises:
+        ValueError: no such file or function, or what it gives is no mapping of numbers and texts.
+    """
+    file, _, name = where.rpartition(":")
+    path = str(Path(file).resolve())
+    function, digest = _loaded(path, name)
+    found = function(subject, 0)
+    if not isinstance(found, Mapping) or not found:
+        raise InputError(f"{where}: gave {found!r}: must give values by name, as in {{'x': 1.0}}.")
+    told = getattr(function, "units", {})
+    units = {}
+    for key, value in found.items():
+        if not (
+            isinstance(key, str) and key.isidentifier() and isinstance(value, str | float | int)
+        ):
+            raise InputError(f"{where}: {key!r} = {value!r}: must be a number or a text by a name.")
+        units[key] = TEXT if isinstance(value, str) else str(told.get(key, "1"))
+    return {"file": path, "name": name, "sha256": digest, "units": units}
+
+
+def _loaded(file: str, name: str) -> tuple[Any, str]:
+    path = Path(file)
+    if not name or path.suffix != ".py" or not path.is_file():
+        raise InputError(f"function {file}:{name}: must be FILE.py:NAME, and the file there.")
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    spec = spec_from_file_location(f"stepwell_call_{digest[:12]}", path)
+    if spec is None or spec.loader is None:
+        raise InputError(f"function {file}:{name}: cannot be imported.")
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    function: Any = getattr(module, name, None)
+    if not callable(function):
+        raise InputError(f"function {file}:{name}: the file has no function of that name.")
+    return function, digest
+
+
+WORKS: dict[str, tuple[Any, Callable[..., Work]]] = {
+    "cycle": (Chain, _cycle),
+    "margin": (Chain, _margin),
+    "yield": (Chain, _yield),
+    "graph": (Chain, _graph),
+    "program": (Chain, _program),
+    "walk": (Robot, _walk),
+    "maze": (Robot, _maze),
+    "call": (Subject, _call),
 }

@@ -1,0 +1,399 @@
+"""The designs of a study: each by its number, whoever asks and in whatever order."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import math
+import os
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, told_in
+from stepwell.design import Draws, Tolerances, parameter
+from stepwell.files import key_unit, vary
+from stepwell.mechanism import Cell, Chain
+from stepwell.robot import Robot
+
+# What is varied, and what comes of it: a design, or why there is none.
+Subject = Chain | Robot
+Made = tuple[Sequence[float], Subject | ValueError]
+
+
+class How(StrEnum):
+    """How designs lie in a space."""
+
+    GRID = "grid"
+    SOBOL = "sobol"
+    LATIN = "latin"
+    RANDOM = "random"
+
+
+# A Latin hypercube shuffles all of its designs, and every process holds them.
+MOST_LATIN = 10_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Axis(ByValue):
+    """What varies, and between which values.
+
+    Attributes:
+        name: of a parameter of the design, as `design.parameter` takes it.
+        low, high: in SI.
+        count: of values on a grid, both ends among them; elsewhere not looked at.
+        log: whether values lie in equal ratios.
+    """
+
+    name: str
+    low: float
+    high: float
+    count: int = 2
+    log: bool = False
+
+    def __post_init__(self):
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise InputError(
+                f"{self.name}: goes from {self.low} to {self.high}: must rise, both finite."
+            )
+        if self.count < 2:
+            raise InputError(f"{self.name}: count = {self.count}: must be 2 or more.")
+        if self.log and self.low <= 0:
+            raise InputError(f"{self.name}: starts at {self.low}: equal ratios take values > 0.")
+
+    def at(self, share: Floats) -> Floats:
+        """Values (n,) at shares (n,) of the way from `low` to `high`."""
+        if self.log:
+            return self.low * (self.high / self.low) ** share
+        return self.low + (self.high - self.low) * share
+
+
+def unit_in(subject: Subject, name: str) -> str:
+    """The unit in which a store keeps a number: SI of a chain, that of the key of a robot.
+
+    Raises:
+        ValueError: the design has no number of that name.
+    """
+    if isinstance(subject, Chain):
+        wanted = parameter(subject, name)
+        wanted.values([0.0, 1.0], 2)  # a place is no number
+        return wanted.unit or "1"
+    return key_unit(subject, name) or "1"
+
+
+def changed(subject: Subject, names: Sequence[str], values: Sequence[float]) -> Subject:
+    """The design with other numbers, in the units of `unit_in`.
+
+    Raises:
+        ValueError: a design that cannot be.
+    """
+    if isinstance(subject, Robot):
+        return vary(subject, dict(zip(names, values, strict=True)))
+    for name, value in zip(names, values, strict=True):
+        subject = parameter(subject, name).changed(subject, value)
+    return subject
+
+
+@dataclass(frozen=True, eq=False)
+class Space(ByValue):
+    """Designs between bounds, by number.
+
+    Attributes:
+        axes: one or more, no name twice.
+        how: they lie in it.
+        count: of designs; on a grid as many as it has.
+        seed: of what is drawn.
+
+    Raises:
+        ValueError: no axis, a name twice, no designs, or too many of a Latin hypercube.
+
+    Source: Latin hypercube, McKay, Beckman and Conover 1979; Sobol' sequence, scrambled as by Owen
+    1995; independent draws by a counter (Philox, Salmon et al. 2011), so that any can be had alone.
+    """
+
+    axes: tuple[Axis, ...]
+    how: How = How.GRID
+    count: int = 0
+    seed: int = 0
+
+    def __post_init__(self):
+        object.__setattr__(self, "how", How(self.how))
+        names = [axis.name for axis in self.axes]
+        if not names or len(set(names)) < len(names):
+            raise InputError(f"axes = {names}: must be one or more, each name once.")
+        if self.how is How.GRID:
+            object.__setattr__(self, "count", math.prod(axis.count for axis in self.axes))
+        if self.count < 1:
+            raise InputError(f"count = {self.count}: must be 1 or more.")
+        if self.how is How.LATIN and self.count > MOST_LATIN:
+            raise InputError(
+                f"count = {self.count}: a Latin hypercube takes at most {MOST_LATIN}; take "
+                f"{How.SOBOL} for more."
+            )
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed}: must be >= 0.")
+
+    @property
+    def grows(self) -> bool:
+        """Whether more designs leave those that there are as they are."""
+        return self.how in (How.SOBOL, How.RANDOM)
+
+    def names(self, _subject: Subject) -> tuple[str, ...]:
+        """What varies."""
+        return tuple(axis.name for axis in self.axes)
+
+    def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
+        """The designs from number `first` to before `last`: their numbers, and each itself."""
+        return _each(subject, self.names(subject), self.points(first, last))
+
+    def points(self, first: int, last: int) -> Floats:
+        """Values (last - first, axes) of the designs from number `first` to before `last`."""
+        if self.how is How.GRID:
+            shape = [axis.count for axis in self.axes]
+            at = np.unravel_index(np.arange(first, last), shape)
+            shares = np.stack([i / (n - 1) for i, n in zip(at, shape, strict=True)], axis=1)
+        else:
+            shares = _SHARES[self.how](self, first, last)
+        columns = [axis.at(one) for axis, one in zip(self.axes, shares.T, strict=True)]
+        return np.stack(columns, axis=1)
+
+
+def _random(space: Space, first: int, last: int) -> Floats:
+    wide, per_step = len(space.axes), 4  # a step of the counter gives four numbers
+    start, skipped = divmod(first * wide, per_step)
+    numbers = np.random.Generator(np.random.Philox(key=space.seed).advance(start))
+    return numbers.random(skipped + (last - first) * wide)[skipped:].reshape(-1, wide)
+
+
+def _sobol(space: Space, first: int, last: int) -> Floats:
+    from scipy.stats import qmc
+
+    points = qmc.Sobol(len(space.axes), rng=np.random.default_rng(space.seed))
+    with warnings.catch_warnings():
+        # Its balance is that of the whole; a stretch of it need not be a power of two long.
+        warnings.simplefilter("ignore", UserWarning)
+        return (points.fast_forward(first) if first else points).random(last - first)
+
+
+def _latin(space: Space, first: int, last: int) -> Floats:
+    return _hypercube(len(space.axes), space.count, space.seed)[first:last]
+
+
+@cache
+def _hypercube(wide: int, count: int, seed: int) -> Floats:
+    from scipy.stats import qmc
+
+    return qmc.LatinHypercube(wide, rng=np.random.default_rng(seed)).random(count)
+
+
+_SHARES = {How.RANDOM: _random, How.SOBOL: _sobol, How.LATIN: _latin}
+
+
+@dataclass(frozen=True, eq=False)
+class Workshop(ByValue):
+    """Mechanisms as a workshop makes them after one drawing, those that `yields` judges.
+
+    Attributes:
+        tolerances: how far they may be from the drawing.
+        count: how many are made.
+        seed: which ones.
+
+    Raises:
+        ValueError: none is made, or a negative seed.
+    """
+
+    tolerances: Tolerances
+    count: int
+    seed: int = 0
+
+    def __post_init__(self):
+        if self.count < 1:
+            raise InputError(f"count = {self.count}: must be 1 or more.")
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed}: must be >= 0.")
+
+    @property
+    def how(self) -> str:
+        """How they come about, in a word."""
+        return "as built"
+
+    @property
+    def grows(self) -> bool:
+        """Whether more mechanisms leave those that there are as they are."""
+        return True
+
+    def names(self, subject: Subject) -> tuple[str, ...]:
+        """What differs from the drawing, of every cell."""
+        chain, found = _chain(subject), list[str]()
+        told = [str(i) for i in range(1, len(chain) + 1)]
+        for number, cell in zip(told, chain.cells, strict=True):
+            parts = _OF_CELL if isinstance(cell, Cell) else _OF_ELEMENT
+            found += [f"{number}.{part}" for part, of in parts if getattr(self.tolerances, of)]
+        return tuple(found)
+
+    def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
+        """Mechanisms from number `first` to before `last`: what differs, and each itself."""
+        chain = _chain(subject)
+        drawn, wanted = Draws(chain, self.tolerances, self.seed), self.names(subject)
+        for number in range(first, last):
+            try:
+                built = drawn.sample(number)
+            except ValueError as error:
+                yield [math.nan] * len(wanted), error
+                continue
+            yield [float(parameter(built, name).value(built)) for name in wanted], built  # type: ignore[arg-type]
+
+
+# What of a cell and of an element each tolerance moves.
+_OF_CELL = (
+    *((part, "anchor") for part in ("p.x", "p.y", "q.x", "q.y")),
+    ("stiffness", "stiffness"),
+    ("rest_length", "rest_length"),
+    ("lever", "lever"),
+    ("friction", "friction"),
+)
+_OF_ELEMENT = (("force_scale", "stiffness"), ("travel_scale", "travel"), ("friction", "friction"))
+
+
+@dataclass(frozen=True, eq=False)
+class Table(ByValue):
+    """Designs one by one, as somebody listed them.
+
+    Attributes:
+        columns: name of every number that differs.
+        rows: (n, columns) its values, in SI for a chain, in the keys' units for a robot.
+
+    Raises:
+        ValueError: no rows, another shape, a name twice, or a value that is not finite.
+    """
+
+    columns: tuple[str, ...]
+    rows: Floats = field(repr=False)
+
+    def __post_init__(self):
+        object.__setattr__(self, "columns", tuple(self.columns))
+        rows = np.array(self.rows, float)
+        if not self.columns or len(set(self.columns)) < len(self.columns):
+            raise InputError(f"columns = {list(self.columns)}: must be one or more, each once.")
+        if rows.ndim != 2 or rows.shape[1] != len(self.columns) or not len(rows):
+            raise InputError(
+                f"rows have shape {rows.shape}: must be one or more of {len(self.columns)} each."
+            )
+        if not np.isfinite(rows).all():
+            row, column = np.argwhere(~np.isfinite(rows))[0]
+            raise InputError(
+                f"row {row + 1}, {self.columns[column]} = {rows[row, column]}: must be finite."
+            )
+        rows.flags.writeable = False
+        object.__setattr__(self, "rows", rows)
+
+    @property
+    def how(self) -> str:
+        """How they come about, in a word."""
+        return "listed"
+
+    @property
+    def count(self) -> int:
+        """How many designs are listed."""
+        return len(self.rows)
+
+    @property
+    def seed(self) -> int:
+        """Nothing is drawn."""
+        return 0
+
+    @property
+    def grows(self) -> bool:
+        """Whether more designs leave those that there are as they are."""
+        return False
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all numbers."""
+        return hashlib.sha256(self.rows.astype("<f8").tobytes()).hexdigest()
+
+    def names(self, _subject: Subject) -> tuple[str, ...]:
+        """What differs."""
+        return self.columns
+
+    def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
+        """The designs from number `first` to before `last`: their numbers, and each itself."""
+        return _each(subject, self.columns, self.rows[first:last])
+
+
+Designs = Space | Workshop | Table
+
+
+def read_table(file: str | os.PathLike[str], subject: Subject) -> Table:
+    """The designs that a CSV file lists, a line each.
+
+    Args:
+        file: its first line names what differs, as `unit_in` takes it, with or without the unit in
+            which people are told it: outer.q.x_mm, 1.stiffness_N_per_m. A column "design" is only
+            a number; any other is refused.
+        subject: the design in which it differs.
+
+    Raises:
+        ValueError: a column that is no number of the design, or a cell that is no number.
+        OSError: the file cannot be read.
+    """
+    with Path(file).open(encoding="utf-8-sig", newline="") as lines:
+        header, *body = [row for row in csv.reader(lines) if row] or [[]]
+    kept = [k for k, head in enumerate(header) if head.strip() != "design"]
+    known = [_column(subject, header[k].strip(), str(file)) for k in kept]
+    rows = np.empty((len(body), len(kept)))
+    for i, line in enumerate(body):
+        if len(line) != len(header):
+            raise InputError(
+                f"{file}: line {i + 2} has {len(line)} cells: must have {len(header)}."
+            )
+        for j, (k, (name, factor)) in enumerate(zip(kept, known, strict=True)):
+            try:
+                rows[i, j] = float(line[k]) / factor
+            except ValueError:
+                raise InputError(
+                    f"{file}: line {i + 2}, {name} = {line[k]!r}: must be a number."
+                ) from None
+    return Table(tuple(name for name, _ in known), rows)
+
+
+def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:
+    """What a heading names, and by how much its numbers are larger than what is kept."""
+    problem: ValueError | None = None
+    for name in (head, *(head[:k] for k in range(len(head)) if head[k] == "_")):
+        try:
+            unit = unit_in(subject, name)
+        except ValueError as error:
+            problem = problem or error
+            continue
+        told, factor = told_in(unit) if isinstance(subject, Chain) else (unit, 1.0)
+        if head in (name, heading(name, told)):
+            return name, factor
+    raise InputError(f"{file}: column {head!r}: {problem}")
+
+
+def heading(name: str, unit: str) -> str:
+    """What a table calls a column: its name with the unit in which it is told."""
+    from stepwell.base import Quantity
+
+    return Quantity(name, "" if unit == "1" else unit).key
+
+
+def _each(subject: Subject, names: Sequence[str], points: Floats) -> Iterator[Made]:
+    for values in points.tolist():
+        try:
+            yield values, changed(subject, names, values)
+        except ValueError as error:
+            yield values, error
+
+
+def _chain(subject: Any) -> Chain:
+    if not isinstance(subject, Chain):
+        raise InputError("tolerances are those of a chain, and this design is a robot.")
+    return subject
