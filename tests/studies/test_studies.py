@@ -354,6 +354,10 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
     file.write_text(OWN + "# changed\n")
     with pytest.raises(ValueError, match="is not the file that the study was begun with"):
         resumed(opened(folder), 1)
+    assert not (tmp_path / "__pycache__").exists()
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    with pytest.raises(ValueError, match="cannot be run: ZeroDivisionError"):
+        function_of(f"{tmp_path / 'broken.py'}:f", LEG)
     for name, told in (("wrong", "must give values by name"), ("none", "no function of that name")):
         with pytest.raises(ValueError, match=told):
             function_of(f"{file}:{name}", LEG)

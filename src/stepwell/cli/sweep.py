@@ -121,6 +121,10 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
     },
 }
 
+# Robots have no tolerances.
+_OF_ROBOTS = {"walk", "maze"}
+_OF_CHAINS = {"built", "anchor", "stiffness", "rest_length", "lever", "friction", "travel"}
+
 
 def _run(
     what: str,
@@ -195,6 +199,8 @@ def _command(what: str, doc: str) -> None:
         for name, (kind, default) in _OWN.get(what, {}).items()
     ]
     _, design, out, *others, _ = common
+    if what in _OF_ROBOTS:
+        others = [one for one in others if one.name not in _OF_CHAINS]
     signature = inspect.Signature([design, *own, out, *others])
     run.__signature__ = signature  # type: ignore[attr-defined]  what Typer reads
     run.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}

@@ -360,7 +360,7 @@ def same_version(study: Study, version: str) -> None:
 
 
 def extended(study: Study, count: int) -> Study:
-    """The study with more designs; those that there are stay.
+    """The study with more designs; those that there are stay. Nobody may be working on it.
 
     Args:
         study: whose designs were drawn one by one: of a Sobol' sequence, at random, as built.

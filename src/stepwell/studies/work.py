@@ -7,8 +7,8 @@ import inspect
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from stepwell.base import InputError, nearest_word
@@ -231,12 +231,16 @@ def _loaded(file: str, name: str) -> tuple[Any, str]:
     path = Path(file)
     if not name or path.suffix != ".py" or not path.is_file():
         raise InputError(f"function {file}:{name}: must be FILE.py:NAME, and the file there.")
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    spec = spec_from_file_location(f"stepwell_call_{digest[:12]}", path)
-    if spec is None or spec.loader is None:
-        raise InputError(f"function {file}:{name}: cannot be imported.")
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
+    source = path.read_bytes()
+    digest = hashlib.sha256(source).hexdigest()
+    # What runs is what was hashed, and nothing is left beside the file.
+    module = ModuleType(f"stepwell_call_{digest[:12]}")
+    module.__file__ = str(path)
+    try:
+        exec(compile(source, path, "exec"), module.__dict__)
+    except Exception as error:
+        told = f"{type(error).__name__}: {error}"
+        raise InputError(f"function {file}:{name}: the file cannot be run: {told}.") from None
     function: Any = getattr(module, name, None)
     if not callable(function):
         raise InputError(f"function {file}:{name}: the file has no function of that name.")
