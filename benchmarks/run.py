@@ -16,6 +16,7 @@ import maps
 import peers
 import programs
 import robot
+import studies
 import studio
 import yields
 
@@ -23,7 +24,8 @@ import yields
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    for module in (maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, studio):
+    whole = maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, studies, studio
+    for module in whole:
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stepwell import (
+        atlas,
         base,
         cards,
         concave,
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
         Unreachable,
     )
     from stepwell.statics import Elsewhere, Event, EventKind, Landing, Path, Proof
+    from stepwell.studies import sweep
 
 # Rooms open when a name is first asked for: `import stepwell` costs nothing.
 _DOORS = {
@@ -113,6 +115,7 @@ _DOORS = {
     "robustness": "design",
     "save": "files",
     "survival": "design",
+    "sweep": "studies",
     "transition_map": "design",
     "yields": "design",
 }
@@ -120,19 +123,9 @@ _DOORS = {
 # `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
 # and commands are nobody's to call.
 _ROOMS = (
-    *(
-        "base",
-        "cards",
-        "concave",
-        "design",
-        "elements",
-        "figures",
-        "files",
-        "lab",
-        "mechanism",
-        "paper",
-    ),
-    *("paper", "reports", "results", "robot", "sequences", "simulation", "statics", "studio"),
+    *("atlas", "base", "cards", "concave", "design", "elements", "figures", "files", "lab"),
+    *("mechanism", "paper", "reports", "results", "robot", "sequences", "simulation", "statics"),
+    *("studies", "studio"),
 )
 
 __all__ = [
@@ -186,6 +179,7 @@ __all__ = [
     "robustness",
     "save",
     "survival",
+    "sweep",
     "transition_map",
     "yields",
 ]

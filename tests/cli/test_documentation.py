@@ -1,6 +1,7 @@
 """The pages about design files and commands are complete, and their examples run as shown."""
 
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock
@@ -219,7 +220,11 @@ def test_every_name_of_the_json_is_documented():
 @pytest.mark.slow
 @pytest.mark.shown
 @pytest.mark.parametrize(
-    "name", ["design-files", "commands", "how-to/bring-your-own-element", "how-to/first-one"]
+    "name",
+    [
+        *("design-files", "commands", "how-to/bring-your-own-element", "how-to/first-one"),
+        *("how-to/many-designs", "atlas"),
+    ],
 )
 def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypatch):
     monkeypatch.delenv("COLUMNS")
@@ -236,7 +241,7 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypat
         if language == "console":
             for step in re.split(r"^(?=\$ )", body, flags=re.M)[1:]:
                 line, shown = step.split("\n", 1)
-                program, *arguments = line.removeprefix("$ ").split()
+                program, *arguments = shlex.split(line.removeprefix("$ "))
                 assert program == "stepwell"
                 printed = stepwell(*arguments).output
                 assert matches(shown, printed), f"{line}\n{printed}"

@@ -16,6 +16,7 @@ EVERY = {
     "check": ("forward.toml",),
     "reprogram": ("forward.toml", "--by", "inner.p"),
     "robot show": ("robot-forward",),
+    "sweep report": ("study.zarr",),
     "robot sweep": ("robot-forward", "foot.below_mm=0.3:0.6:2"),
     "walk": ("robot-forward",),
     "maze": ("robot-explorer", "cylinder"),

@@ -70,7 +70,7 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     from rich.progress import Progress
 
     moved: list[float] = []
-    monkeypatch.setattr(Progress, "update", lambda *_, completed, total: moved.append(completed))
+    monkeypatch.setattr(Progress, "update", lambda *_, completed, **_rest: moved.append(completed))
     with progress("yield") as tell:
         assert tell is not None
         for done in range(10_001):

@@ -23,7 +23,18 @@ STOREYS = {
     "what will the robot do?": ("#d55e00", ("robot", "simulation")),
     "in and out": (
         "#e69f00",
-        ("files", "studies", "results", "cards", "figures", "paper", "reports", "studio", "cli"),
+        (
+            "files",
+            "studies",
+            "atlas",
+            "results",
+            "cards",
+            "figures",
+            "paper",
+            "reports",
+            "studio",
+            "cli",
+        ),
     ),
 }
 

@@ -26,6 +26,7 @@ from stepwell.design import (
 )
 from stepwell.figures.common.words import literal, names as _names
 from stepwell.lab.mechanisms.series import paper_cell
+from stepwell.studies import Axis, Decided, Influence, Space, sweep
 
 NAMES = ["$$", "$\\frac$", "$a$", "a_b^c", "%", "\\", "_hidden", "{}", "\x1b[1m", "a\u202eb"]
 ALL = "$\\frac$_^%"
@@ -73,6 +74,8 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.element_curve, element, source=name)
     yield partial(figures.element_curves, {name: element})
     effects = [figures.Effect(name, 0.1, 0.2, 0.3, 0.4)]
+    decided = Decided(name, "", 60, 0.01, (Influence(name, 0.5, 0.4),))
+    yield partial(figures.influences, [decided])
     yield partial(figures.tornado, figures.Sensitivity("share", 0.35, effects))
 
 
@@ -154,7 +157,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         "band_laws", "calibration",
         # Below.
         "animation", "moving", "measured_forces", "measured_energies", "measured_pairs",
-        "recording",
+        "recording", "outcomes",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
@@ -171,6 +174,10 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     ):
         assert tests
         check(partial(draw, tests), ALL)
+    other = ALL.replace("\\", "")  # which no column may have in its name
+    space = Space((Axis(f"{other}1.q.x", 0.0, 0.02, 3),))
+    study = sweep(named(cycle.chain, other), "cycle", space, tmp_path / "s.zarr", workers=1).study
+    assert check(partial(figures.outcomes, study), f"{other}1.q.x") > 0
     assert check(partial(figures.recording, replace(runs[0], source=ALL)), ALL) == 1
 
 

@@ -434,6 +434,8 @@ ROBOTS = [
             "sweep cycle preset:paper-forward --vary outer.q.x=0:20:5 --vary outer.q.y=-15:15:3 "
             "--chunk 4 --workers 1 --out study.zarr --json",
             "sweep status study.zarr --json",
+            "sweep report study.zarr --out report",
+            "sweep report study.zarr --out again --json --force",
             "sweep resume study.zarr --workers 1",
             "sweep export study.zarr --out table.csv",
         ),
@@ -477,10 +479,39 @@ ROBOTS = [
         (
             "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 1 "
             "--out walk.zarr",
-            "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --workers 1 "
+            "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --workers 1 "
             "--vary foot.below_mm=0.3:0.6:2 --out maze.zarr",
         ),
         within=SIMULATED,
+    ),
+    Case(
+        "atlas/two",
+        (
+            "atlas build --cells 2 --designs 2e4 --workers 1 --out two.zarr",
+            "atlas build preset:paper-forward --vary outer.q.x=-8:20 --vary inner.stiffness=28:57 "
+            "--designs 5000 --seed 3 --workers 1 --drive force --out leg.zarr --json",
+            "atlas show two.zarr --anchor 0.5 --stiffness 8 --rest-length 2 --json",
+            "atlas show leg.zarr",
+            "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness 5 "
+            "--rest-length 1 --out pair.toml --json",
+            "atlas find 'counts to two and not remembers' two.zarr",
+        ),
+    ),
+    Case(
+        "atlas/errors",
+        (
+            "atlas build --cells 7 --out a.zarr",
+            "atlas build preset:paper-forward --out a.zarr",
+            "atlas build robot-forward --vary 1.q.x=0:20 --out a.zarr",
+            "atlas build --vary 1.limit=30:60 --out a.zarr",
+            "atlas build --drive pull --out a.zarr",
+            "atlas show gone.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20:2 --workers 1 --out b.zarr",
+            "atlas show b.zarr",
+            "atlas find counts b.zarr --yield most",
+            "atlas find counts b.zarr --out a.txt",
+            "atlas find remember",
+        ),
     ),
     Case(
         "sweep/errors",

@@ -25,6 +25,7 @@ _NOT_FROZEN = {
     "doctor --json",
     "sweep WHAT --estimate",
     "sweep WHAT --scheduler",
+    "atlas build --scheduler",
 }
 
 
@@ -81,7 +82,7 @@ def _is_option(parameter: Any) -> bool:
 def _asked(line: str) -> set[str]:
     """The command of a command line, alone and with each of its options."""
     words = shlex.split(line)
-    name = " ".join(words[: 2 if words[:1] in (["robot"], ["lab"], ["sweep"]) else 1])
+    name = " ".join(words[: 2 if words[:1] in (["robot"], ["lab"], ["sweep"], ["atlas"]) else 1])
     if "--help" in words:
         return set()
     return {name} | {f"{name} {word}" for word in words if word.startswith("--")}

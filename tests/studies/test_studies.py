@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +105,7 @@ def test_a_store_holds_what_the_engine_says(tmp_path):
         inner, outer = LEG.cells
         cycle = sw.Chain([inner, outer.with_anchors(q=(x, y))]).cycle()
         assert str(data.sequence.values[row]) == str(cycle.sequence)
-        assert float(data.peak_force[row]) == cycle.peak_force
+        assert float(data.peak_force[row]) == abs(cycle.peak_force)
     assert not any(data.problem.values)
 
 
@@ -154,6 +155,10 @@ def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, undisturbed):
     flipped.write_bytes(bytes(spoilt))
     gone.unlink()
     assert study.missing() == [1, 3, 5] and status(folder).done == study.chunks - 3
+    # What holds can be read meanwhile.
+    told = {one["column"]: one for one in sw.results.study_record(status(folder))["numbers"]}
+    assert told["snaps"]["designs"] == GRID.count - CHUNK
+    assert study.to_csv(tmp_path / "some.csv") == GRID.count - 3 * CHUNK
     assert resumed(opened(folder), 2).finished
     assert bytes_of(folder) == undisturbed
 
@@ -251,7 +256,7 @@ def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
     for k in range(12):
         chain = drawn.sample(k)
         assert found.sequence.values[k] == str(chain.cycle().sequence)
-        assert found.peak_force.values[k] == chain.cycle().peak_force
+        assert found.peak_force.values[k] == abs(chain.cycle().peak_force)
         assert found["2.q.x"].values[k] == chain.levers[1].bands[0].q[0]
         assert found["1.friction"].values[k] == chain.cells[0].friction
 
@@ -398,6 +403,16 @@ def test_what_cannot_be_computed_is_refused_before_anything_is_written(tmp_path,
     with pytest.raises(ValueError, match=told):
         sweep(LEG, what, GRID, tmp_path / "s.zarr", given=given)
     assert not (tmp_path / "s.zarr").exists()
+
+
+def test_a_name_that_is_no_folder_is_no_column_and_the_number_of_the_cell_is(tmp_path):
+    for name in ("a/b", "..", "a\\b", "__init", "a\nb"):
+        cells = [replace(cell, name=name + str(k)) for k, cell in enumerate(LEG.cells)]
+        leg = replace(LEG, cells=tuple(cells))
+        with pytest.raises(ValueError, match=r"A cell has a number too, as in 1\.q\.x"):
+            sweep(leg, "cycle", Space((Axis(f"{name}1.q.x", 0.0, 0.02, 2),)), tmp_path / "s")
+        assert not (tmp_path / "s").exists()
+    assert sweep(leg, "cycle", Space((Axis("2.q.x", 0.0, 0.02, 2),)), tmp_path / "s").finished
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,11 @@ from typing import Annotated
 import typer
 
 from stepwell.base import __version__
-from stepwell.cli import demo, doctor, figure, lab, paper, presets, replay, schema, studio, sweep
+from stepwell.cli import demo, doctor, figure, lab, paper, presets, replay, schema, studio
 from stepwell.cli.chains import check, design, map, motion
 from stepwell.cli.robots import robot, viewer, walk
 from stepwell.cli.screen import EXIT_CODES, Commands, styled
+from stepwell.cli.studies import atlas, sweep
 
 app = typer.Typer(
     cls=Commands,
@@ -45,6 +46,7 @@ app.add_typer(robot.commands, name="robot", epilog=EXIT_CODES)
 for command in (walk.walk, walk.maze, viewer.export, viewer.view):
     app.command(name=command.__name__, epilog=EXIT_CODES)(command)
 app.add_typer(sweep.commands, name="sweep", epilog=EXIT_CODES)
+app.add_typer(atlas.commands, name="atlas", epilog=EXIT_CODES)
 app.command(epilog=EXIT_CODES)(studio.studio)
 app.add_typer(lab.commands, name="lab", epilog=EXIT_CODES)
 for command in (schema.schema, doctor.doctor):

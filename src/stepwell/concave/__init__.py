@@ -13,7 +13,14 @@ from stepwell.concave.cell import (
     simple_rows,
     travel_at,
 )
-from stepwell.concave.certificate import certified, certify, closed, concave_disc, concave_line
+from stepwell.concave.certificate import (
+    certified,
+    certify,
+    closed,
+    concave_box,
+    concave_disc,
+    concave_line,
+)
 from stepwell.concave.counts import (
     garden_states,
     ideals,
@@ -32,7 +39,7 @@ from stepwell.concave.ends import (
     steepest,
 )
 from stepwell.concave.relays import Relays, fewest_strokes, relays
-from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, Judged, in_disc
+from stepwell.concave.samples import ASK, DOES, OTHER, TIE, Judge, Judged, as_made, in_disc
 from stepwell.concave.sorting import (
     TIED,
     Neighbour,
@@ -41,4 +48,18 @@ from stepwell.concave.sorting import (
     one_travel,
     proved_cells,
     same_travel,
+)
+from stepwell.concave.strokes import (
+    FORCE,
+    MOST_CELLS,
+    NOT_PROVED,
+    STROKE,
+    TIES,
+    TOLD,
+    WAKES,
+    Tally,
+    Way,
+    classed,
+    closed_graph,
+    graph_by_ends,
 )

@@ -3,6 +3,8 @@
 Everything in this room holds only where `certify` says so; elsewhere the general engine is asked.
 """
 
+import math
+
 import numpy as np
 
 from stepwell.base import Bools, Floats
@@ -144,4 +146,22 @@ def concave_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
         if depth == _LINE_DEPTH:
             return False
         waiting += [(a, middle, depth + 1), (middle, b, depth + 1)]
+    return True
+
+
+def concave_box(cell: Simple, low: Floats, high: Floats) -> bool:
+    """The same for the anchors whose d is between two corners (2,) [m]."""
+    waiting = [(low[0], low[1], high[0] - low[0], high[1] - low[1], 0)]
+    while waiting:
+        x, y, wide, tall, depth = waiting.pop()
+        if certify(with_d(cell, x + wide / 2, y + tall / 2), math.hypot(wide, tall) / 2):
+            continue
+        if depth == 2 * _DEPTH:
+            return False
+        # The longer side is halved.
+        if wide >= tall:
+            parts = [(x, y, wide / 2, tall), (x + wide / 2, y, wide / 2, tall)]
+        else:
+            parts = [(x, y, wide, tall / 2), (x, y + tall / 2, wide, tall / 2)]
+        waiting += [(*part, depth + 1) for part in parts]
     return True

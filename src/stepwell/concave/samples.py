@@ -53,6 +53,30 @@ def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, 
     return made, cells[i, 6] + spread[4] * draw[7 * n + i]
 
 
+@entry(6e-6, "draws")
+def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
+    for sample in range(len(draws)):
+        for i in range(len(cells)):
+            made, _ = _made(draws[sample], cells, spread, i)
+            out[sample, i, 0], out[sample, i, 1] = made.dx, made.dy
+            out[sample, i, 2], out[sample, i, 3] = made.stiffness, made.rest
+            out[sample, i, 4], out[sample, i, 5] = made.lever, made.sin_limit
+
+
+def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
+    """(m, N, 6) cells as draws make them.
+
+    Args:
+        draws: (m, 8 N) one mechanism a row, as `Draws` lays them out.
+        numbers: (N, 6) cells of the drawing as the fields of `Simple`.
+        spread: (5,) anchor, stiffness, rest length, lever, friction of the tolerances.
+    """
+    out = np.empty((len(draws), *numbers.shape))
+    cells = np.column_stack([numbers, np.zeros(len(numbers))])
+    _as_made(np.ascontiguousarray(draws), cells, spread, out)
+    return out
+
+
 @kernel
 def _sort(key: Floats, wanted: Ints, order: Ints) -> None:
     """Cells by rising key, into `order`; quick where that is nearly the wanted order."""

@@ -56,6 +56,7 @@ from stepwell.figures.runs import (
     trajectories,
     trajectory,
 )
+from stepwell.figures.studies import influences, outcomes
 from stepwell.figures.usual import plot
 
 __all__ = [
@@ -74,6 +75,7 @@ __all__ = [
     "force_plane",
     "force_stroke",
     "gait",
+    "influences",
     "labelled_cell",
     "labelled_chain",
     "landscape",
@@ -86,6 +88,7 @@ __all__ = [
     "measured_pairs",
     "mechanism",
     "moving",
+    "outcomes",
     "overview",
     "plot",
     "prediction",

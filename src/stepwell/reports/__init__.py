@@ -36,6 +36,7 @@ from stepwell.reports.measured import (
 from stepwell.reports.pages import report
 from stepwell.reports.robot import write_maze, write_robot, write_sweep, write_walk
 from stepwell.reports.story import OPENING, STEPS, Step, Telling, write_story
+from stepwell.reports.study import write_study
 
 __all__ = [
     "OPENING",
@@ -61,6 +62,7 @@ __all__ = [
     "write_robot",
     "write_run",
     "write_story",
+    "write_study",
     "write_survival",
     "write_sweep",
     "write_walk",

@@ -5,6 +5,7 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 """
 
 from stepwell.results.assumptions import actuator_words, assumptions, simulation_assumptions
+from stepwell.results.atlas import atlas_record
 from stepwell.results.check import (
     check_record,
     killer_words,
@@ -64,7 +65,7 @@ from stepwell.results.run import (
     run_record,
     unreachable_record,
 )
-from stepwell.results.study import STUDY_OUTCOME, study_record
+from stepwell.results.study import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, study_record
 
 __all__ = [
     "assumptions",
@@ -85,6 +86,7 @@ __all__ = [
     "schema_kinds",
     "schema_of",
     "simulation_assumptions",
+    "atlas_record",
     "study_record",
     "survival_record",
     "sweep_record",

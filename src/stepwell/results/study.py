@@ -4,28 +4,38 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell.base import Quantity, Schema
+from stepwell.base import Column, Columns, Quantity, percent
 from stepwell.results.head import head
 
 if TYPE_CHECKING:
-    from stepwell.studies import Status
+    from stepwell.studies import Decided, Status
 
-STUDY_OUTCOME: Schema = (
+STUDY_OUTCOME: Columns = (
     Quantity("column", head="column"),
     Quantity("value", head="value"),
     Quantity("designs", head="designs"),
+    Column("share", lambda row: percent(row["share"]), True),
+)
+STUDY_DECIDED: Columns = (
+    Column("column", lambda row: row["column"]),
+    Column("decided by", lambda row: row["parameter"]),
+    Column("share", lambda row: percent(row["share"]), True),
+    Column("trend", lambda row: f"{row['trend']:+.2f}", True),
 )
 TEXT = "text"
-# Of words so many of the most frequent values are told.
-_VALUES = 20
+# Of words so many of the most frequent values are told, and of what decides a column so many.
+_VALUES, _FOREMOST = 20, 5
 
 
 def study_record(found: Status) -> dict[str, Any]:
     """How far a study is and what it has found so far, as docs/commands.md describes it."""
+    from stepwell.studies import decided
+
     study = found.study
     columns = {name: unit for name, unit in study.columns.items() if name not in study.varied}
     problems = columns.pop("problem", None) and found.problems
@@ -44,9 +54,37 @@ def study_record(found: Status) -> dict[str, Any]:
         "finished": found.finished,
         "problems": problems,
         "outcomes": [
-            row for name, unit in columns.items() if unit == TEXT for row in _outcomes(found, name)
+            row
+            for name, unit in columns.items()
+            # What an atlas counts is JSON, which `stepwell atlas show` tells.
+            if unit == TEXT and study.what != "atlas"
+            for row in _outcomes(found, name)
         ],
         "numbers": [_number(found, name) for name, unit in columns.items() if unit != TEXT],
+        "decided": [_decided(one) for one in decided(study)],
+    }
+
+
+def deciding_rows(record: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Of a study's record the numbers that surely decide something, the foremost of each column."""
+    return [
+        {"column": one["column"] + (f" = {one['value']}" if one["value"] else ""), **each}
+        for one in record["decided"]
+        for each in one["influences"][:_FOREMOST]
+        if each["share"] > one["floor"]
+    ]
+
+
+def _decided(one: Decided) -> dict[str, Any]:
+    return {
+        "column": one.column,
+        "value": one.value or None,
+        "designs": one.designs,
+        "floor": one.floor,
+        "influences": [
+            {"parameter": each.name, "share": each.share, "trend": each.trend}
+            for each in one.influences
+        ],
     }
 
 
@@ -56,7 +94,7 @@ def _span(found: Status, name: str) -> dict[str, Any]:
     designs = found.study.designs
     axes = {axis.name: (axis.low, axis.high) for axis in getattr(designs, "axes", ())}
     if name not in axes:
-        values = found.study.column(name)[:]
+        values = found.study.values(name)
         values = values[np.isfinite(values)]
         axes[name] = (values.min(), values.max()) if len(values) else (math.nan, math.nan)
     low, high = (float(end) * factor for end in axes[name])
@@ -68,17 +106,29 @@ def _span(found: Status, name: str) -> dict[str, Any]:
 
 
 def _outcomes(found: Status, name: str) -> list[dict[str, Any]]:
-    counts = Counter(map(str, found.study.column(name)[:]))
+    counts = Counter(map(str, found.study.values(name)))
     counts.pop("", None)
+    told = sum(counts.values())
     return [
-        {"column": name, "value": value, "designs": count}
+        {"column": name, "value": value, **_share(found, count, told)}
         for value, count in sorted(counts.items(), key=lambda one: (-one[1], one[0]))[:_VALUES]
     ]
 
 
+def _share(found: Status, count: int, told: int) -> dict[str, Any]:
+    """How many do it, and their share; with an interval where designs are a sample."""
+    from stepwell.design import share_of
+    from stepwell.studies import How
+
+    of = share_of(count, told)
+    sampled = found.study.designs.how not in (How.GRID, "listed")
+    ends = {"share_low": of.low, "share_high": of.high}
+    return {"designs": count, "share": of.share, **(ends if sampled else dict.fromkeys(ends))}
+
+
 def _number(found: Status, name: str) -> dict[str, Any]:
     told, factor = found.study.told(name)
-    values = found.study.column(name)[:] * factor
+    values = found.study.values(name) * factor
     values = values[np.isfinite(values)]
     of = (np.min, np.median, np.max)
     least, median, most = (float(one(values)) if len(values) else None for one in of)

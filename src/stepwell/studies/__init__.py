@@ -1,16 +1,21 @@
 """Studies: something computed of many designs, into a store that loses nothing."""
 
+from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.designs import (
     Axis,
+    Block,
+    Blocks,
     Designs,
     How,
     Space,
     Table,
     Workshop,
+    changed,
     read_table,
     unit_in,
 )
 from stepwell.studies.fill import Estimate, estimate
+from stepwell.studies.influence import Decided, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -26,12 +31,18 @@ from stepwell.studies.store import Study, StudyError, begun, extended, opened
 from stepwell.studies.work import WORKS, function_of
 
 __all__ = [
+    "DRIVES",
     "WORKS",
     "Axis",
+    "Block",
+    "Blocks",
     "CancelledError",
+    "Decided",
     "Designs",
     "Estimate",
     "How",
+    "Influence",
+    "Packed",
     "Space",
     "Status",
     "Study",
@@ -43,13 +54,16 @@ __all__ = [
     "asked",
     "begun",
     "cancel",
+    "changed",
     "dashboard",
+    "decided",
     "estimate",
     "extended",
     "function_of",
     "mapped",
     "mapped_on",
     "opened",
+    "packed",
     "read_table",
     "resumed",
     "status",

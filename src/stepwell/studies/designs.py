@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -327,7 +327,78 @@ class Table(ByValue):
         return _each(subject, self.columns, self.rows[first:last])
 
 
-Designs = Space | Workshop | Table
+class Block(NamedTuple):
+    """Many designs of one space at once.
+
+    Attributes:
+        subject: the design that is varied.
+        first: number of the first of them.
+        space: in which they lie.
+        size: how many they are.
+    """
+
+    subject: Subject
+    first: int
+    space: Space
+    size: int
+
+    @property
+    def points(self) -> Floats:
+        """(size, axes) their numbers."""
+        return self.space.points(self.first, self.first + self.size)
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks(ByValue):
+    """Designs drawn independently, so many at a time that a row tells of a whole block of them.
+
+    Attributes:
+        axes: one or more, no name twice.
+        size: designs in a block.
+        count: of blocks.
+        seed: of what is drawn.
+
+    Raises:
+        ValueError: what `Space` refuses, or blocks of nothing.
+    """
+
+    axes: tuple[Axis, ...]
+    size: int
+    count: int
+    seed: int = 0
+
+    def __post_init__(self):
+        if self.size < 1 or self.count < 1:
+            raise InputError(f"size, count = {self.size}, {self.count}: must be 1 or more.")
+        self.space  # noqa: B018  refuses what is no space
+
+    @property
+    def space(self) -> Space:
+        """All of them, one by one."""
+        return Space(tuple(self.axes), How.RANDOM, self.size * self.count, self.seed)
+
+    @property
+    def how(self) -> str:
+        """How they come about, in a word."""
+        return "random blocks"
+
+    @property
+    def grows(self) -> bool:
+        """Whether more designs leave those that there are as they are."""
+        return True
+
+    def names(self, _subject: Subject) -> tuple[str, ...]:
+        """Nothing differs from block to block but the block."""
+        return ()
+
+    def made(self, subject: Subject, first: int, last: int) -> Iterator[tuple[list[float], Block]]:
+        """The blocks from number `first` to before `last`."""
+        space = self.space
+        for number in range(first, last):
+            yield [], Block(subject, number * self.size, space, self.size)
+
+
+Designs = Space | Workshop | Table | Blocks
 
 
 def read_table(file: str | os.PathLike[str], subject: Subject) -> Table:

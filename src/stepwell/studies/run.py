@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ from stepwell.studies.store import PROBLEM, Study, StudyError, begun, opened
 
 # Of a chunk that nobody has given the size of: some seconds, and files that are not too many.
 _CHUNK, _MOST_CHUNKS = 64, 10_000
+_CHUNKS_OF = {"walk": 16, "maze": 1}
 _CANCELLED = ".cancelled"
 
 
@@ -82,7 +83,7 @@ def sweep(
         folder: of the store, which xarray opens as Zarr.
         given: what `what` takes besides the design, as `work_of` says.
         chunk: designs that are computed and written together; by default 64, or more where the
-            study has more than 640,000; 1 of walks and mazes.
+            study has more than 640,000; 16 of walks, 1 of mazes.
         workers: processes at once; one for every core by default.
         scheduler: address of a running Dask scheduler, whose workers do it instead; they must see
             the folder under this name, and have this version of Stepwell.
@@ -113,7 +114,7 @@ def asked(
     """The study that `sweep` begins with these arguments, which it explains; nothing is written."""
     from stepwell.files import dumps
 
-    least = 1 if what in ("walk", "maze") else _CHUNK
+    least = _CHUNKS_OF.get(what, _CHUNK)
     size = chunk or max(least, -(-designs.count // _MOST_CHUNKS))
     study = Study(Path(folder), what, dumps(design), designs, size, given or {})
     study.columns  # noqa: B018  refuses what cannot be computed
@@ -126,8 +127,12 @@ def resumed(
     *,
     scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
+    problems: Callable[[Sequence[str]], None] | None = None,
 ) -> Status:
     """Compute what is missing of a study; arguments and errors as for `sweep`.
+
+    Args:
+        problems: called after every chunk with the kinds of the problems of its designs.
 
     Raises:
         CancelledError: somebody has called `cancel` meanwhile.
@@ -152,6 +157,8 @@ def resumed(
                     break
                 continue
             done += 1
+            if problems is not None:
+                problems(_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
             if progress is not None:
                 progress(done, study.chunks)
             if cancelled.exists() and done < study.chunks:
@@ -194,15 +201,11 @@ def status(study: Study | str | os.PathLike[str]) -> Status:
         StudyError: the folder holds no study.
     """
     study = study if isinstance(study, Study) else opened(study)
-    missing = set(study.missing())
-    problems: Counter[str] = Counter()
-    for chunk in range(study.chunks):
-        if chunk not in missing:
-            problems.update(_kinds(study, chunk))
-    return Status(study, study.chunks - len(missing), dict(problems.most_common()))
+    done = study.done_chunks()
+    problems = Counter(_kinds(study.values(PROBLEM, done)))
+    return Status(study, len(done), dict(problems.most_common()))
 
 
-def _kinds(study: Study, chunk: int) -> list[str]:
-    rows = study.rows(chunk)
-    found = study.column(PROBLEM)[rows.start : rows.stop]
-    return [str(one).partition(":")[0] for one in found if one]
+def _kinds(problems: Iterable[object]) -> list[str]:
+    """Of designs that could not be computed the kinds of their problems."""
+    return [str(one).partition(":")[0] for one in problems if one]

@@ -11,7 +11,7 @@ import json
 import os
 import shutil
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
@@ -34,7 +34,15 @@ from stepwell.base import (
     write_csv,
 )
 from stepwell.robot import Robot
-from stepwell.studies.designs import Designs, Space, Subject, Table, Workshop, unit_in
+from stepwell.studies.designs import (
+    Blocks,
+    Designs,
+    Space,
+    Subject,
+    Table,
+    Workshop,
+    unit_in,
+)
 from stepwell.studies.work import TEXT, Work, work_of
 
 if TYPE_CHECKING:
@@ -103,7 +111,15 @@ class Study(ByValue):
         found = dict(self.work.columns)
         if twice := sorted({PROBLEM, *self.varied} & found.keys()):
             raise InputError(f"{self.what}: gives {', '.join(twice)}, which is a column already.")
-        return self.varied | found | {PROBLEM: TEXT}
+        columns = self.varied | found | {PROBLEM: TEXT}
+        for name in columns:
+            # Each is a folder of the store.
+            if set(name) & {"/", "\\"} or not name.isprintable() or name.startswith((".", "__")):
+                raise InputError(
+                    f"{name!r}: cannot be the name of a column: / and \\ may not be in it, nor . "
+                    f"and __ begin it. A cell has a number too, as in 1.q.x."
+                )
+        return columns
 
     def told(self, name: str) -> tuple[str, float]:
         """In which unit people are told a column, and how many of it make one as it is kept.
@@ -153,7 +169,7 @@ class Study(ByValue):
 
     def is_done(self, chunk: int) -> bool:
         """Whether all columns of a chunk are there and hold."""
-        return all(_holds(self.column(name), chunk) for name in self.columns)
+        return all(_holds(self.folder / name / "c" / str(chunk)) for name in self.columns)
 
     def write(self, chunk: int, columns: dict[str, np.ndarray[Any, Any]]) -> None:
         """Write the rows of a chunk; each column's file is replaced as a whole.
@@ -177,10 +193,39 @@ class Study(ByValue):
 
         return xr.open_zarr(self.folder, consolidated=False, chunks=None)
 
-    def done_rows(self) -> list[int]:
-        """Numbers of the designs that are done."""
+    def done_chunks(self) -> list[int]:
+        """Chunks that are done."""
         missing = set(self.missing())
-        return [n for k in range(self.chunks) if k not in missing for n in self.rows(k)]
+        return [k for k in range(self.chunks) if k not in missing]
+
+    def values(self, name: str, chunks: Sequence[int] | None = None) -> np.ndarray[Any, Any]:
+        """What a column holds, row after row, as it is kept.
+
+        Args:
+            name: of the column.
+            chunks: those that are read, all of them done; by default all that hold.
+        """
+        if chunks is None:
+            files = self.folder / name / "c"
+            chunks = [k for k in range(self.chunks) if _holds(files / str(k))]
+        wanted = tuple(chunks)
+        # A chunk that is done never changes.
+        known, found = self._known.get(name, ((), None))
+        if found is None or known != wanted:
+            column = self.column(name)
+            if len(wanted) == self.chunks:  # at once, which is much faster
+                found = column[:]
+            else:
+                parts = [column.get_block_selection(k) for k in wanted]
+                found = np.concatenate(parts) if parts else column[:0]
+            found.flags.writeable = False
+            self._known[name] = wanted, found
+        return found
+
+    @cached_property
+    def _known(self) -> dict[str, tuple[tuple[int, ...], np.ndarray[Any, Any]]]:
+        """What was read last of each column: of which chunks, and what."""
+        return {}
 
     def to_csv(self, file: str | os.PathLike[str]) -> int:
         """Write what is done as CSV, a line for every design, units in the headings.
@@ -224,11 +269,12 @@ class Study(ByValue):
 
     def _table(self) -> tuple[list[int], list[tuple[Quantity, Any]]]:
         """What is done, and every column of it in SI with how it is told."""
-        done = self.done_rows()
+        chunks = self.done_chunks()
+        done = [number for k in chunks for number in self.rows(k)]
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), done)]
         for name, unit in self.columns.items():
             told, _ = self.told(name)
-            values = self.column(name)[:][done] if done else []
+            values = self.values(name, chunks)
             columns.append(
                 (Quantity(name, told), [str(v) for v in values] if unit == TEXT else values)
             )
@@ -281,7 +327,7 @@ class _Asked(BaseModel):
     what: str
     given: dict[str, Any]
     design: str
-    designs: _Listed | Space | Workshop
+    designs: _Listed | Space | Workshop | Blocks
     chunk: int
     version: str
 
@@ -432,15 +478,15 @@ def _make(study: Study) -> None:
         shutil.rmtree(draft, ignore_errors=True)
 
 
-def _holds(array: Any, chunk: int) -> bool:
-    file = Path(array.store.root) / array.path / "c" / str(chunk)
-    if not file.exists():
-        return False
+def _holds(file: Path) -> bool:
+    """Whether a chunk's file is there and ends in the checksum of what is before it."""
+    from google_crc32c import value
+
     try:
-        array.get_block_selection(chunk)
-    except (OSError, ValueError, RuntimeError):
+        held = file.read_bytes()
+    except OSError:
         return False
-    return True
+    return value(held[:-4]) == int.from_bytes(held[-4:], "little") if len(held) > 4 else False
 
 
 def _sync(file: Path) -> None:

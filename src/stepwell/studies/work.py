@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from stepwell.base import InputError, nearest_word
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
-from stepwell.studies.designs import Subject
+from stepwell.studies.designs import Block, Subject
 
 Row = Mapping[str, Any]
 Given = Mapping[str, Any]
@@ -37,10 +37,10 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
     """What is computed under a name.
 
     Args:
-        what: "cycle", "margin", "yield", "graph", "program", "walk", "maze" or "call".
+        what: one of `WORKS`; "atlas" takes blocks of designs.
         given: what it takes besides the design, by name: of a program `start` and `to`; of a walk
-            `cycles`; of a maze `arena` (the text of its file), `limit` [s] and `layouts`; of a call
-            what `function_of` gives.
+            `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts` and the
+            `first` of them; of a call what `function_of` gives.
         subject: the design that is varied.
 
     Raises:
@@ -77,7 +77,8 @@ def _cycle() -> Work:
         return {
             "sequence": str(found.sequence),
             "snaps": len(found.snaps),
-            "peak_force": found.peak_force,
+            # Of two forces of one size either way, rounding would choose the sign.
+            "peak_force": abs(found.peak_force),
             "dissipated": found.dissipated,
             "ties": len(found.degenerate),
         }
@@ -156,7 +157,7 @@ def _walk(cycles: int = 4) -> Work:
     return Work({**numbers, "gaits": TEXT, "stopped": TEXT}, row)
 
 
-def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0) -> Work:
+def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0, first: int = 0) -> Work:
     from stepwell.files import loads_arena
     from stepwell.robot import other_layout, other_start
     from stepwell.simulation import Outcome, maze
@@ -167,9 +168,11 @@ def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0) -> Work:
         raise InputError(f"maze: limit = {limit} s: must be > 0.")
     if not 0 <= layouts <= 10_000:
         raise InputError(f"maze: layouts = {layouts}: must be from 0 to 10000.")
+    if not 0 <= first <= 2**31:
+        raise InputError(f"maze: first = {first}: must be from 0 to 2147483648.")
     there = loads_arena(arena, "arena")
     # The same for every design, so that what differs is the design.
-    moved = [other_start(other_layout(there, seed), seed) for seed in range(layouts)]
+    moved = [other_start(other_layout(there, seed), seed) for seed in range(first, first + layouts)]
     places = moved or [there]
 
     def row(robot: Robot, _seed: int) -> Row:
@@ -183,6 +186,22 @@ def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0) -> Work:
         }
 
     return Work({"reached": "1", "time": "s", "outcomes": TEXT}, row)
+
+
+def _atlas(subject: Chain, drive: str = "stroke") -> Work:
+    from stepwell.studies.blocks import DRIVES, block_row, packed
+
+    if drive not in DRIVES:
+        raise InputError(f"atlas: drive = {drive!r}: must be one of {', '.join(DRIVES)}.")
+
+    def row(block: Any, _seed: int) -> Row:
+        if not isinstance(block, Block):
+            raise InputError("atlas: takes blocks of designs.")
+        names = block.space.names(subject)
+        return block_row(block, packed(subject, names), DRIVES[drive])
+
+    numbers = dict.fromkeys(("told", "not_proved", "ties", "wakes"), "1")
+    return Work({**numbers, "graphs": TEXT, "cycles": TEXT, "asked": TEXT}, row)
 
 
 def _call(
@@ -255,5 +274,6 @@ WORKS: dict[str, tuple[Any, Callable[..., Work]]] = {
     "program": (Chain, _program),
     "walk": (Robot, _walk),
     "maze": (Robot, _maze),
+    "atlas": (Chain, _atlas),
     "call": (Subject, _call),
 }

@@ -16,12 +16,16 @@ _EVERY, _REMEMBERED = 0.1, 600.0
 
 
 @contextmanager
-def on_terminal(label: str) -> Iterator[Progress | None]:
+def on_terminal(label: str | Callable[[], str]) -> Iterator[Progress | None]:
     """What to call with (done, total); None where standard error is no terminal.
 
     The bar tells how much is done and how long the rest will take. It goes to standard error, so
     that it never mixes with results, and vanishes when done.
+
+    Args:
+        label: what is going on; a function is asked anew as work goes on.
     """
+    said = label if callable(label) else lambda: label
     if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
@@ -30,14 +34,14 @@ def on_terminal(label: str) -> Iterator[Progress | None]:
 
     console = Console(stderr=True)
     with Progress(console=console, transient=True, speed_estimate_period=_REMEMBERED) as shown:
-        task = shown.add_task(label, total=None)
+        task = shown.add_task(said(), total=None)
         last = -_EVERY
 
         def update(done: float, total: float) -> None:
             nonlocal last
             now = monotonic()
             if done >= total or now - last >= _EVERY:
-                shown.update(task, completed=done, total=total)
+                shown.update(task, completed=done, total=total, description=said())
                 last = now
 
         yield update

@@ -14,7 +14,9 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
+def progress(
+    label: str, *, kept: str = "", note: Callable[[], str] = str
+) -> Iterator[Progress | None]:
     """What to call with (done, total); None where nobody is looking.
 
     The bar tells how much is done and how long the rest will take. It goes to standard error, so
@@ -22,6 +24,7 @@ def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
 
     Args:
         label: what is going on.
+        note: what is told behind it, asked anew as work goes on.
         kept: what an interruption leaves and how to go on; nothing is written otherwise.
 
     Raises:
@@ -29,7 +32,7 @@ def progress(label: str, *, kept: str = "") -> Iterator[Progress | None]:
     """
     reached = ""
     try:
-        with on_terminal(label) as shown:
+        with on_terminal(lambda: label + note()) as shown:
 
             def update(done: float, total: float) -> None:
                 nonlocal reached

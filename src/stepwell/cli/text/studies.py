@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell.base import Column, number
 from stepwell.cli.screen import show_facts, show_records, show_text
-from stepwell.results import STUDY_OUTCOME
+from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows
 
 _ENDS = ("least", "median", "most")
 
@@ -31,6 +31,8 @@ def study(record: dict[str, Any]) -> None:
         *(Column(name, lambda one, name=name: _told(one[name]), True) for name in _ENDS),
     ]
     show_records("Their numbers", columns, record["numbers"])
+    if rows := deciding_rows(record):
+        show_records("Share of the variance that a number decides by itself", STUDY_DECIDED, rows)
     if record["problems"]:
         rows = [{"kind": kind, "designs": count} for kind, count in record["problems"].items()]
         kind = Column("kind", lambda one: one["kind"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from stepwell.base import ByValue
 from stepwell.design.tolerances.tolerances import Tolerances
@@ -20,6 +21,34 @@ def varied(chain: Chain) -> str:
         levers = len(chain.elements) < len(chain)
         how = f"{_LEVERS if levers else 'friction evenly within its tolerance'}, {_ELEMENTS}"
     return f"assumed: every part varies by itself, {how}; quasi-static"
+
+
+class Share(NamedTuple):
+    """How often something came among designs drawn independently.
+
+    Attributes:
+        times: how often.
+        of: so many designs.
+        low, high: 95 % confidence interval of the share (Clopper & Pearson 1934).
+    """
+
+    times: int
+    of: int
+    low: float
+    high: float
+
+    @property
+    def share(self) -> float:
+        """The estimate."""
+        return self.times / self.of
+
+
+def share_of(times: int, of: int) -> Share:
+    """A share with its interval."""
+    from scipy.stats import binomtest
+
+    found = binomtest(times, of).proportion_ci(0.95, "exact")
+    return Share(times, of, float(found.low), float(found.high))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,7 +69,5 @@ class Counted(ByValue):
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        from scipy.stats import binomtest
-
-        found = binomtest(self.successes, self.n).proportion_ci(0.95, "exact")
-        return float(found.low), float(found.high)
+        found = share_of(self.successes, self.n)
+        return found.low, found.high

@@ -19,3 +19,4 @@ from stepwell.reports.pages.parts import image_of
 from stepwell.reports.pages.programs import program_page
 from stepwell.reports.pages.robots import maze_page, robot_page, sweep_page, walk_page
 from stepwell.reports.pages.run import report
+from stepwell.reports.pages.studies import study_page

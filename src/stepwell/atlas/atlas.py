@@ -1,0 +1,215 @@
+"""An atlas of machines: what a space of designs holds, as values; and how one is begun."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from stepwell.base import ByValue, number
+from stepwell.concave import Way
+from stepwell.design import Share, Tolerances
+from stepwell.mechanism import Chain
+from stepwell.studies import Axis, Blocks, Status, packed, sweep
+
+# Designs in a block: some tenths of a second of two cells, some seconds of three.
+_SIZES = {2: 1_000_000, 3: 100_000}
+_FEW = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Machine(ByValue):
+    """One transition graph that occurs, whichever cell is which.
+
+    Attributes:
+        name: the first digits of the SHA-256 of its canonical text.
+        share: of the designs that closed form tells.
+        design: number of its most robust design.
+        chain: that design.
+        gap: by how much of the largest force two of its forces could come nearer before the graph
+            is another one.
+        kept: of so many mechanisms built after it within the tolerances, those with this graph;
+            the engine follows what closed form does not tell.
+        agrees: whether the engine finds the same graph of that design.
+        cycle: what a full stroke to and fro does; cells are numbered as they load.
+        states: with every cell at a stop.
+        reached: of these, how many one actuator reaches from all cells at 0.
+        snaps: ways that cannot be turned back.
+        sub_loops: loops besides the main one.
+        remembers: whether it has return-point memory.
+        scrambled: pairs of cells that flip in either order.
+        counts: cycles of the drive that it takes to come into a rhythm, at most; 0 if it is in one
+            at once.
+        counts_by_hand: the same from states that a hand sets.
+        gardens: states to which nothing leads, so that only a hand sets them.
+        latches: moves that no later drive takes back.
+        ways: of that design.
+    """
+
+    name: str
+    share: Share
+    design: int
+    chain: Chain = field(repr=False)
+    gap: float
+    kept: Share
+    agrees: bool
+    cycle: str
+    states: int
+    reached: int
+    snaps: int
+    sub_loops: int
+    remembers: bool
+    scrambled: int
+    counts: int
+    counts_by_hand: int
+    gardens: int
+    latches: int
+    ways: tuple[Way, ...] = field(repr=False)
+
+    def __repr__(self):
+        return (
+            f"Machine({self.name}: {self.cycle}, {number(self.share.share * 100)} % of designs, "
+            f"yield {number(self.kept.share * 100)} %)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Cycling(ByValue):
+    """One full cycle that occurs, inner cell first.
+
+    Attributes:
+        sequence: such as "00>10>11>01>00".
+        share: of the designs whose cells closed form tells.
+        design: number of the one whose forces are farthest from another order.
+        chain: that design.
+        gap: by how much of the largest force two of its forces could come nearer before the cycle
+            is another one.
+    """
+
+    sequence: str
+    share: Share
+    design: int
+    chain: Chain = field(repr=False)
+    gap: float
+
+    def __repr__(self):
+        return f"Cycling({self.sequence}, {number(self.share.share * 100)} % of designs)"
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled(ByValue):
+    """What the engine found of designs that closed form does not tell: a sample of them.
+
+    Attributes:
+        asked: designs that it followed.
+        failed: of these, those that it could not.
+        machines: how often each graph came, by name; those of `Atlas.machines` and others.
+    """
+
+    asked: int
+    failed: int
+    machines: dict[str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas(ByValue):
+    """What a space of designs holds.
+
+    Attributes:
+        chain: that was varied.
+        axes: what varied, between which values.
+        drive: "stroke" or "force".
+        seed: of the designs.
+        designs: how many were drawn, evenly over the space.
+        told: how many closed form tells.
+        not_proved: how many have a cell that is not proved concave and taut.
+        ties: how many have two forces that tie.
+        wakes: how many land by a flow of several cells that two step widths do not agree on.
+        tolerances: within which designs are built.
+        machines: every graph that occurs, most frequent first.
+        cycles: every full cycle that occurs, most frequent first.
+        sampled: what the engine found of designs that are not told.
+        checked, agreed: designs drawn anew that closed form tells, and those of which the engine
+            finds the same graph.
+        possible: how many graphs concave cells can have at all, proved; None where that is not
+            known.
+        space_proved: whether every design of the space is proved to have concave cells, not only
+            those that were drawn.
+    """
+
+    chain: Chain = field(repr=False)
+    axes: tuple[Axis, ...] = field(repr=False)
+    drive: str
+    seed: int
+    designs: int
+    told: int
+    not_proved: int
+    ties: int
+    wakes: int
+    tolerances: Tolerances
+    machines: tuple[Machine, ...] = field(repr=False)
+    cycles: tuple[Cycling, ...] = field(repr=False)
+    sampled: Sampled
+    checked: int
+    agreed: int
+    possible: int | None
+    space_proved: bool
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is proved that no other graph occurs in the space, ties left aside."""
+        return self.space_proved and self.possible == len(self.machines)
+
+    def __repr__(self):
+        return (
+            f"Atlas({len(self.chain)} cells by {self.drive}: {len(self.machines)} graphs and "
+            f"{len(self.cycles)} cycles of {self.designs} designs)"
+        )
+
+
+def blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> Blocks:
+    """At least so many designs of a space, in blocks of a size for chains of so many cells.
+
+    Raises:
+        ValueError: what `Blocks` refuses.
+    """
+    size = min(_SIZES.get(cells, _FEW), designs)
+    return Blocks(axes, size, -(-designs // max(size, 1)), seed)
+
+
+def atlas(
+    chain: Chain,
+    axes: tuple[Axis, ...],
+    designs: int,
+    folder: str | os.PathLike[str],
+    *,
+    drive: str = "stroke",
+    seed: int = 0,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Status:
+    """Draw designs evenly over a space and count what they do, into a store that loses nothing.
+
+    A call with the same arguments goes on with what is missing. `charted` makes an atlas of the
+    store, finished or not.
+
+    Args:
+        chain: that is varied: cells of one linear band each, without load or friction.
+        axes: what varies, as `Axis` tells: anchors, stiffness, rest length, lever.
+        designs: how many, rounded up to whole blocks.
+        folder: of the store.
+        drive: "stroke" or "force".
+        seed: of the designs.
+        workers, scheduler, progress: as for `sweep`.
+
+    Raises:
+        ValueError: cells or numbers that closed form does not take.
+        StudyError, SweepError, ExtraError: as for `sweep`.
+    """
+    packed(chain, [axis.name for axis in axes])  # or refused, before there is a store
+    of = blocks(len(chain), axes, designs, seed)
+    return sweep(
+        chain, "atlas", of, folder,
+        given={"drive": drive}, chunk=1, workers=workers, scheduler=scheduler, progress=progress,
+    )  # fmt: skip

@@ -1,0 +1,265 @@
+"""The store of an atlas read: machines with their memory, their yields, and what is proved."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from stepwell.atlas.atlas import Atlas, Cycling, Machine, Sampled
+from stepwell.atlas.canonical import canonical, name_of, ways_of
+from stepwell.atlas.proofs import possible, proved_space
+from stepwell.base import InputError, StepwellError
+from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders, proved_ends
+from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
+from stepwell.mechanism import Chain
+from stepwell.sequences import TransitionGraph
+from stepwell.studies import DRIVES, Blocks, Packed, Study, changed, packed
+
+# Designs of a graph whose yields are compared: those with the largest gap in their blocks.
+_CANDIDATES = 8
+# Mechanisms built after each of these, until one of them is chosen.
+_FEW = 100
+
+_Best = list[tuple[float, int]]
+
+
+def charted(
+    study: Study,
+    *,
+    tolerances: Tolerances = USUAL,
+    samples: int = 1000,
+    checks: int = 100,
+    progress: Callable[[int, int], None] | None = None,
+) -> Atlas:
+    """The atlas of a store, of all blocks that are done.
+
+    Args:
+        study: begun by `atlas`.
+        tolerances: of anchors, stiffness and rest length, within which designs are built.
+        samples: mechanisms that are built after each design.
+        checks: designs that are told, and others that are not, that the engine follows; at most.
+        progress: called with (done, all) machines.
+
+    Raises:
+        ValueError: another study, one of which nothing is done, or tolerances of what stays.
+    """
+    designs = study.designs
+    if not isinstance(designs, Blocks) or study.what != "atlas":
+        raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
+    done = study.done_chunks()
+    if not done:
+        raise InputError(f"{study.folder}: no block is done yet.")
+    if tolerances.friction or tolerances.travel or tolerances.lever:
+        raise InputError(
+            "tolerances: lever, friction and travel must be 0: cells of an atlas have one travel."
+        )
+    chain = study.subject
+    assert isinstance(chain, Chain)
+    drive = str(study.given.get("drive", "stroke"))
+    space = _Space(study, packed(chain, [axis.name for axis in designs.axes]), DRIVES[drive])
+    sums = {name: int(np.sum(study.values(name, done))) for name in _COUNTS}
+    graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
+    total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
+    machines: list[Machine] = []
+    most = sorted(graphs.items(), key=lambda one: (-one[1][0], one[0]))
+    for place, (key, (count, best)) in enumerate(most):
+        if progress is not None:
+            progress(place, len(most))
+        machines.append(
+            space.machine(key, share_of(count, sums["told"]), best, tolerances, samples)
+        )
+    if progress is not None:
+        progress(len(most), len(most))
+    known = sums["told"] + sums["wakes"]
+    agreed, checked = space.agreement(checks)
+    allowed = possible(len(chain), space.drive)
+    often = sorted(cycles.items(), key=lambda one: (-one[1][0], one[0]))
+    return Atlas(
+        chain=chain,
+        axes=tuple(designs.axes),
+        drive=drive,
+        seed=designs.seed,
+        designs=total,
+        **sums,
+        tolerances=tolerances,
+        machines=tuple(machines),
+        cycles=tuple(
+            space.cycling(code, share_of(count, known), best) for code, (count, best) in often
+        ),
+        sampled=space.sampled(_asked(study, done, checks)),
+        checked=checked,
+        agreed=agreed,
+        possible=None if allowed is None else len(allowed),
+        space_proved=proved_space(chain, tuple(designs.axes)),
+    )
+
+
+_COUNTS = ("told", "not_proved", "ties", "wakes")
+
+
+def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
+    """By key how often it came, and its best designs, largest gap first."""
+    counts, best = Counter[int](), dict[int, _Best]()
+    for text in blocks:
+        for key, count, gap, design in json.loads(str(text)):
+            counts[key] += count
+            best.setdefault(key, []).append((-gap, design))
+    return {
+        key: (counts[key], [(-gap, design) for gap, design in sorted(of)[:_CANDIDATES]])
+        for key, of in best.items()
+    }
+
+
+def _asked(study: Study, done: Sequence[int], most: int) -> list[int]:
+    """Designs that closed form does not tell: the first of every block, then the second."""
+    found = [json.loads(str(text)) for text in study.values("asked", done)]
+    rounds = max(map(len, found), default=0)
+    turns = [one[k] for k in range(rounds) for one in found if k < len(one)]
+    return turns[:most]
+
+
+class _Space:
+    """Designs of a study by number, and what they do."""
+
+    def __init__(self, study: Study, numbers: Packed, drive: int):
+        assert isinstance(study.designs, Blocks)
+        self.study, self.numbers, self.drive = study, numbers, drive
+        self.space = study.designs.space
+        self.names = [axis.name for axis in study.designs.axes]
+
+    def chain(self, design: int) -> Chain:
+        """A design as the engine takes it."""
+        (point,) = self.space.points(design, design + 1).tolist()
+        return self.made(point)
+
+    def made(self, point: Sequence[float]) -> Chain:
+        """The design of these values."""
+        made = changed(self.study.subject, self.names, point)
+        assert isinstance(made, Chain)
+        return made
+
+    def graph(self, chain: Chain) -> TransitionGraph:
+        """What the engine says of it."""
+        return chain.graph("force" if self.drive else None)
+
+    def cells(self, design: int) -> Any:
+        """(N, 6) its cells."""
+        return self.numbers.at(self.space.points(design, design + 1))[0]
+
+    def name(self, chain: Chain) -> str:
+        """The name of the graph that the engine finds of a chain."""
+        return name_of(canonical(ways_of(self.graph(chain)), len(chain)))
+
+    def machine(
+        self, key: int, share: Share, best: _Best, tolerances: Tolerances, samples: int
+    ) -> Machine:
+        """A machine with the design of which most mechanisms keep its graph."""
+        # Chosen by mechanisms of their own: those that tell the yield know nothing of the choice.
+        other, few = self.space.seed + 1, min(samples, _FEW)
+        kept = [
+            self._kept(key, Draws(self.chain(design), tolerances, other), design, few)[0]
+            for _, design in best
+        ]
+        gap, design = best[int(np.argmax(kept))]
+        chain, cells = self.chain(design), self.cells(design)
+        ways = closed_graph(cells, self.drive)
+        name = name_of(canonical(ways, len(chain)))
+        draws = Draws(chain, tolerances, self.space.seed)
+        times, others = self._kept(key, draws, design, samples)
+        times += sum(self._followed(draws, number) == name for number in others)
+        graph = self.graph(chain)
+        agrees = sorted(ways_of(graph)) == sorted(ways)
+        reading = graph.reading
+        counting, vertices, reached = (
+            reading.counting.accumulators,
+            graph.vertices,
+            graph.reachable(),
+        )
+        by_hand = [one.transient for one in counting if one.by_hand]
+        loading, unloading = (order.tolist() for order in motion_orders(proved_ends(cells)[0]))
+        # Numbered as they load, the cells load in order.
+        cycle = _visited(range(len(loading)), [loading.index(cell) for cell in unloading])
+        return Machine(
+            name,
+            share,
+            design,
+            chain,
+            gap,
+            share_of(times, samples),
+            agrees,
+            ">".join(cycle),
+            len(vertices),
+            sum(vertex in reached for vertex in vertices),
+            sum(snaps for *_, snaps in ways),
+            reading.sub_loop_count,
+            reading.return_point_memory.holds,
+            len(reading.scrambling),
+            max((one.transient for one in counting if not one.by_hand), default=0),
+            max(by_hand, default=0),
+            len(reading.garden_of_eden or ()),
+            len(reading.latches),
+            ways,
+        )
+
+    def _kept(self, key: int, draws: Draws, design: int, samples: int) -> tuple[int, list[int]]:
+        """Of mechanisms built after a design, how many have this graph, and which are not told."""
+        cells, times, first, others = self.cells(design), 0, 0, list[int]()
+        for piece in draws.chunks(samples):
+            found, _, _, told = classed(as_made(piece, cells, draws.spread), self.drive)
+            times += int(np.sum(found == key))
+            others += (first + np.flatnonzero(told != TOLD)).tolist()
+            first += len(piece)
+        return times, others
+
+    def _followed(self, draws: Draws, number: int) -> str:
+        """The name of the graph that the engine finds of a mechanism; none if it cannot be."""
+        try:
+            return self.name(draws.sample(number))
+        except StepwellError:
+            return ""
+
+    def cycling(self, code: int, share: Share, best: _Best) -> Cycling:
+        """A cycle with its most robust design."""
+        gap, design = best[0]
+        n = len(self.numbers.base)
+        digits = [code // n**k % n for k in reversed(range(2 * n))]
+        states = _visited(digits[:n], digits[n:])
+        return Cycling(">".join(states), share, design, self.chain(design), gap)
+
+    def agreement(self, most: int) -> tuple[int, int]:
+        """Of designs drawn anew that are told, how many the engine sees alike; and how many."""
+        seed = self.space.seed + 1
+        points = replace(self.space, seed=seed, count=max(self.space.count, most)).points(0, most)
+        _, _, _, told = classed(self.numbers.at(points), self.drive)
+        agreed = checked = 0
+        for point in points[told == TOLD]:
+            ways = closed_graph(self.numbers.at(point[None])[0], self.drive)
+            checked += 1
+            agreed += sorted(ways_of(self.graph(self.made(point.tolist())))) == sorted(ways)
+        return agreed, checked
+
+    def sampled(self, designs: Sequence[int]) -> Sampled:
+        """What the engine finds of these designs."""
+        found, failed = Counter[str](), 0
+        for design in designs:
+            try:
+                found[self.name(self.chain(design))] += 1
+            except StepwellError:
+                failed += 1
+        return Sampled(len(designs), failed, dict(found.most_common()))
+
+
+def _visited(loading: Sequence[int], unloading: Sequence[int]) -> list[str]:
+    """The states of a full cycle."""
+    state = ["0"] * len(loading)
+    found = ["".join(state)]
+    for order, digit in ((loading, "1"), (unloading, "0")):
+        for cell in order:
+            state[cell] = digit
+            found.append("".join(state))
+    return found

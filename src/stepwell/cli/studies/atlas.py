@@ -1,0 +1,212 @@
+"""`stepwell atlas`: what a whole space of designs holds, how often, and what it cannot hold."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stepwell.cli.options import Json, read_design, tolerances as parts
+from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable
+from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
+
+if TYPE_CHECKING:
+    from stepwell.atlas import Atlas
+    from stepwell.studies import Study
+
+commands = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich" if styled() else None,
+    help="Tell which machines a space of designs holds, and find those that do something.",
+    epilog=EXIT_CODES,
+)
+
+_There = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="STORE",
+        help="What --out of build said; an atlas of three cells that comes with Stepwell by "
+        "default.",
+    ),
+]
+# The paper's map for every cell, and one band up to two.
+_SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)}
+
+
+@commands.command(epilog=EXIT_CODES)
+def build(
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="STORE", help="The store, a folder of Zarr."),
+    ],
+    design: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="DESIGN", help="What is varied; the paper's cells, all alike, by default."
+        ),
+    ] = None,
+    cells: Annotated[
+        int,
+        typer.Option(help="How many of the paper's cells, where no design is named.", min=1, max=6),
+    ] = 2,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="NAME=FROM:TO",
+            help="What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
+            "given again. By default anchors and stiffness of the paper's cells.",
+        ),
+    ] = None,
+    designs: Annotated[
+        float,
+        typer.Option(
+            metavar="N",
+            help="Designs, drawn evenly; 1e8 is understood.",
+            min=1,
+            show_default="1e6",
+        ),
+    ] = 1e6,
+    drive: Annotated[str, typer.Option(help="stroke or force.")] = "stroke",
+    seed: Seed = 0,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    as_json: Json = False,
+) -> None:
+    """Draw designs evenly over a space and count what they do, in closed form.
+
+    The space is that of --vary, or else of every cell the anchor q over the paper's map, x 0 to
+    20 mm and y -15 to 15 mm, and the stiffness of one band up to two, 28.5 to 57 N/m. Counts go
+    block by block into a store; whatever was killed, the same command goes on.
+    """
+    from stepwell.atlas import atlas
+    from stepwell.mechanism import Band, Cell, Chain
+    from stepwell.studies import DRIVES, Axis
+
+    if drive not in DRIVES:
+        raise typer.BadParameter(f"{drive!r}: must be stroke or force.", param_hint="--drive")
+    if not math.isfinite(designs) or designs > 1e12:
+        raise typer.BadParameter(f"{designs}: must be at most 1e12.", param_hint="--designs")
+    axes = tuple(
+        Axis(f"{cell}.{part}", *ends)
+        for cell in range(1, cells + 1)
+        for part, ends in _SPACE.items()
+    )
+    if design is None:
+        band = Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
+        subject = Chain([Cell(band)] * cells)
+    else:
+        _, subject = read_design(design)
+        if not isinstance(subject, Chain):
+            raise typer.BadParameter("is a robot: must be a chain.", param_hint="DESIGN")
+        if not vary:
+            raise typer.BadParameter("is needed with a design.", param_hint="--vary")
+    if vary:
+        with usable("--vary"):
+            axes = read_axes(vary, subject, drawn=True)
+    with usable("--vary"), going_on(out, scheduler) as tell:
+        found = atlas(
+            subject, axes, int(designs), out,
+            drive=drive, seed=seed, workers=workers, scheduler=scheduler, progress=tell,
+        )  # fmt: skip
+    _show(_charted(found.study), as_json)
+
+
+@commands.command(epilog=EXIT_CODES)
+def show(
+    store: _There = None,
+    anchor: parts.Anchor = parts.ANCHOR_MM,
+    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length: parts.RestLengthSpread = 0.0,
+    as_json: Json = False,
+) -> None:
+    """Say what a store holds so far: machines, their shares and yields, what is proved."""
+    _show(_charted(_opened(store), anchor, stiffness, rest_length), as_json)
+
+
+@commands.command(epilog=EXIT_CODES)
+def find(
+    query: Annotated[
+        str,
+        typer.Argument(
+            metavar="QUERY",
+            help='What they do, such as "counts to two by hand and not remembers", or a cycle such '
+            "as 00>10>11>01>00.",
+        ),
+    ],
+    store: _There = None,
+    least: Annotated[
+        str,
+        typer.Option("--yield", metavar="PERCENT", help="At least, for sure; 99 or 99%."),
+    ] = "0",
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="Write the first one as a design file, .toml.",
+            dir_okay=False,
+        ),
+    ] = None,
+    anchor: parts.Anchor = parts.ANCHOR_MM,
+    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length: parts.RestLengthSpread = 0.0,
+    as_json: Json = False,
+) -> None:
+    """Find machines of a store by what they do, those that are built most surely first."""
+    from stepwell import atlas, files, results
+    from stepwell.cli.text import atlas as texts
+
+    if out is not None and out.suffix != ".toml":
+        raise typer.BadParameter(f"{out}: must end in .toml.", param_hint="--out")
+    yields = _percent(least)
+    study = _opened(store)
+    with usable("QUERY"):
+        atlas.understood(query)
+    chart = _charted(study, anchor, stiffness, rest_length, checks=0)
+    machines = atlas.find(chart, query, yields)
+    if out is not None and machines:
+        files.save(machines[0].chain, out)
+        show_lines(f"Written into {out}: {machines[0].name}.")
+    finish(results.atlas_record(chart, machines), texts.found, as_json)
+
+
+def _opened(store: Path | None) -> Study:
+    from stepwell.atlas import THREE
+    from stepwell.studies import opened
+
+    return opened(store or THREE)
+
+
+def _percent(text: str) -> float:
+    try:
+        share = float(text.strip().removesuffix("%")) / 100
+    except ValueError:
+        share = math.nan
+    if not 0 <= share <= 1:
+        raise typer.BadParameter(f"{text!r}: must be from 0 to 100 %.", param_hint="--yield")
+    return share
+
+
+def _charted(
+    study: Study,
+    anchor: float = parts.ANCHOR_MM,
+    stiffness: float = parts.STIFFNESS_PERCENT,
+    rest_length: float = 0.0,
+    checks: int = 100,
+) -> Atlas:
+    from stepwell.atlas import charted
+
+    within = parts.tolerances(anchor, stiffness, rest_length, 0.0, 0.0)
+    with usable("STORE"), progress("machines") as tell:
+        return charted(study, tolerances=within, checks=checks, progress=tell)
+
+
+def _show(found: Atlas, as_json: bool) -> None:
+    from stepwell import results
+    from stepwell.cli.text import atlas as texts
+
+    finish(results.atlas_record(found), texts.atlas, as_json)

@@ -1,0 +1,427 @@
+"""`stepwell sweep`: one thing computed of many designs, into a store that loses nothing."""
+
+from __future__ import annotations
+
+import inspect
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stepwell.cli.options import (
+    Design,
+    Force,
+    Json,
+    free,
+    read_design,
+    read_range,
+    tolerances as parts,
+)
+from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable, warn
+
+if TYPE_CHECKING:
+    from stepwell.studies import Axis, Designs, Estimate, Status, Study
+
+commands = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich" if styled() else None,
+    help="Compute one thing of many designs, on all cores; what is killed goes on.",
+    epilog=EXIT_CODES,
+)
+
+_Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="NAME=FROM:TO:COUNT",
+        help="What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
+        "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
+        "COUNT with --sobol, --latin or --random. May be given again.",
+    ),
+]
+_Table = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Designs one by one, a line of a CSV file each."),
+]
+_Store = Annotated[
+    Path,
+    typer.Option(
+        "--out", "-o", metavar="STORE", help="The store, a folder that xarray opens as Zarr."
+    ),
+]
+_Sobol = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="N designs of a Sobol' sequence, scrambled."),
+]
+_Latin = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="N designs of a Latin hypercube.")
+]
+_Random = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="N designs drawn independently.")
+]
+_Built = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="N mechanisms as built, within these tolerances:"),
+]
+Seed = Annotated[int, typer.Option(help="Of what is drawn.", min=0)]
+_Chunk = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Designs that are computed and written together."),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Processes at once; one for every core by default."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS", help="A running Dask scheduler, such as tcp://10.0.0.1:8786, instead."
+    ),
+]
+_Estimate = Annotated[
+    bool, typer.Option("--estimate", help="Only say how long it will take, and how much room.")
+]
+_There = Annotated[Path, typer.Argument(metavar="STORE", help="What --out said.")]
+
+# What some of them take besides the design and what varies.
+_OWN: dict[str, dict[str, tuple[Any, Any]]] = {
+    "program": {
+        "start": (
+            Annotated[str | None, typer.Option("--from", metavar="STATE", help="As in 00.")],
+            None,
+        ),
+        "to": (Annotated[str, typer.Option("--to", metavar="STATE", help="As in 01.")], ...),
+    },
+    "walk": {
+        "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4)
+    },
+    "maze": {
+        "arena": (
+            Annotated[str, typer.Option(metavar="ARENA", help="A name, or a file of your own.")],
+            ...,
+        ),
+        "limit": (Annotated[float, typer.Option(help="Time it is given [s].", min=1)], 600.0),
+        "layouts": (
+            Annotated[
+                int,
+                typer.Option(
+                    help="So many layouts with walls and start a little elsewhere, the same for "
+                    "every design; 0 takes the arena as it is.",
+                    min=0,
+                ),
+            ],
+            0,
+        ),
+        "first": (
+            Annotated[
+                int,
+                typer.Option(
+                    help="Number of the first of these layouts: others than those that a design "
+                    "was chosen by are told apart so.",
+                    min=0,
+                ),
+            ],
+            0,
+        ),
+    },
+    "call": {
+        "function": (
+            Annotated[
+                str,
+                typer.Option(
+                    metavar="FILE.py:NAME",
+                    help="A function of a design and a seed that gives numbers and texts by name.",
+                ),
+            ],
+            ...,
+        )
+    },
+}
+
+# Robots have no tolerances.
+_OF_ROBOTS = {"walk", "maze"}
+_OF_CHAINS = {"built", "anchor", "stiffness", "rest_length", "lever", "friction", "travel"}
+
+
+def _run(
+    what: str,
+    *,
+    design: Design,
+    out: _Store,
+    vary: _Vary = None,
+    table: _Table = None,
+    sobol: _Sobol = None,
+    latin: _Latin = None,
+    random: _Random = None,
+    built: _Built = None,
+    anchor: parts.Anchor = parts.ANCHOR_MM,
+    stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
+    rest_length: parts.RestLengthSpread = 0.0,
+    lever: parts.LeverTolerance = 0.0,
+    friction: parts.Friction = 0.0,
+    travel: parts.TravelSpread = 0.0,
+    seed: Seed = 0,
+    chunk: _Chunk = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    estimate: _Estimate = False,
+    as_json: Json = False,
+    **own: Any,
+) -> None:
+    from stepwell import studies
+    from stepwell.kernels import cores
+    from stepwell.mechanism import Chain
+
+    _, subject = read_design(design)
+    ways = {"table": table, "sobol": sobol, "latin": latin, "random": random, "built": built}
+    chosen = [name for name, value in ways.items() if value is not None]
+    _refuse_two(chosen, bool(vary))
+    way = chosen[0] if chosen else "grid"
+    designs: Designs
+    if table is not None:
+        with usable("--table"):
+            designs = studies.read_table(table, subject)
+    elif built is not None:
+        within = anchor, stiffness, rest_length, lever, friction, travel
+        measure = {"measure": subject.measure} if isinstance(subject, Chain) else {}
+        with usable("--built"):
+            made = parts.tolerances(*within, **measure)
+            designs = studies.Workshop(made, built, seed)
+    else:
+        count = sobol or latin or random or 0
+        with usable("--vary"):
+            axes = read_axes(vary or [], subject, drawn=bool(count))
+            designs = studies.Space(axes, studies.How(way), count, seed)
+    with usable(what):
+        study = studies.asked(subject, what, designs, out, given=_given(own, subject), chunk=chunk)
+    if estimate:
+        _tell(studies.estimate(study, workers or cores()))
+        return
+    with usable(design):
+        begun = studies.begun(study)
+    _resumed(begun, workers, scheduler, as_json)
+
+
+def _command(what: str, doc: str) -> None:
+    """A command for something that is computed."""
+
+    def run(**options: Any) -> None:
+        _run(what, **options)
+
+    common = list(inspect.signature(_run, eval_str=True).parameters.values())
+    own = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        if default is not ...
+        else inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind)
+        for name, (kind, default) in _OWN.get(what, {}).items()
+    ]
+    _, design, out, *others, _ = common
+    if what in _OF_ROBOTS:
+        others = [one for one in others if one.name not in _OF_CHAINS]
+    signature = inspect.Signature([design, *own, out, *others])
+    run.__signature__ = signature  # type: ignore[attr-defined]  what Typer reads
+    run.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+    run.__doc__ = doc
+    commands.command(what, epilog=EXIT_CODES)(run)
+
+
+for _what, _doc in {
+    "cycle": "Follow the full cycle of every design: sequence, snaps, peak force, energy lost.",
+    "margin": "Say how far every design is from another sequence, by an anchor or a stiffness.",
+    "yield": "Say how many of every design, built with the usual tolerances, do what it does.",
+    "graph": "Count the states and transitions that every design has in reach.",
+    "program": "Find of every design the fewest turning points from one state to another.",
+    "walk": "Let every robot walk: advance, turn, work and gaits.",
+    "maze": "Let every robot find its way through an arena.",
+    "call": "Call a function of your own on every design.",
+}.items():
+    _command(
+        _what,
+        f"{_doc}\n\nThe designs are a grid, drawn, listed, or one design as built. What is found "
+        f"goes chunk by chunk into a store; whatever was killed, the same command goes on, and the "
+        f"finished store is the same. A design that cannot be computed has its problem told in "
+        f"its row.",
+    )
+
+
+@commands.command(epilog=EXIT_CODES)
+def resume(
+    store: _There,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    as_json: Json = False,
+) -> None:
+    """Compute what is missing in a store."""
+    from stepwell.studies import opened
+
+    _resumed(opened(store), workers, scheduler, as_json)
+
+
+@commands.command(epilog=EXIT_CODES)
+def extend(
+    store: _There,
+    count: Annotated[int, typer.Option(metavar="N", help="Designs in all.", min=1)],
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    as_json: Json = False,
+) -> None:
+    """Add designs to a store whose designs were drawn; those that there are stay."""
+    from stepwell.studies import extended, opened
+
+    with usable("--count"):
+        study = extended(opened(store), count)
+    _resumed(study, workers, scheduler, as_json)
+
+
+@commands.command(epilog=EXIT_CODES)
+def cancel(store: _There) -> None:
+    """Have whoever works on a store stop after what is being computed; what is done stays."""
+    from stepwell.studies import cancel, opened
+
+    cancel(opened(store))
+    show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
+
+
+@commands.command(epilog=EXIT_CODES)
+def status(store: _There, as_json: Json = False) -> None:
+    """Say how far a study is, and what it has found so far."""
+    from stepwell import studies
+
+    _show(studies.status(store), as_json)
+
+
+@commands.command(epilog=EXIT_CODES)
+def export(
+    store: _There,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="The table: .csv, or .parquet.",
+            dir_okay=False,
+        ),
+    ],
+) -> None:
+    """Write the designs of a store that are done as a table, units in the headings."""
+    from stepwell.studies import opened
+
+    if out.suffix not in (".csv", ".parquet"):
+        raise typer.BadParameter(f"{out}: must end in .csv or .parquet.", param_hint="--out")
+    study = opened(store)
+    count = study.to_parquet(out) if out.suffix == ".parquet" else study.to_csv(out)
+    show_lines(f"Written into {out}: {count} designs.")
+
+
+@commands.command(epilog=EXIT_CODES)
+def report(
+    store: _There,
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="DIR", help="Write the results here.", file_okay=False),
+    ],
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draw what a study has found so far, and say which number decides it, on one page."""
+    from stepwell import reports, results, studies
+    from stepwell.cli.text import studies as texts
+
+    free(out, "sweep report", force)
+    found = studies.status(store)
+    write = partial(reports.write_study, found)
+    finish(results.study_record(found), texts.study, as_json, out, force, write)
+
+
+def _resumed(study: Study, workers: int | None, scheduler: str | None, as_json: bool) -> None:
+    from stepwell.studies import begun, resumed
+
+    kinds = Counter[str]()
+    with going_on(study.folder, scheduler, lambda: _so_far(kinds)) as tell:
+        found = resumed(
+            begun(study), workers, scheduler=scheduler, progress=tell, problems=kinds.update
+        )
+    _show(found, as_json)
+
+
+def _so_far(kinds: Mapping[str, int]) -> str:
+    """Designs that could not be computed, by the kind of their problem, for a line."""
+    return "".join(f", {count} {kind}" for kind, count in sorted(kinds.items()))
+
+
+def _refuse_two(chosen: Sequence[str], varied: bool) -> None:
+    """Designs come about in one way."""
+    if len(chosen) > 1:
+        raise typer.BadParameter(f"cannot stand with --{chosen[1]}.", param_hint=f"--{chosen[0]}")
+    if not varied and not {"table", "built"} & set(chosen):
+        raise typer.BadParameter("is needed, or --table, or --built.", param_hint="--vary")
+    if varied and {"table", "built"} & set(chosen):
+        raise typer.BadParameter("cannot stand with --vary.", param_hint=f"--{chosen[0]}")
+
+
+def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
+    """What a study is given of these options."""
+    from stepwell import files
+    from stepwell.studies import function_of
+
+    if "arena" in own:
+        own |= {"arena": files.dumps(files.load_arena(own["arena"]))}
+    if "function" in own:
+        with usable("--function"):
+            return function_of(own["function"], subject)
+    return own
+
+
+def _show(found: Status, as_json: bool) -> None:
+    from stepwell import results
+    from stepwell.cli.text import studies as texts
+
+    finish(results.study_record(found), texts.study, as_json)
+
+
+def _tell(found: Estimate) -> None:
+    minutes = found.seconds / 60
+    took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
+    if minutes > 120:
+        took = f"{minutes / 60:.0f} h"
+    show_lines(
+        f"{found.designs} designs: about {took} on {found.workers} cores "
+        f"({found.each * 1e3:.3g} ms each, from {found.sample} of them), and at most "
+        f"{found.disk / 1e6:.3g} MB."
+    )
+
+
+@contextmanager
+def going_on(store: Path, scheduler: str | None, note: Callable[[], str] = str) -> Iterator[Any]:
+    """Show how far the work on a store is, and say how it goes on where it is interrupted."""
+    from stepwell.studies import dashboard
+
+    if scheduler is not None:
+        warn(f"Dask's dashboard: {dashboard(scheduler)}")
+    kept = f"what is done stays, and `stepwell sweep resume {store}` goes on"
+    with progress("chunks", kept=kept, note=note) as tell:
+        yield tell
+
+
+def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[Axis, ...]:
+    """What varies, as a store keeps it."""
+    from stepwell.base import told_in
+    from stepwell.robot import Robot
+    from stepwell.studies import Axis, unit_in
+
+    form = "NAME=FROM:TO" if drawn else "NAME=FROM:TO:COUNT"
+    example = "outer.q.x=0:20" + ("" if drawn else ":41")
+    found: list[Axis] = []
+    for text in texts:
+        one = read_range(text, form, example)
+        if not one.start < one.stop:
+            raise typer.BadParameter(f"{text!r}: must rise, as {example} does.")
+        unit = unit_in(subject, one.name)
+        factor = 1.0 if isinstance(subject, Robot) else told_in(unit)[1]
+        found.append(Axis(one.name, one.start / factor, one.stop / factor, one.count or 2, one.log))
+    return tuple(found)

@@ -1,0 +1,568 @@
+"""The transition graph of concave cells of one travel, in closed form: by stroke and by force.
+
+Under a stroke at most one cell is in transit, since two falling forces cannot balance. So the
+chain stands at a *vertex*, every cell at a stop, or with one cell between its stops, and where that
+ends one cell gives travel to another until one of the two arrives.
+
+Source: ours (theory page, "Graphs in closed form").
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, Ints
+from stepwell.concave.cell import force_at, full_travel, of_row, travel_at
+from stepwell.concave.certificate import certify
+from stepwell.concave.ends import end_forces, proved_ends
+from stepwell.concave.sorting import TIED, same_travel
+from stepwell.kernels import entry, kernel
+
+# What drives the chain.
+STROKE, FORCE = 0, 1
+# Targets that are no node: the drive ends, or there is no such node.
+END, NONE = -1, -2
+# Why a design is not told in closed form.
+TOLD, NOT_PROVED, TIES, WAKES = 0, 1, 2, 3
+# Of more cells nearly every design has a graph of its own.
+MOST_CELLS = 6
+
+# Pieces into which an exchange is cut at most to see whether it wakes a third cell.
+_PIECES = 64
+# Longest steps of a flow, of the full travel, that must agree on where it ends; steps at most.
+_COARSE, _FINE, _STEPS = 0.01, 0.005, 10_000
+# Two remainders of 31 bits make a key.
+_PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
+
+
+@kernel
+def least_force(ends: Floats, state: int, skip: int) -> int:
+    """The cell at 0 that lets go first as the force rises, or -1; `skip` is not looked at."""
+    found = -1
+    for cell in range(len(ends)):
+        empty = cell != skip and not state >> cell & 1
+        if empty and (found < 0 or ends[cell, 0] < ends[found, 0]):
+            found = cell
+    return found
+
+
+@kernel
+def largest_force(ends: Floats, state: int, skip: int) -> int:
+    """The cell at 1 that lets go first as the force falls, or -1; `skip` is not looked at."""
+    found = -1
+    for cell in range(len(ends)):
+        full = cell != skip and state >> cell & 1
+        if full and (found < 0 or ends[cell, 1] > ends[found, 1]):
+            found = cell
+    return found
+
+
+@kernel
+def _limits(ends: Floats, state: int, a: int, b: int) -> tuple[float, float]:
+    """Between which forces all cells but a and b stay at their stops."""
+    low, high = -np.inf, np.inf
+    for cell in range(len(ends)):
+        if cell != a and cell != b:
+            if state >> cell & 1:
+                low = max(low, ends[cell, 1])
+            else:
+                high = min(high, ends[cell, 0])
+    return low, high
+
+
+@kernel
+def _undisturbed(
+    cells: Floats, give: int, take: int, gives: float, takes: float, amount: float,
+    low: float, high: float,
+) -> bool:  # fmt: skip
+    """Whether no third cell wakes while one cell gives travel to another, proved.
+
+    Meanwhile the force is the mean of the two. Along the way the one that gives pushes more and
+    more and the other less and less, so that on every piece their ends bound them.
+    """
+    giver, taker = of_row(cells[give]), of_row(cells[take])
+    pieces = 1
+    while pieces <= _PIECES:
+        piece, holds = amount / pieces, True
+        f, g = force_at(giver, gives)[0], force_at(taker, takes)[0]
+        for k in range(1, pieces + 1):
+            f_next = force_at(giver, gives - k * piece)[0]
+            g_next = force_at(taker, takes + k * piece)[0]
+            if k < pieces and not low < 0.5 * (f_next + g_next) < high:
+                return False
+            if not (0.5 * (f + g_next) > low and 0.5 * (f_next + g) < high):
+                holds = False
+            f, g = f_next, g_next
+        if holds:
+            return True
+        pieces *= 2
+    return False
+
+
+@kernel
+def _mean(force: Floats, travel: Floats, full: float) -> float:
+    """The force at which travels of given sum flow: the mean of all cells that are free to move.
+
+    A cell at 0 is free where its force is below that mean, a cell at 1 where it is above.
+    """
+    total, count = 0.0, 0
+    for i in range(len(force)):
+        if 0.0 < travel[i] < full:
+            total, count = total + force[i], count + 1
+    mean = total / count
+    for _ in range(2 * len(force)):
+        total, count = 0.0, 0
+        for i in range(len(force)):
+            waits = (travel[i] == 0.0 and force[i] >= mean) or (
+                travel[i] == full and force[i] <= mean
+            )
+            if not waits:
+                total, count = total + force[i], count + 1
+        if total / count == mean:
+            break
+        mean = total / count
+    return mean
+
+
+@kernel
+def _rates(cells: Floats, full: float, travel: Floats, force: Floats, rate: Floats) -> float:
+    """How fast travels of given sum flow, (N,) into `rate`; the fastest of them."""
+    for i in range(len(cells)):
+        force[i] = force_at(of_row(cells[i]), travel[i])[0]
+    mean, fastest = _mean(force, travel, full), 0.0
+    for i in range(len(cells)):
+        rate[i] = mean - force[i]
+        if (travel[i] == 0.0 and rate[i] <= 0.0) or (travel[i] == full and rate[i] >= 0.0):
+            rate[i] = 0.0
+        fastest = max(fastest, abs(rate[i]))
+    return fastest
+
+
+@kernel
+def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
+    """Let travels of given sum flow until one cell is in transit and all others stay; which.
+
+    By the midpoint rule, and a simple step where a cell arrives, which ends it.
+
+    Args:
+        cells: (N, 6).
+        full: the full travel of all [m].
+        travel: (N,) where they are [m]; where they come to rest, afterwards.
+        step: the farthest that a cell goes at once [m].
+
+    Returns:
+        The cell in transit, or -1 where there was no end.
+    """
+    n = len(cells)
+    force, rate, half = np.empty(n), np.empty(n), np.empty(n)
+    for _ in range(_STEPS):
+        moving, between = -1, 0
+        for i in range(n):
+            if 0.0 < travel[i] < full:
+                moving, between = i, between + 1
+        if between == 0:
+            return -1
+        fastest = _rates(cells, full, travel, force, rate)
+        if between == 1 and fastest <= 1e-12 * abs(force[moving]):
+            return moving
+        arrives = False
+        for i in range(n):
+            half[i] = travel[i] + 0.5 * step / fastest * rate[i]
+            arrives = arrives or (rate[i] != 0.0 and not 0.0 < half[i] < full)
+        if not arrives:
+            fastest = _rates(cells, full, half, force, rate)
+        # As far as a step goes, or until the first cell arrives.
+        time, first = step / fastest, -1
+        for i in range(n):
+            room = full - travel[i] if rate[i] > 0.0 else travel[i]
+            if rate[i] != 0.0 and room <= time * abs(rate[i]):
+                time, first = room / abs(rate[i]), i
+        for i in range(n):
+            travel[i] = min(max(travel[i] + time * rate[i], 0.0), full)
+        if first >= 0:
+            travel[first] = full if rate[first] > 0.0 else 0.0
+    return -1
+
+
+@kernel
+def _flowed(
+    cells: Floats, full: float, state: int, moving: int, travel: float, other: int, step: float
+) -> int:
+    """The node onto which a chain flows from where a cell lets go; -1 where there was no end.
+
+    Arguments are those of `_landing`, and the longest step [m].
+    """
+    n = len(cells)
+    place = np.empty(n)
+    for i in range(n):
+        place[i] = full if state >> i & 1 else 0.0
+    place[moving] = travel
+    # Off the fold, on the side to which it lets go.
+    little = 1e-4 * full
+    if state >> other & 1:
+        little = -min(little, 0.5 * (full - travel))
+    else:
+        little = min(little, 0.5 * travel)
+    place[moving] -= little
+    place[other] += little
+    then = _flow(cells, full, place, step)
+    if then < 0:
+        return -1
+    after = 0
+    for i in range(n):
+        if place[i] == full:
+            after |= 1 << i
+    return then << n | after
+
+
+@kernel
+def _landing(
+    cells: Floats, ends: Floats, full: float, state: int, moving: int, travel: float, other: int
+) -> tuple[int, float]:
+    """Where the chain lands as a cell lets go.
+
+    Args:
+        cells, ends: (N, 6) and (N, 2) of the chain.
+        full: the full travel of all [m].
+        state: bits of the cells at 1.
+        moving, travel: the cell in transit, and where it is [m].
+        other: the cell that lets go: one at 0 takes the travel of the first, one at 1 gives its.
+
+    Returns:
+        The node, or -1 where two computations differ; and how far the force there is from waking
+        another cell [N].
+    """
+    n = len(ends)
+    if state >> other & 1:
+        give, take, gives, takes, amount = other, moving, full, travel, full - travel
+        after = state & ~(1 << other) | 1 << moving
+    else:
+        give, take, gives, takes, amount = moving, other, travel, 0.0, travel
+        after = state
+    node = other << n | after
+    if n == 2:
+        return node, np.inf
+    low, high = _limits(ends, after, other, other)
+    force = force_at(of_row(cells[other]), travel)[0]
+    clear = min(abs(force - low), abs(high - force))
+    between = _limits(ends, state, give, take)
+    if low < force < high and _undisturbed(
+        cells, give, take, gives, takes, amount, between[0], between[1]
+    ):
+        return node, clear
+    coarse = _flowed(cells, full, state, moving, travel, other, _COARSE * full)
+    fine = _flowed(cells, full, state, moving, travel, other, _FINE * full)
+    if coarse < 0 or coarse != fine:
+        return -1, clear
+    moving, after = fine >> n, fine & ((1 << n) - 1)
+    low, high = _limits(ends, after, moving, moving)
+    force = force_at(of_row(cells[moving]), travel)[0]
+    return fine, min(clear, abs(force - low), abs(high - force))
+
+
+@kernel
+def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -> float:
+    """Fill the targets of all nodes to which vertices lead; the clearance, -1 if none is proved."""
+    n = len(ends)
+    full, clear = full_travel(of_row(cells[0])), np.inf
+    waiting, count = np.empty(len(up), np.int64), 0
+    for vertex in range(n << n, (n + 1) << n):
+        for node in (up[vertex], down[vertex]):
+            if node >= 0 and up[node] == NONE:
+                up[node] = END
+                waiting[count] = node
+                count += 1
+    while count > 0:
+        count -= 1
+        node = waiting[count]
+        moving, state = node >> n, node & ((1 << n) - 1)
+        empty, held = least_force(ends, state, moving), largest_force(ends, state, moving)
+        for rises in (True, False):
+            other, own = (held, ends[moving, 1]) if rises else (empty, ends[moving, 0])
+            force = own
+            if other >= 0:
+                force = max(own, ends[other, 1]) if rises else min(own, ends[other, 0])
+            # It arrives at its own stop before anything else lets go.
+            target = n << n | (state | 1 << moving if rises else state)
+            if other >= 0 and force != own:
+                travel = 0.0
+                if n > 2:
+                    cell = of_row(cells[moving])
+                    travel = travel_at(cell, force, ends[moving, 0], ends[moving, 1])
+                target, room = _landing(cells, ends, full, state, moving, travel, other)
+                clear = min(clear, room)
+                if target < 0 or room <= slip:
+                    return -1.0
+                if up[target] == NONE:
+                    up[target] = END
+                    waiting[count] = target
+                    count += 1
+            if rises:
+                up[node] = target
+            else:
+                down[node] = target
+    return clear
+
+
+@kernel
+def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, down: Ints) -> float:
+    """Where every node of a chain leads to as the drive rises, and as it falls.
+
+    A node is the number of the cell in transit, N if none is, times 2^N, and the bits of the cells
+    at 1.
+
+    Args:
+        cells, ends: (N, 6) and (N, 2): proved concave cells of one full travel, of which no two
+            end forces tie.
+        drive: STROKE or FORCE.
+        slip: forces no further apart than this tie [N].
+        up, down: ((N + 1) 2^N,) out.
+
+    Returns:
+        By how much a force in a snap could differ before it lands elsewhere [N]; -1 where the
+        landing is not proved.
+    """
+    n = len(ends)
+    up[:], down[:] = NONE, NONE
+    for state in range(1 << n):
+        empty, held = least_force(ends, state, -1), largest_force(ends, state, -1)
+        if empty >= 0 and held >= 0 and ends[held, 1] > ends[empty, 0]:
+            continue
+        vertex = n << n | state
+        # By force a cell goes from stop to stop, and by stroke it is in transit first.
+        if drive == FORCE:
+            up[vertex] = END if empty < 0 else vertex | 1 << empty
+            down[vertex] = END if held < 0 else vertex & ~(1 << held)
+        else:
+            up[vertex] = END if empty < 0 else empty << n | state
+            down[vertex] = END if held < 0 else held << n | state & ~(1 << held)
+    if drive == FORCE:
+        return np.inf
+    return _by_stroke(cells, ends, slip, up, down)
+
+
+@kernel
+def _nearest(ends: Floats) -> float:
+    """How far apart the two nearest end forces of different cells are [N]."""
+    gap = np.inf
+    for i in range(len(ends)):
+        for j in range(i):
+            for a in range(2):
+                for b in range(2):
+                    gap = min(gap, abs(ends[i, a] - ends[j, b]))
+    return gap
+
+
+@kernel
+def _apart(ends: Floats) -> float:
+    """How far apart the two nearest F0 or the two nearest F1 are [N]."""
+    gap = np.inf
+    for i in range(len(ends)):
+        for j in range(i):
+            gap = min(gap, abs(ends[i, 0] - ends[j, 0]), abs(ends[i, 1] - ends[j, 1]))
+    return gap
+
+
+@kernel
+def _ranked(key: Floats, order: Ints) -> None:
+    """Cells by rising key, into `order`."""
+    for place in range(len(key)):
+        j = place
+        while j > 0 and key[order[j - 1]] > key[place]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = place
+
+
+@entry(3e-5, "numbers")
+def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, told: Ints) -> None:
+    n = numbers.shape[1]
+    size = (n + 1) << n
+    up, down = np.empty(size, np.int64), np.empty(size, np.int64)
+    cells, ends = np.empty((n, 6)), np.empty((n, 2))
+    loading, unloading = np.empty(n, np.int64), np.empty(n, np.int64)
+    for k in range(len(numbers)):
+        key[k], cycle[k], gap[k, 0], gap[k, 1] = -1, -1, 0.0, 0.0
+        told[k] = NOT_PROVED
+        proved, scale, longest, least = True, 0.0, 0.0, np.inf
+        for i in range(n):
+            cell = of_row(numbers[k, i])
+            proved = proved and certify(cell, 0.0)
+            if not proved:
+                break
+            ends[i, 0], ends[i, 1] = end_forces(cell)
+            scale = max(scale, abs(ends[i, 0]), abs(ends[i, 1]))
+            travel = full_travel(cell)
+            longest, least = max(longest, travel), min(least, travel)
+        if not proved or not same_travel(longest, least):
+            continue
+        _ranked(ends[:, 0], loading)
+        _ranked(-ends[:, 1], unloading)
+        nearest, apart = _nearest(ends), _apart(ends)
+        slip = TIED * scale
+        told[k] = TIES
+        if nearest <= slip:
+            continue
+        code = 0
+        for i in range(n):
+            code = code * n + loading[i]
+        for i in range(n):
+            code = code * n + unloading[i]
+        cycle[k], gap[k, 1] = code, apart / scale
+        # Cells by rising F0: the force in a chain knows no places.
+        for i in range(n):
+            cells[i] = numbers[k, loading[i]]
+        for i in range(n):
+            ends[i, 0], ends[i, 1] = end_forces(of_row(cells[i]))
+        clear = graph_of(cells, ends, drive, slip, up, down)
+        if clear < 0.0:
+            told[k] = WAKES
+            continue
+        told[k] = TOLD
+        gap[k, 0] = min(nearest, clear) / scale
+        first, second = 1, 1
+        for node in range(size):
+            both = (up[node] + 2) * (size + 2) + down[node] + 2
+            first = (first * _FACTORS[0] + both) % _PRIMES[0]
+            second = (second * _FACTORS[1] + both) % _PRIMES[1]
+        key[k] = first << 31 | second
+
+
+@entry(2e-6, "key")
+def _tallied(
+    key: Ints, gap: Floats, first: int, keys: Ints, counts: Ints, best: Floats, where: Ints
+) -> bool:
+    size, taken = len(keys), 0
+    for place in range(size):
+        taken += counts[place] > 0
+    for k in range(len(key)):
+        if key[k] < 0:
+            continue
+        place = key[k] % size
+        while counts[place] > 0 and keys[place] != key[k]:
+            place = (place + 1) % size
+        if counts[place] == 0:
+            taken += 1
+            if 2 * taken > size:
+                return False
+            keys[place], best[place] = key[k], -1.0
+        counts[place] += 1
+        if gap[k] > best[place]:
+            best[place], where[place] = gap[k], first + k
+    return True
+
+
+class Tally:
+    """How often each key came, and where with the largest gap; of any number of designs."""
+
+    def __init__(self, most: int):
+        self._size = 2 * most + 1
+        self._keys, self._where = np.zeros((2, self._size), np.int64)
+        self._counts, self._best = np.zeros(self._size, np.int64), np.zeros(self._size)
+
+    def add(self, key: Ints, gap: Floats, first: int) -> None:
+        """Count keys (m,) of the designs from number `first` on; negative ones are left out.
+
+        Raises:
+            ValueError: there are too many different ones.
+        """
+        key, gap = np.ascontiguousarray(key), np.ascontiguousarray(gap)
+        table = self._keys, self._counts, self._best, self._where
+        if not _tallied(key, gap, first, *table):
+            raise InputError(
+                f"there are more than {self._size // 2} different graphs: take fewer cells."
+            )
+
+    @property
+    def rows(self) -> list[tuple[int, int, float, int]]:
+        """By rising key: the key, how often it came, the largest gap and the design that has it."""
+        there = np.flatnonzero(self._counts)
+        there = there[np.argsort(self._keys[there])]
+        columns = (self._keys, self._counts, self._best, self._where)
+        return list(zip(*(column[there].tolist() for column in columns), strict=True))
+
+
+@entry(1e-4, "ends")
+def _graph(cells: Floats, ends: Floats, drive: int, up: Ints, down: Ints) -> float:
+    return graph_of(cells, ends, drive, TIED * np.max(np.abs(ends)), up, down)
+
+
+# From, to, direction of the drive, and whether the chain snaps on the way.
+Way = tuple[str, str, int, bool]
+
+
+def closed_graph(numbers: Floats, drive: int) -> tuple[Way, ...]:
+    """The ways of a chain that `classed` has told.
+
+    Args:
+        numbers: (N, 6) cells as the fields of `Simple`, inner first.
+        drive: STROKE or FORCE.
+
+    Returns:
+        One for each, nodes by the phases of their cells, inner first, "-" for one in transit.
+    """
+    cells = np.ascontiguousarray(numbers, float)
+    return _ways(cells, proved_ends(cells)[0], drive)
+
+
+def graph_by_ends(ends: Floats, drive: int) -> tuple[Way, ...]:
+    """The same of concave cells of which nothing but the end forces is known.
+
+    Args:
+        ends: (N, 2) F0 and F1, no two of them equal [N].
+        drive: STROKE or FORCE.
+
+    Raises:
+        ValueError: three cells or more under a stroke, where a snap may land by more than these.
+    """
+    if drive == STROKE and len(ends) > 2:
+        raise InputError(f"{len(ends)} cells under a stroke: must be 2, or driven by a force.")
+    return _ways(np.ones((len(ends), 6)) * 0.5, np.ascontiguousarray(ends, float), drive)
+
+
+def _ways(cells: Floats, ends: Floats, drive: int) -> tuple[Way, ...]:
+    n = len(ends)
+    size = (n + 1) << n
+    up, down = np.empty(size, np.int64), np.empty(size, np.int64)
+    _graph(cells, ends, drive, up, down)
+    found: list[Way] = []
+    for direction, targets in ((+1, up), (-1, down)):
+        for node in np.flatnonzero(targets >= 0).tolist():
+            target = int(targets[node])
+            # By stroke whatever begins or ends at a vertex can be turned back.
+            snaps = drive == FORCE or (node >> n < n and target >> n < n)
+            found.append((_label(node, n), _label(target, n), direction, snaps))
+    return tuple(found)
+
+
+def _label(node: int, n: int) -> str:
+    phases = [str(node >> cell & 1) for cell in range(n)]
+    if node >> n < n:
+        phases[node >> n] = "-"
+    return "".join(phases)
+
+
+def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
+    """Of many chains at once: which graph each has, and which cycle.
+
+    Args:
+        numbers: (m, N, 6) cells as the fields of `Simple`, inner first.
+        drive: STROKE or FORCE.
+
+    Returns:
+        (m,) keys of the graphs, equal where graphs are, cells taken by rising F0, or -1; (m,)
+        orders of loading and of unloading, the cells' numbers as digits of base N, or -1; (m, 2) by
+        how much of the largest force two forces could come nearer before the graph, or the cycle,
+        is another one; (m,) TOLD, or why there is no key: NOT_PROVED, TIES, WAKES.
+
+    Raises:
+        ValueError: more cells than `MOST_CELLS`.
+    """
+    m, n = numbers.shape[:2]
+    if n > MOST_CELLS:
+        raise InputError(f"{n} cells: must be at most {MOST_CELLS}.")
+    key, cycle = np.empty(m, np.int64), np.empty(m, np.int64)
+    gap, told = np.empty((m, 2)), np.empty(m, np.int64)
+    numbers = np.ascontiguousarray(numbers)
+    _classed(numbers, drive, key, cycle, gap, told)
+    return key, cycle, gap, told

@@ -1,0 +1,48 @@
+"""Everything about a study in one folder: figures, its table, numbers, a page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stepwell.base import InputError
+from stepwell.reports.pages import study_page
+from stepwell.reports.steps import Folder, Progress, bundle
+from stepwell.results import study_record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stepwell.studies import Status
+
+_CAPTIONS = {
+    "outcomes": "What the designs do, over what decides it",
+    "influences": "How much each number decides by itself",
+}
+
+
+def write_study(
+    found: Status, folder: Folder, *, progress: Progress | None = None, force: bool = False
+) -> tuple[str, ...]:
+    """Write what a study has found so far: study.csv, study.json, outcomes and influences.
+
+    report.html tells it. Influences are drawn of 50 designs or more.
+
+    Raises:
+        ValueError: an atlas, which `stepwell atlas show` tells, or a study without designs yet.
+    """
+    from stepwell import figures
+    from stepwell.studies import decided
+
+    study = found.study
+    if study.what == "atlas":
+        raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")
+    drawn: dict[str, Figure] = {"outcomes": figures.outcomes(study)}
+    if what_decides := decided(study):
+        drawn["influences"] = figures.influences(what_decides)
+    record = study_record(found)
+    contents = {
+        "study.csv": study.to_csv,
+        "study.json": record,
+        "report.html": study_page(record, {_CAPTIONS[name]: one for name, one in drawn.items()}),
+    }
+    return bundle(folder, "sweep report", contents, drawn, progress=progress, force=force)

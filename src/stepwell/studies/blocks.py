@@ -1,0 +1,153 @@
+"""Many designs at once, in closed form: their numbers as arrays, and what a block of them does."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, InputError
+from stepwell.concave import (
+    FORCE,
+    MOST_CELLS,
+    NOT_PROVED,
+    STROKE,
+    TIES,
+    TOLD,
+    WAKES,
+    Tally,
+    classed,
+    simple,
+)
+from stepwell.mechanism import Chain
+from stepwell.studies.designs import Block, Subject, changed, unit_in
+
+DRIVES = {"stroke": STROKE, "force": FORCE}
+
+# Designs that are computed together: their numbers stay in the processor's cache.
+_PIECE = 2**14
+# Different graphs that a block may hold.
+_GRAPHS = 2**17
+# Designs of a block that closed form does not tell and the engine may be asked for.
+_ASKED = 50
+# Values at which a design is compared with what its numbers should be, and by how much of the
+# largest it may differ: rounding.
+_LOOKS, _SAME = (0.3, 0.7, 1.1), 1e-12
+
+
+class Packed(NamedTuple):
+    """The numbers of a chain as a sum of what varies.
+
+    Attributes:
+        base: (N, 6) cells as the fields of `Simple`, where all that varies is 0.
+        slopes: (axes, N, 6) by how much each number grows with each value.
+    """
+
+    base: Floats
+    slopes: Floats
+
+    def at(self, points: Floats) -> Floats:
+        """(m, N, 6) numbers of the designs at points (m, axes).
+
+        Sums are taken one after the other: a product of matrices may round otherwise with another
+        number of threads, and a block is to have the same bytes whoever computes it.
+        """
+        found = np.empty((len(points), self.base.size))
+        found[:] = self.base.ravel()
+        for values, slope in zip(points.T, self.slopes.reshape(len(self.slopes), -1), strict=True):
+            hangs = np.flatnonzero(slope)
+            found[:, hangs] += values[:, None] * slope[hangs]
+        return found.reshape(len(points), *self.base.shape)
+
+
+def packed(chain: Chain, names: Sequence[str]) -> Packed:
+    """The numbers of a chain by what varies, so that those of many designs are a few sums.
+
+    What is found by two values of each is compared with the chain itself at others.
+
+    Args:
+        chain: of cells with one linear band each, without load or friction.
+        names: of numbers that vary, as `unit_in` takes them.
+
+    Raises:
+        ValueError: other cells, too many, or a number on which those of a cell do not hang in
+            proportion, such as an angle.
+    """
+    if len(chain) > MOST_CELLS:
+        raise InputError(f"{len(chain)} cells: must be at most {MOST_CELLS}.")
+    here = _numbers(chain, "the design")
+    steps = [_value(chain, name) for name in names]
+    slopes = [
+        (_numbers(changed(chain, [name], [now + step]), name) - here) / step
+        for name, (now, step) in zip(names, steps, strict=True)
+    ]
+    slope = np.array(slopes).reshape(len(names), *here.shape)
+    found = Packed(here - np.tensordot(np.array([now for now, _ in steps]), slope, 1), slope)
+    for look in _LOOKS:
+        point = [now + (look + k) * step for k, (now, step) in enumerate(steps)]
+        wanted = _numbers(changed(chain, names, point), ", ".join(names))
+        size = np.max(np.abs(wanted), axis=0)
+        if np.any(np.abs(found.at(np.array([point]))[0] - wanted) > _SAME * size):
+            raise InputError(
+                f"{', '.join(names)}: the numbers of a cell must be sums of what varies: vary "
+                f"anchors, stiffness, rest length and lever."
+            )
+    return found
+
+
+def _value(chain: Chain, name: str) -> tuple[float, float]:
+    """What a number is, and a step of it that leaves a design possible."""
+    from stepwell.design import parameter
+
+    unit_in(chain, name)
+    now = float(parameter(chain, name).value(chain))  # type: ignore[arg-type]
+    return now, 0.01 * abs(now) if now else 1e-4
+
+
+def _numbers(chain: Subject, what: str) -> Floats:
+    assert isinstance(chain, Chain)
+    found = [simple(cell) for cell in chain.cells]
+    if any(one is None for one in found) or np.isfinite(chain.actuator_stiffness):
+        raise InputError(
+            f"{what}: closed form needs cells of one linear band, without load or friction, and "
+            f"no spring behind the actuator."
+        )
+    return np.array(found, float)
+
+
+def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
+    """What a block of designs does.
+
+    Args:
+        block: of designs.
+        numbers: of the chain, by what varies.
+        drive: STROKE or FORCE.
+
+    Returns:
+        How many were told, and how many were not and why; and as JSON the graphs and the cycles,
+        each [key, how often, largest gap, the design that has it], and the first designs that
+        were not told.
+    """
+    most = min(block.size, _GRAPHS)
+    graphs, cycles = Tally(most), Tally(most)
+    counts = np.zeros(4, np.int64)
+    asked: list[int] = []
+    for first in range(block.first, block.first + block.size, _PIECE):
+        last = min(first + _PIECE, block.first + block.size)
+        key, cycle, gap, told = classed(numbers.at(block.space.points(first, last)), drive)
+        graphs.add(key, gap[:, 0], first)
+        cycles.add(cycle, gap[:, 1], first)
+        counts += np.bincount(told, minlength=4)
+        if len(asked) < _ASKED:
+            asked += (first + np.flatnonzero(told != TOLD)[: _ASKED - len(asked)]).tolist()
+    return {
+        "told": int(counts[TOLD]),
+        "not_proved": int(counts[NOT_PROVED]),
+        "ties": int(counts[TIES]),
+        "wakes": int(counts[WAKES]),
+        "graphs": json.dumps(graphs.rows),
+        "cycles": json.dumps(cycles.rows),
+        "asked": json.dumps(asked),
+    }

@@ -1,0 +1,311 @@
+"""An atlas tells what a space of designs holds, how often, and what it cannot hold."""
+
+import json
+import shutil
+from itertools import pairwise, permutations
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import stepwell as sw
+from studies_bytes import bytes_of
+
+pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installed")
+
+from stepwell.atlas import atlas, canonical, charted, find, possible, proved_space
+from stepwell.concave import FORCE, STROKE, simple
+from stepwell.design import Tolerances
+from stepwell.studies import Axis, Blocks, StudyError, changed, opened, packed, resumed, sweep
+
+CELL = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
+
+
+def axes_of(cells, low=0.0):
+    """The paper's map for every cell, and one band up to two."""
+    return tuple(
+        axis
+        for number in range(1, cells + 1)
+        for axis in (
+            Axis(f"{number}.q.x", low, 0.020),
+            Axis(f"{number}.q.y", -0.015, 0.015),
+            Axis(f"{number}.stiffness", 28.5, 57.0),
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    """Small atlases, each begun once."""
+    home, made = tmp_path_factory.mktemp("atlas"), {}
+
+    def store(cells, designs, drive="stroke", low=0.0):
+        key = cells, designs, drive, low
+        if key not in made:
+            chain, folder = sw.Chain([CELL] * cells), home / f"{len(made)}.zarr"
+            found = atlas(chain, axes_of(cells, low), designs, folder, drive=drive, workers=1)
+            assert found.finished
+            made[key] = found.study, charted(found.study, samples=200, checks=40)
+        return made[key]
+
+    return store
+
+
+def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
+    _, found = stores(2, 20_000)
+    assert found.whole and found.possible == len(found.machines) == 3
+    assert found.told == found.designs == 20_000 and found.space_proved
+    assert sum(one.share.times for one in found.machines) == found.told
+    assert sum(one.share.times for one in found.cycles) == found.told
+
+
+@pytest.mark.parametrize(
+    ("cells", "designs", "drive"), [(2, 20_000, "force"), (3, 2_000, "stroke"), (3, 2_000, "force")]
+)
+def test_the_engine_finds_the_same_graphs(stores, cells, designs, drive):
+    _, found = stores(cells, designs, drive)
+    assert all(one.agrees for one in found.machines)
+    assert found.checked > 30 and found.agreed == found.checked
+    assert sum(one.share.times for one in found.machines) == found.told
+
+
+def test_machines_say_of_their_design_what_its_graph_says(stores):
+    _, found = stores(3, 2_000)
+    for one in found.machines[:6]:
+        graph = one.chain.graph()
+        reading = graph.reading
+        assert one.states == len(graph.vertices)
+        assert one.remembers == reading.return_point_memory.holds
+        assert one.latches == len(reading.latches)
+        assert one.sub_loops == reading.sub_loop_count
+        # Cells are numbered as they load.
+        sequence = str(one.chain.cycle().sequence).split(">")
+        order = [next(k for k in range(3) if b[k] != a[k]) for a, b in pairwise(sequence[:4])]
+        assert one.cycle == ">".join("".join(s[k] for k in order) for s in sequence)
+
+
+def test_cycles_are_those_of_their_designs(stores):
+    _, found = stores(3, 2_000)
+    assert len(found.cycles) == 36
+    for one in found.cycles[::6]:
+        assert str(one.chain.cycle().sequence) == one.sequence
+
+
+def test_the_papers_map_of_two_cells_has_its_shares(tmp_path):
+    axes = (Axis("2.q.x", 0.0, 0.020), Axis("2.q.y", -0.015, 0.015))
+    study = atlas(sw.Chain([CELL] * 2), axes, 100_000, tmp_path / "map.zarr", workers=1).study
+    shares = {one.sequence: one.share for one in charted(study, samples=1, checks=1).cycles}
+    # Kamp et al., Fig. 2: counterclockwise, via 01, via 10, clockwise.
+    wanted = {
+        "00>01>11>10>00": 0.261,
+        "00>01>11>01>00": 0.262,
+        "00>10>11>10>00": 0.262,
+        "00>10>11>01>00": 0.215,
+    }
+    assert shares.keys() == wanted.keys()
+    for sequence, share in wanted.items():
+        assert shares[sequence].low - 0.0005 < share < shares[sequence].high + 0.0005
+
+
+def test_what_is_not_proved_is_followed_by_the_engine_and_called_a_sample(stores):
+    study, found = stores(2, 20_000, low=-0.008)
+    assert found.not_proved > 0 and not found.space_proved and not found.whole
+    assert found.told + found.not_proved + found.ties + found.wakes == found.designs
+    assert found.sampled.asked == 40
+    assert sum(found.sampled.machines.values()) + found.sampled.failed == 40
+    for number in json.loads(str(study.values("asked")[0]))[:9]:
+        chain = changed(
+            study.subject,
+            [axis.name for axis in found.axes],
+            study.designs.space.points(number, number + 1)[0].tolist(),
+        )
+        assert packed_certificate(chain) is False
+
+
+def packed_certificate(chain):
+    from stepwell.concave import certify
+
+    return all((one := simple(cell)) and certify(one, 0.0) for cell in chain.cells)
+
+
+def test_a_store_that_lost_blocks_is_filled_with_the_same_bytes(tmp_path):
+    chain, axes = sw.Chain([CELL] * 2), axes_of(2)
+    blocks = Blocks(axes, 500, 6, seed=3)
+    whole = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=1).study
+    shutil.copytree(tmp_path / "a", tmp_path / "b")
+    (tmp_path / "b" / "graphs" / "c" / "2").unlink()
+    torn = tmp_path / "b" / "told" / "c" / "4"
+    torn.write_bytes(torn.read_bytes()[:-3])
+    part = opened(tmp_path / "b")
+    assert part.missing() == [2, 4]
+    # What is done is an atlas already, of fewer designs.
+    assert charted(part, samples=10, checks=0).designs == 2_000
+    assert resumed(part, 1).finished
+    assert bytes_of(tmp_path / "a") == bytes_of(tmp_path / "b")
+    assert charted(part, samples=10, checks=5) == charted(whole, samples=10, checks=5)
+
+
+def test_blocks_hold_the_designs_that_a_sweep_draws_one_by_one():
+    blocks = Blocks(axes_of(1), 7, 3, seed=5)
+    chain = sw.Chain([CELL])
+    points = np.concatenate([block.points for _, block in blocks.made(chain, 0, 3)])
+    assert np.array_equal(points, blocks.space.points(0, 21))
+
+
+@given(st.integers(0, 2**32))
+def test_numbers_of_many_designs_are_those_of_each(seed):
+    chain, axes = sw.Chain([CELL, CELL.with_anchors(q=(0.02, 0.001))]), axes_of(2)
+    names = [*(axis.name for axis in axes), "1.p.y", "2.lever", "2.rest_length"]
+    low = [*(axis.low for axis in axes), -0.002, 0.01, 0.009]
+    high = [*(axis.high for axis in axes), 0.002, 0.02, 0.012]
+    point = np.random.default_rng(seed).uniform(low, high)
+    made = changed(chain, names, point.tolist())
+    assert isinstance(made, sw.Chain)
+    wanted = np.array([simple(cell) for cell in made.cells], float)
+    found = packed(chain, names).at(point[None])[0]
+    assert np.allclose(found, wanted, rtol=1e-12, atol=1e-17)
+
+
+@pytest.mark.parametrize(
+    ("chain", "names", "said"),
+    [
+        (sw.Chain([CELL] * 2), ["1.limit"], "must be sums of what varies"),
+        (sw.Chain([CELL] * 2), ["1.friction"], "closed form needs cells of one linear band"),
+        (sw.Chain([CELL] * 7), ["1.q.x"], "7 cells: must be at most 6"),
+        (sw.Chain([CELL], actuator_stiffness=50.0), ["1.q.x"], "no spring behind the actuator"),
+        (sw.preset("dome"), [], "closed form needs cells of one linear band"),
+    ],
+)
+def test_what_closed_form_does_not_take_is_refused(chain, names, said):
+    with pytest.raises(sw.InputError, match=said):
+        packed(chain, names)
+
+
+def test_a_refused_space_leaves_no_store(tmp_path):
+    axes = (Axis("1.limit", 0.5, 0.8),)
+    with pytest.raises(sw.InputError, match="must be sums"):
+        atlas(sw.Chain([CELL] * 2), axes, 100, tmp_path / "a")
+    with pytest.raises(sw.InputError, match="drive = 'pull': must be one of stroke, force"):
+        atlas(sw.Chain([CELL] * 2), axes_of(2), 100, tmp_path / "a", drive="pull")
+    assert not (tmp_path / "a").exists()
+
+
+def test_another_study_is_no_atlas(tmp_path):
+    study = sweep(sw.Chain([CELL]), "graph", Blocks(axes_of(1), 2, 1), tmp_path / "a", workers=1)
+    with pytest.raises(sw.InputError, match="holds no atlas"):
+        charted(study.study)
+    with pytest.raises(StudyError):
+        opened(tmp_path)
+
+
+def test_tolerances_of_what_no_cell_has_are_refused(stores):
+    study, _ = stores(2, 20_000)
+    with pytest.raises(sw.InputError, match="lever, friction and travel must be 0"):
+        charted(study, tolerances=Tolerances(friction=0.1))
+
+
+def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
+    study, found = stores(2, 20_000)
+    machine = min(found.machines, key=lambda one: one.gap)
+    wide = Tolerances(anchor=0.006, stiffness=0.2)
+    (one,) = (
+        m for m in charted(study, tolerances=wide, samples=200).machines if m.name == machine.name
+    )
+    from stepwell.atlas.canonical import name_of, ways_of
+    from stepwell.design import Draws
+
+    draws = Draws(one.chain, wide, 0)
+    names = [name_of(canonical(ways_of(draws.sample(k).graph()), 2)) for k in range(200)]
+    assert one.kept.times == names.count(one.name)
+    assert 20 < one.kept.times < 180
+
+
+@pytest.mark.parametrize(
+    ("cells", "drive", "count"), [(1, STROKE, 1), (2, STROKE, 3), (2, FORCE, 3), (3, FORCE, 15)]
+)
+def test_possible_graphs_are_listed_where_forces_alone_tell_them(cells, drive, count):
+    found = possible(cells, drive)
+    assert found is not None and len(found) == count
+
+
+def test_no_list_of_possible_graphs_is_claimed_where_landings_tell_them():
+    assert possible(3, STROKE) is None and possible(5, FORCE) is None
+
+
+def test_a_space_is_proved_only_where_every_cell_is():
+    chain = sw.Chain([CELL] * 2)
+    assert proved_space(chain, axes_of(2))
+    assert not proved_space(chain, axes_of(2, low=-0.012))
+    assert not proved_space(chain, (Axis("1.lever", 0.012, 0.016),))
+    assert not proved_space(chain, (Axis("1.stiffness", -1.0, 28.5),))
+
+
+@given(st.permutations(range(3)), st.integers(0, 10))
+def test_a_canonical_text_does_not_know_which_cell_is_which(order, seed):
+    states = [f"{k:03b}" for k in range(8)]
+    rng = np.random.default_rng(seed)
+    ways = [
+        (states[a], states[b], 1 if up else -1, bool(snaps))
+        for a, b, up, snaps in rng.integers([8, 8, 2, 2], size=(12, 4))
+    ]
+    moved = [
+        ("".join(a[k] for k in order), "".join(b[k] for k in order), up, snaps)
+        for a, b, up, snaps in ways
+    ]
+    assert canonical(ways, 3) == canonical(moved, 3)
+
+
+def test_canonical_texts_of_other_graphs_differ():
+    texts = {
+        canonical([("00", "10", 1, True), (a, b, 1, False)], 2)
+        for a, b in permutations(["00", "10", "01", "11"], 2)
+    }
+    assert len(texts) == 12
+
+
+def test_machines_are_found_by_what_they_do(stores):
+    _, found = stores(3, 2_000)
+    everything = set(found.machines)
+    remembering, forgetting = set(find(found, "remembers")), set(find(found, "not remembers"))
+    assert remembering | forgetting == everything and not remembering & forgetting
+    assert set(find(found, "forgets")) == forgetting
+    counting = find(found, "counts to one by hand")
+    assert counting and all(one.counts_by_hand >= 1 for one in counting)
+    assert set(find(found, "counts by hand")) == set(counting)
+    assert find(found, "counts to 9") == ()
+    one = found.machines[0]
+    assert find(found, one.name) == (one,) and one in find(found, one.cycle)
+    both = find(found, "Reaches every state and not remembers, has loops")
+    assert all(m.reached == m.states and not m.remembers and m.sub_loops for m in both)
+    sure = find(found, "snaps", 0.95)
+    assert sure and all(m.kept.low >= 0.95 for m in sure)
+    assert [m.kept.share for m in sure] == sorted((m.kept.share for m in sure), reverse=True)
+
+
+def test_a_phrase_that_means_nothing_is_answered_with_the_nearest(stores):
+    _, found = stores(2, 20_000)
+    with pytest.raises(sw.InputError, match="Did you mean 'remembers'"):
+        find(found, "remember")
+    with pytest.raises(sw.InputError, match="must be a cycle"):
+        find(found, "counts to nothing")
+
+
+def test_the_status_of_an_atlas_is_a_few_numbers(stores):
+    from stepwell.studies import status
+
+    study, _ = stores(2, 20_000)
+    record = sw.results.study_record(status(study))
+    assert record["outcomes"] == [] and record["finished"]
+    told = {one["column"]: one["most"] for one in record["numbers"]}
+    assert told == {"told": 20_000, "not_proved": 0, "ties": 0, "wakes": 0}
+
+
+def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
+    """A block of it, taken away and computed again, has the same bytes."""
+    from stepwell.atlas import THREE
+
+    shutil.copytree(THREE, tmp_path / "three.zarr")
+    for name in opened(THREE).columns:
+        (tmp_path / "three.zarr" / name / "c" / "1").unlink()
+    assert resumed(opened(tmp_path / "three.zarr"), workers=1).finished
+    assert bytes_of(tmp_path / "three.zarr") == bytes_of(THREE)

@@ -1,0 +1,98 @@
+"""The tables and the picture of docs/what-decides.md, from its studies' records.
+
+The studies are those of the commands on the page; docs/what-decides.json holds what `stepwell sweep
+status STORE --json` prints of each. `python tests/docs/what_decides.py` makes both anew.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+from stepwell.base import percent
+from stepwell.figures import influences, svg
+from stepwell.results import deciding_rows
+from stepwell.studies import Decided, Influence
+
+ROOT = Path(__file__).parents[2]
+PAGE, FILE = ROOT / "docs" / "what-decides.md", ROOT / "docs" / "what-decides.json"
+PICTURE = ROOT / "docs" / "img" / "what-decides.svg"
+# What each page is about: the noise of a robot that goes straight is left out.
+COLUMNS = {
+    "forward_10": ("advance", "work"),
+    "forward_30": ("advance", "work", "gaits"),
+    "right_30": ("turn", "work", "gaits"),
+}
+
+
+def records() -> dict[str, dict[str, Any]]:
+    return json.loads(FILE.read_text("utf-8"))
+
+
+def table(record: dict[str, Any], columns: tuple[str, ...]) -> str:
+    lines = [
+        "| what | decided by | share of its variance | more of it gives |",
+        "|---|---|---|---|",
+    ]
+    for row in deciding_rows(record):
+        what = row["column"].partition(" = ")[0]
+        if what in columns and row["share"] >= 0.01:
+            more = "more" if row["trend"] > 0 else "less"
+            more = {"gaits": f"{more} often"}.get(what, more)
+            told = "the gait stays" if what == "gaits" else what
+            key = row["parameter"].replace("*", "\\*")
+            lines.append(f"| {told} | {key} | {percent(row['share'])} | {more} |")
+    return "\n".join(lines)
+
+
+def kept(record: dict[str, Any]) -> str:
+    first = record["outcomes"][0]
+    ends = " to ".join(percent(first[end]) for end in ("share_low", "share_high"))
+    gait = first["value"].replace(">", " → ").replace(" | ", ", right leg ")
+    count, of = f"{first['designs']:,}", f"{record['count']:,}"
+    return f"{count} of {of} robots, {percent(first['share'])} ({ends}), step left leg {gait}."
+
+
+def written(text: str) -> str:
+    """The page with its tables as they should be."""
+    for name, record in records().items():
+        begin, end = f"<!-- {name}: written by tests/docs/what_decides.py -->", "<!-- end -->"
+        inside = f"{begin}\n\n{kept(record)}\n\n{table(record, COLUMNS[name])}\n\n{end}"
+        text = re.sub(
+            f"{re.escape(begin)}.*?{end}", lambda _, new=inside: new, text, flags=re.DOTALL
+        )
+    return text
+
+
+def drawn() -> str:
+    """What decides how the robot walks forward, within 30 %, as SVG."""
+    name = "forward_30"
+    found = [
+        Decided(
+            one["column"],
+            one["value"] or "",
+            one["designs"],
+            one["floor"],
+            tuple(
+                Influence(each["parameter"], each["share"], each["trend"])
+                for each in one["influences"]
+            ),
+        )
+        for one in records()[name]["decided"]
+        if one["column"] in COLUMNS[name]
+    ]
+    return svg(influences(found))
+
+
+def commands() -> list[list[str]]:
+    """The words of the page's commands that begin studies."""
+    text = PAGE.read_text("utf-8").replace("\\\n", " ")
+    return [shlex.split(line) for line in re.findall(r"^stepwell (sweep walk .*)$", text, re.M)]
+
+
+if __name__ == "__main__":
+    PICTURE.write_text(drawn(), "utf-8")
+    PAGE.write_text(written(PAGE.read_text("utf-8")), "utf-8")

@@ -1,0 +1,123 @@
+"""Which number decides what: shares that are known, chance that is not told, reports of both."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import stepwell as sw
+from stepwell import figures, reports, results
+
+pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
+
+from stepwell.studies import Axis, How, Space, decided, opened, status, sweep
+from stepwell.studies.influence import explained
+
+LEG = sw.preset("paper-forward")
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    axes = (
+        Axis("outer.q.x", 0.0, 0.020),
+        Axis("outer.q.y", -0.015, 0.015),
+        Axis("2.lever", 0.012, 0.3),
+    )
+    folder = tmp_path_factory.mktemp("influence") / "study.zarr"
+    return sweep(LEG, "cycle", Space(axes, How.RANDOM, 300, 1), folder, workers=2)
+
+
+def test_shares_of_a_known_function_are_those_that_are_known():
+    """Ishigami and Homma 1990, with 7 and 0.1: 0.3139, 0.4424 and 0."""
+    x = np.random.default_rng(1).uniform(-np.pi, np.pi, (2**16, 3))
+    y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    found = [explained(x[:, k], y)[0] for k in range(3)]
+    assert found == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(60, 400), st.integers(1, 30))
+def test_shares_are_what_a_loop_over_the_classes_gives(seed, n, levels):
+    rng = np.random.default_rng(seed)
+    x, y = rng.integers(0, levels, n).astype(float), rng.standard_normal(n)
+    found, classes = explained(x, y)
+    if len(np.unique(x)) > round(n ** (1 / 3)):
+        assert 1 <= classes <= round(n ** (1 / 3))
+        return
+    parts = [y[x == level] for level in np.unique(x)]
+    assert classes == len(parts)
+    if classes < 2:
+        assert found == 0.0
+        return
+    within = sum(((part - part.mean()) ** 2).sum() for part in parts) / (n - classes)
+    assert found == pytest.approx(1 - within / y.var(ddof=1), abs=1e-9)
+
+
+def test_chance_alone_decides_in_about_one_study_of_twenty():
+    from stepwell.studies import influence
+
+    rng, surely = np.random.default_rng(0), 0
+    for _ in range(200):
+        varied = {str(k): rng.random(200) for k in range(6)}
+        y = rng.standard_normal(200)
+        found = influence._decided("y", "", y, np.ones(200, bool), varied)
+        assert found is not None
+        surely += bool(found.sure)
+    assert surely <= 20
+
+
+def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
+    found = {one.column: one for one in decided(study.study)}
+    cycle = found["sequence"]
+    assert cycle.value in set(study.study.values("sequence"))
+    assert cycle.sure[0].name == "outer.q.y"
+    low, high = (study.study.values(cycle.influences[0].name)[k] for k in (0, 1))
+    assert low != high
+    record = results.study_record(study)
+    (first,) = [one for one in record["outcomes"] if one["value"] == cycle.value]
+    assert first["share"] == np.mean(study.study.values("sequence") == cycle.value)
+    assert first["share_low"] < first["share"] < first["share_high"]
+
+
+def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
+    found = sweep(LEG, "cycle", Space((Axis("outer.q.x", 0.0, 0.020, 5),)), tmp_path / "a.zarr")
+    record = results.study_record(found)
+    assert record["decided"] == []
+    assert {one["share_low"] for one in record["outcomes"]} == {None}
+
+
+def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
+    names = reports.write_study(study, tmp_path / "out")
+    assert {"report.html", "outcomes.svg", "influences.svg", "study.csv", "study.json"} <= {*names}
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert "outer.q.y" in page and "problem" not in page
+    record = json.loads((tmp_path / "out" / "study.json").read_text("utf-8"))
+    assert record["decided"][0]["influences"][0]["share"] > 0
+    # As if it were not finished: fewer designs, and the page says so.
+    (study.study.folder / "snaps" / "c" / "1").rename(tmp_path / "kept")
+    try:
+        half = status(opened(study.study.folder))
+        reports.write_study(half, tmp_path / "half")
+        assert "4 of 5 chunks are done." in (tmp_path / "half" / "report.html").read_text("utf-8")
+    finally:
+        (tmp_path / "kept").rename(study.study.folder / "snaps" / "c" / "1")
+
+
+def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp_path):
+    axes = Axis("outer.q.x", 0.0, 0.020, 5), Axis("outer.q.y", -0.015, 0.015, 5)
+    plane = sweep(LEG, "cycle", Space(axes), tmp_path / "plane.zarr").study
+    (first, *_) = figures.outcomes(plane).axes
+    assert (first.get_xlabel(), first.get_ylabel()) == ("outer.q.x [mm]", "outer.q.y [mm]")
+    alike = Space((Axis("outer.q.x", 0.018, 0.0181, 2),))
+    same = sweep(LEG, "graph", alike, tmp_path / "same.zarr").study
+    with pytest.raises(ValueError, match="all designs do the same"):
+        figures.outcomes(same)
+
+
+def test_an_atlas_has_no_report_of_a_study(tmp_path):
+    from stepwell.atlas import atlas
+
+    cell = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
+    found = atlas(sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr")
+    with pytest.raises(ValueError, match="stepwell atlas show"):
+        reports.write_study(found, tmp_path / "out")
