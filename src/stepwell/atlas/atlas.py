@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stepwell.base import ByValue, number
+from stepwell.base import ByValue, Drawn, Shown, number
 from stepwell.concave import Way
 from stepwell.design import Share, Tolerances
 from stepwell.mechanism import Chain
@@ -112,7 +112,7 @@ class Sampled(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Atlas(ByValue):
+class Atlas(ByValue, Shown, Drawn):
     """What a space of designs holds.
 
     Attributes:

@@ -10,6 +10,10 @@ import numpy as np
 from stepwell.base import Column, Quantity, number, percent, record
 from stepwell.cards.html import Card
 from stepwell.results import (
+    ATLAS_MACHINES,
+    atlas_assumed,
+    atlas_facts,
+    atlas_record,
     built_schema,
     change_columns,
     check_record,
@@ -24,6 +28,7 @@ from stepwell.results import (
 )
 
 if TYPE_CHECKING:
+    from stepwell.atlas import Atlas
     from stepwell.design import (
         Check,
         Design,
@@ -142,7 +147,20 @@ def _map(view: Any) -> Card:
     return Card(title, [f"{' by '.join(axes)}."], {}, columns, rows, "sequences")
 
 
+def _atlas(found: Atlas) -> Card:
+    told = atlas_record(found)
+    return Card(
+        f"Atlas of {told['cells']} cells",
+        [atlas_assumed(told)],
+        atlas_facts(told),
+        ATLAS_MACHINES,
+        told["machines"],
+        "machines",
+    )
+
+
 DESIGNS: dict[str, Callable[[Any], Card]] = {
+    "Atlas": _atlas,
     "Check": _check,
     "Design": _design,
     "Impossible": _impossible,

@@ -56,7 +56,7 @@ from stepwell.figures.runs import (
     trajectories,
     trajectory,
 )
-from stepwell.figures.studies import influences, outcomes
+from stepwell.figures.studies import influences, machines, outcomes
 from stepwell.figures.usual import plot
 
 __all__ = [
@@ -80,6 +80,7 @@ __all__ = [
     "labelled_chain",
     "landscape",
     "length",
+    "machines",
     "margins",
     "maze",
     "maze_timeline",

@@ -23,6 +23,7 @@ from stepwell.figures.measured import (
 from stepwell.figures.motion import force_stroke, overview, stroke_program
 from stepwell.figures.robots import robot_drawing
 from stepwell.figures.runs import maze, prediction, sweep, trajectory
+from stepwell.figures.studies import machines
 from stepwell.lab import BandTest, Comparison, choose_law
 from stepwell.mechanism import Chain
 
@@ -43,6 +44,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a way through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
+    | an atlas | `machines` |
     | a measured cell, a measured pair | `measured_forces`, `measured_pairs` |
     | a comparison | `measured_forces`, or `measured_pairs` where there are no unit cells |
     | a calibration | `calibration` |
@@ -113,6 +115,7 @@ def _comparison(found: Comparison) -> Figure:
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
+    "Atlas": machines,
     "BandTest": _band_test,
     "Calibration": calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),

@@ -12,6 +12,7 @@ wrote, and OSError where the folder cannot be written; nothing has changed then.
 """
 
 from stepwell.reports.as_built import write_as_built
+from stepwell.reports.atlas import write_atlas
 from stepwell.reports.chain import (
     checked_suffix,
     write_graph,
@@ -48,6 +49,7 @@ __all__ = [
     "figure",
     "report",
     "write_as_built",
+    "write_atlas",
     "write_band",
     "write_calibration",
     "write_check",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
 from stepwell.mechanism import Cell, Chain
 from stepwell.reports.pages import map_page, program_page, report
-from stepwell.reports.steps import Folder, Progress, bundle, netcdf
+from stepwell.reports.steps import PHONE, Folder, Progress, bundle, narrow, netcdf
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
 from stepwell.studio.replay import replay
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 # The longest chain that is built by chance, and plays, in a report; how many are built by the
 # engine, and in closed form; the width of a figure that fills a phone [mm].
-_MOST_BUILT, _FEW, _MANY, _PHONE, _MOST_NARROW = 12, 100, 20_000, 85.0, 8
+_MOST_BUILT, _FEW, _MANY, _MOST_NARROW = 12, 100, 20_000, 8
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
 
@@ -75,7 +75,7 @@ def write_run(
         source,
         landings,
         # Of more cells a phone shows too little.
-        narrow=shown(figures.standard(cycle, width=_PHONE)) if len(chain) <= _MOST_NARROW else {},
+        narrow=shown(figures.standard(cycle, width=PHONE)) if len(chain) <= _MOST_NARROW else {},
         margins=shown(of_margin),
         built=built,
         built_as=shown(of_yield),
@@ -121,14 +121,7 @@ def _of_margin(margin: Margin) -> dict[str, Figure]:
     around = transition_map(chain, nearest.cell, x=x, y=y)
     curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
     dots = {"this design": here}
-    return drawn | {"around": _narrow(partial(figures.transition_map, around, curves, dots))}
-
-
-def _narrow(draw: Callable[[], Figure]) -> Figure:
-    """A figure as it fills a phone."""
-    from stepwell import figures
-
-    return figures.compose([draw], width=_PHONE)
+    return drawn | {"around": narrow(partial(figures.transition_map, around, curves, dots))}
 
 
 def _replay(result: Chain | Program, title: str, margin: Margin | None = None) -> str:
@@ -196,8 +189,8 @@ def write_map(
         "boundaries.csv": boundary_rows(boundaries),
     }
     drawn = {"map": figures.transition_map(dataset, boundaries, inside)}
-    narrow = _narrow(partial(figures.transition_map, dataset, boundaries, inside))
-    contents["report.html"] = map_page(record, drawn["map"], narrow)
+    small = narrow(partial(figures.transition_map, dataset, boundaries, inside))
+    contents["report.html"] = map_page(record, drawn["map"], small)
     return bundle(folder, "map", contents, drawn, progress=progress, force=force)
 
 

@@ -20,6 +20,9 @@ Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
 Film = Callable[[Path], None]
 
+# The width of figures that fill a phone [mm].
+PHONE = 85.0
+
 
 def bundle(
     folder: Folder,
@@ -74,3 +77,10 @@ def bundle(
 def netcdf(data: xarray.Dataset) -> Callable[[Path], None]:
     """What writes data as NetCDF."""
     return lambda file: write_netcdf(file, data)
+
+
+def narrow(draw: Callable[[], Figure]) -> Figure:
+    """A figure as it fills a phone."""
+    from stepwell import figures
+
+    return figures.compose([draw], width=PHONE)

@@ -5,7 +5,13 @@ it. `design` is the text of its design file, for the hash of it; written anew by
 """
 
 from stepwell.results.assumptions import actuator_words, assumptions, simulation_assumptions
-from stepwell.results.atlas import atlas_record
+from stepwell.results.atlas import (
+    ATLAS_MACHINES,
+    atlas_assumed,
+    atlas_facts,
+    atlas_record,
+    memory_words,
+)
 from stepwell.results.check import (
     check_record,
     killer_words,

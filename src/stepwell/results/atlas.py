@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import told_in
+from stepwell.base import Column, number, told_in
 from stepwell.results.head import head
 
 if TYPE_CHECKING:
@@ -119,3 +120,81 @@ def _cycling(found: Atlas, one: Cycling) -> dict[str, Any]:
         "design": one.design,
         "values": _values(found, one.chain),
     }
+
+
+def atlas_facts(record: Mapping[str, Any]) -> dict[str, str]:
+    """What an atlas holds and how sure that is, of its record."""
+    facts = {
+        "Space": f"{record['cells']} cells driven by {record['drive']}, "
+        f"{len(record['space'])} numbers varied",
+        "Designs": f"{record['designs']} drawn evenly, {record['told']} told in closed form",
+        "Found": f"{record['graphs']} graphs, {len(record['cycles'])} cycles",
+        "Proved": _proved(record),
+        "Engine": f"the same graph for {record['agreed']} of {record['checked']} more designs",
+    }
+    if record["sampled"]["asked"]:
+        facts["Others"] = _sampled(record)
+    return facts
+
+
+def atlas_assumed(record: Mapping[str, Any]) -> str:
+    """What "back" and "yield" mean in its table."""
+    within = record["tolerances"]
+    return (
+        f"Back: the cells in the order in which they come back, numbered as they load. Yield: of "
+        f"mechanisms built after the most robust design "
+        f"that was drawn, within {number(within['anchor_mm'])} mm and "
+        f"{number(within['stiffness_percent'])} % of stiffness, those with the same graph."
+    )
+
+
+def _proved(record: Mapping[str, Any]) -> str:
+    if record["whole"]:
+        return "no other graph occurs in this space, ties left aside"
+    cells = "every design" if record["space_proved"] else "not every design"
+    of = "" if record["possible"] is None else f"; at most {record['possible']} graphs can occur"
+    return f"{cells} of the space has concave cells{of}"
+
+
+def _sampled(record: Mapping[str, Any]) -> str:
+    sampled = record["sampled"]
+    known = {one["name"] for one in record["machines"]}
+    others = sum(one["name"] not in known for one in sampled["graphs"])
+    missed = record["designs"] - record["told"]
+    return (
+        f"{missed} designs; of a sample of {sampled['asked']} the engine finds "
+        f"{len(sampled['graphs'])} graphs, {others} of them others"
+    )
+
+
+def _back(one: Mapping[str, Any]) -> str:
+    """The cells in the order in which they come back, numbered as they load."""
+    states = one["cycle"].split(">")
+    down = states[len(states) // 2 :]
+    return " ".join(
+        str(next(k for k in range(len(a)) if a[k] != b[k]) + 1) for a, b in pairwise(down)
+    )
+
+
+def memory_words(one: Mapping[str, Any]) -> str:
+    """What a machine of an atlas's record does with what was done to it before."""
+    words = [] if one["remembers"] else ["forgets"]
+    if one["scrambled"]:
+        words.append("scrambles")
+    counts = max(one["counts"], one["counts_by_hand"])
+    if counts:
+        words.append(f"counts to {counts}" + ("" if one["counts"] == counts else " by hand"))
+    if one["latches"]:
+        words.append("latches")
+    return ", ".join(words)
+
+
+# The table of an atlas's machines, a line each, from the `machines` of its record.
+ATLAS_MACHINES = (
+    Column("name", lambda one: one["name"]),
+    Column("back", _back),
+    Column("share [%]", lambda one: number(one["share_percent"]), True),
+    Column("yield [%]", lambda one: number(one["yield_percent"]), True),
+    Column("reached", lambda one: f"{one['reached']} of {one['states']}", True),
+    Column("memory", memory_words),
+)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stepwell.cli.options import Json, read_design, tolerances as parts
+from stepwell.cli.options import Force, Json, Out, free, read_design, tolerances as parts
 from stepwell.cli.screen import EXIT_CODES, finish, progress, show_lines, styled, usable
 from stepwell.cli.studies.sweep import Scheduler, Seed, Workers, going_on, read_axes
 
@@ -120,10 +121,13 @@ def show(
     anchor: parts.Anchor = parts.ANCHOR_MM,
     stiffness: parts.StiffnessSpread = parts.STIFFNESS_PERCENT,
     rest_length: parts.RestLengthSpread = 0.0,
+    out: Out = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Say what a store holds so far: machines, their shares and yields, what is proved."""
-    _show(_charted(_opened(store), anchor, stiffness, rest_length), as_json)
+    free(out, "atlas show", force)
+    _show(_charted(_opened(store), anchor, stiffness, rest_length), as_json, out, force)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -205,8 +209,9 @@ def _charted(
         return charted(study, tolerances=within, checks=checks, progress=tell)
 
 
-def _show(found: Atlas, as_json: bool) -> None:
-    from stepwell import results
+def _show(found: Atlas, as_json: bool, out: Path | None = None, force: bool = False) -> None:
+    from stepwell import reports, results
     from stepwell.cli.text import atlas as texts
 
-    finish(results.atlas_record(found), texts.atlas, as_json)
+    write = partial(reports.write_atlas, found)
+    finish(results.atlas_record(found), texts.atlas, as_json, out, force, write)

@@ -94,16 +94,6 @@ def _shorten(legend: Legend, right: float) -> None:
             text.set_text(words)
 
 
-def fitting(figure: Figure, handles: Sequence[Artist], width: float, most: int) -> int:
-    """How many of these entries, at most so many, have room beside each other in `width` mm."""
-    for columns in range(most, 1, -1):
-        legend = figure.legend(handles=handles, ncols=columns)
-        legend.remove()
-        if legend.get_window_extent().width <= width / 25.4 * figure.dpi:
-            return columns
-    return 1
-
-
 def on_top(
     figure: Figure, handles: Sequence[Artist], left: float, gap: float = 1.5, columns: int = 0
 ) -> None:

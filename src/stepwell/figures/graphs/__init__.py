@@ -1,3 +1,3 @@
 """Transition graphs, drawn."""
 
-from stepwell.figures.graphs.transition_graph import transition_graph
+from stepwell.figures.graphs.transition_graph import small_graph, transition_graph

@@ -14,7 +14,11 @@ _LENGTH = 0.02
 
 
 def heights(
-    columns: Mapping[str, float], fixed: Sequence[str], lines: Sequence[tuple[str, str, float]]
+    columns: Mapping[str, float],
+    fixed: Sequence[str],
+    lines: Sequence[tuple[str, str, float]],
+    *,
+    stay: bool = False,
 ) -> dict[str, float]:
     """The height of every node, between 0 and 1.
 
@@ -25,11 +29,14 @@ def heights(
         columns: the column of each node.
         fixed: nodes that need room for their names.
         lines: pairs of nodes that are joined, and how much their distance counts.
+        stay: keep nodes in a column by their names, as they count up.
     """
     order: dict[float, list[str]] = {}
     for name in fixed:
         order.setdefault(columns[name], []).append(name)
     sheet = _Crossings(columns, fixed, lines)
+    if stay:
+        return sheet.all(_slots({column: sorted(names) for column, names in order.items()}))
     best, cost = _slots(order), np.inf
     for sweep in range(_SWEEPS):
         now = sheet.cost(_slots(order))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -33,25 +34,38 @@ _BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
 class Layout:
     """Nodes in columns by the sum of their digits, in mm from the lower left corner.
 
+    Args:
+        reduced: what is to be seen of a graph.
+        cells: how many its chain has.
+        size: width and height [mm] of a sheet on which states stand where those of every graph
+            of as many cells of two phases do; else few ways cross on a sheet of its own size.
+
     Attributes:
         width, height: of the sheet.
         at: (x, y) of the middle of every shown node.
+        named: whether half-way states have their names.
     """
 
-    def __init__(self, reduced: FoldedGraph, cells: int):
-        self.width = page_width(COLUMN if cells <= NAMED else PAGE)
+    def __init__(self, reduced: FoldedGraph, cells: int, size: tuple[float, float] | None = None):
+        wide, high = size or (page_width(COLUMN if cells <= NAMED else PAGE), None)
+        self.width, self.named = wide, size is None and cells <= NAMED
         self._cells, last = cells, reduced.last
         self._lines = self._count_lines(last)
         shown, self._column = reduced.shown, reduced.levels
         column = self._column
         # All but those between two columns need a place of their own.
         whole = [label for label in shown if column[label] % 1 == 0]
+        if size is not None:
+            whole = ["".join(digits) for digits in product("01", repeat=cells)]
+            column = {label: label.count("1") for label in whole} | dict(column)
         # A smooth way is better short than a snap.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
-        y = heights(column, whole, joined)
+        y = heights(column, whole, joined, stay=size is not None)
         most = max(list(column.values()).count(k) for k in range(last + 1))
         tallest = max(2 * self.half(label)[1] for label in shown)
         pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
+        if high is not None:
+            pitch = (high - 2 * _EDGE) / most
         self.height = most * pitch + 2 * _EDGE
         side = max(self.half(label)[0] for label in shown) + _EDGE
         step = (self.width - 2 * side) / max(last, 1)
@@ -84,7 +98,7 @@ class Layout:
         wide, high = _CHARACTER * len(lines[0]) / 2, _LINE * len(lines) / 2
         if "-" not in label:
             return wide + 0.9, high + 0.7
-        return (wide + 0.7, high + 0.2) if self._cells <= NAMED else (DOT, DOT)
+        return (wide + 0.7, high + 0.2) if self.named else (DOT, DOT)
 
     def curve(self, way: FoldedTransition) -> Floats:
         """(n, 2) from the side of one node to the side of the next [mm]."""

@@ -31,7 +31,7 @@ from stepwell.figures.common import (
     plain,
     styled,
 )
-from stepwell.figures.graphs.graph_layout import DOT, NAMED, Layout, head
+from stepwell.figures.graphs.graph_layout import DOT, Layout, head
 from stepwell.figures.graphs.graph_reading import FoldedGraph, FoldedTransition, folded, followed
 
 if TYPE_CHECKING:
@@ -77,20 +77,45 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
         )
     strokes = [] if program is None else followed(graph, program)
     reduced = folded(graph, [stroke[-1] for stroke in strokes])
-    return _GraphFigure(graph, reduced, strokes, program).figure
+    drawing = _Drawing(graph, reduced, Layout(reduced, graph.cells), strokes)
+    key = drawing.key(program)
+    wide, high = drawing.layout.width, drawing.layout.height
+    columns = max(1, int(wide / _ENTRY))
+    figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
+    ax = place(figure, 0.0, 0.0, wide, high)
+    drawing.draw(ax)
+    legends.above(ax, key, columns, bbox_to_anchor=(max(0.015, indent() / wide), 1.0))
+    return figure
 
 
-class _GraphFigure:
-    """One figure, laid out in mm."""
+def small_graph(graph: TransitionGraph, ax: Axes, width: float, height: float) -> list[Artist]:
+    """A transition graph as one of many, its states where those of all the others are.
+
+    Args:
+        graph: with at most 64 states without a cell half-way.
+        ax: where to; it covers the sheet's width and height.
+        width, height: of the axes [mm].
+
+    Returns:
+        What its marks mean, for a legend.
+    """
+    reduced = folded(graph)
+    drawing = _Drawing(graph, reduced, Layout(reduced, graph.cells, (width, height)), ())
+    drawing.draw(ax)
+    return drawing.key()
+
+
+class _Drawing:
+    """One graph, laid out in mm."""
 
     def __init__(
         self,
         graph: TransitionGraph,
         reduced: FoldedGraph,
+        layout: Layout,
         strokes: Sequence[Sequence[str]],
-        program: Program | None,
     ):
-        self.reduced, self.strokes = reduced, strokes
+        self.reduced, self.layout, self.strokes = reduced, layout, strokes
         self.cells = graph.cells
         loop = graph.reading.main_loop
         self.in_loop = {*loop.up, *loop.down}
@@ -98,20 +123,15 @@ class _GraphFigure:
         self.program_ways = self._between(strokes)
         self.reachable = graph.reachable(loop.up[0])
         self.gardens = set(graph.reading.garden_of_eden or ())
-        self.layout = Layout(reduced, self.cells)
 
-        key = self._key(program)
-        wide, high = self.layout.width, self.layout.height
-        columns = max(1, int(wide / _ENTRY))
-        self.figure = blank(wide, high + 4.2 * -(-len(key) // columns) + 2.0)
-        ax = place(self.figure, 0.0, 0.0, wide, high)
-        plain(ax, (0.0, wide, 0.0, high))
-        for way in reduced.ways:
+    def draw(self, ax: Axes) -> None:
+        """Into axes of its size."""
+        plain(ax, (0.0, self.layout.width, 0.0, self.layout.height))
+        for way in self.reduced.ways:
             self._draw_way(ax, way)
-        for label in reduced.shown:
+        for label in self.reduced.shown:
             self._draw_node(ax, label)
         self._draw_turns(ax)
-        legends.above(ax, key, columns, bbox_to_anchor=(max(0.015, indent() / wide), 1.0))
 
     def _between(self, strokes: Iterable[Sequence[str]]) -> set[tuple[str, str]]:
         """Pairs of shown labels that follow each other on these strokes."""
@@ -144,7 +164,7 @@ class _GraphFigure:
     def _draw_node(self, ax: Axes, label: str) -> None:
         (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
         known = label in self.reachable
-        if "-" in label and self.cells > NAMED:
+        if "-" in label and not self.layout.named:
             colour = INK if known else FAINT
             ax.plot(x, y, "o", markersize=2 * DOT / 25.4 * 72, color=colour, zorder=8, gid="half")
             return
@@ -201,7 +221,7 @@ class _GraphFigure:
                 **on_black(wide=many),
             )
 
-    def _key(self, program: Program | None) -> list[Artist]:
+    def key(self, program: Program | None = None) -> list[Artist]:
         """What the marks mean, as far as they occur."""
         ways = self.reduced.ways
         key: list[Artist] = [
@@ -213,7 +233,7 @@ class _GraphFigure:
             look = hollow(3.2, marker="o", markeredgewidth=0.9)
             key.append(legends.line("snap", width=_THIN, **look))
         if any("-" in label for label in self.reduced.shown):
-            if self.cells <= NAMED:
+            if self.layout.named:
                 key.append(legends.mark("cell half-way", "_", 4.2, color=_GREY))
             else:
                 key.append(legends.mark("half-way state", size=4.2))

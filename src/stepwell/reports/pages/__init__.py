@@ -1,6 +1,7 @@
 """Pages that tell results to people, one HTML file each that is complete in itself."""
 
 from stepwell.reports.pages.as_built import as_built_page
+from stepwell.reports.pages.atlas import atlas_page
 from stepwell.reports.pages.checks import check_page
 from stepwell.reports.pages.designs import (
     design_page,

@@ -1,0 +1,37 @@
+"""Everything about an atlas in one folder: its machines drawn, numbers, a page."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING
+
+from stepwell.base import InputError
+from stepwell.reports.pages import atlas_page
+from stepwell.reports.steps import Folder, Progress, bundle, narrow
+from stepwell.results import atlas_record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stepwell.atlas import Atlas
+
+_CAPTION = "The most frequent machines, and the share and yield of all"
+
+
+def write_atlas(
+    found: Atlas, folder: Folder, *, progress: Progress | None = None, force: bool = False
+) -> tuple[str, ...]:
+    """Write an atlas: atlas.json, its machines as graphs if they can be seen, and report.html."""
+    from stepwell import figures
+
+    drawn: dict[str, Figure] = {}
+    page: dict[str, Figure] = {}
+    small: dict[str, Figure] = {}
+    # Of more cells than can be seen side by side the table tells all.
+    with suppress(InputError):
+        drawn["machines"] = page[_CAPTION] = figures.machines(found)
+        small[_CAPTION] = narrow(partial(figures.machines, found))
+    record = atlas_record(found)
+    contents = {"atlas.json": record, "report.html": atlas_page(record, page, small)}
+    return bundle(folder, "atlas show", contents, drawn, progress=progress, force=force)
