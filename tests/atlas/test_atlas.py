@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from itertools import pairwise, permutations
 
 import numpy as np
@@ -9,10 +10,12 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stepwell as sw
+from figures.drawn import untidy
 from studies_bytes import bytes_of
 
 pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installed")
 
+from stepwell import figures, reports, results
 from stepwell.atlas import atlas, canonical, charted, find, possible, proved_space
 from stepwell.concave import FORCE, STROKE, simple
 from stepwell.design import Tolerances
@@ -309,3 +312,34 @@ def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
         (tmp_path / "three.zarr" / name / "c" / "1").unlink()
     assert resumed(opened(tmp_path / "three.zarr"), workers=1).finished
     assert bytes_of(tmp_path / "three.zarr") == bytes_of(THREE)
+
+
+def test_machines_are_drawn_with_their_states_in_one_place_and_their_own_way_back(stores):
+    _, found = stores(3, 2_000)
+    figure = found.plot(most=5)
+    assert untidy(figure, 7.0) == []
+    *panels, shares, yields = figure.axes
+    places = set()
+    for ax, machine in zip(panels, found.machines[:5], strict=True):
+        states = {text.get_text(): text for text in ax.texts if text.get_text().isdigit()}
+        places |= {(name, text.get_position()) for name, text in states.items()}
+        bold = {name for name, text in states.items() if text.get_fontweight() == "bold"}
+        assert bold == set(machine.cycle.split(">")), machine
+    assert len(places) == 8
+    for ax, told in ((shares, "share"), (yields, "kept")):
+        (line,) = (line for line in ax.lines if line.get_gid() == "machines")
+        wanted = [100.0 * getattr(one, told).share for one in found.machines]
+        assert list(line.get_ydata()) == pytest.approx(wanted)
+    with pytest.raises(ValueError, match="5 cells"):
+        figures.machines(replace(found, chain=sw.Chain([CELL] * 5)))
+
+
+def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tmp_path):
+    _, found = stores(2, 20_000)
+    names = reports.write_atlas(found, tmp_path)
+    assert set(names) == {"atlas.json", "machines.png", "machines.svg", "report.html"}
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "3 graphs and 4 cycles" in page
+    assert all(one.name in page for one in found.machines)
+    record = json.loads((tmp_path / "atlas.json").read_text("utf-8"))
+    assert record["machines"] == results.atlas_record(found)["machines"]

@@ -10,7 +10,10 @@ import numpy as np
 import stepwell as sw
 from golden.recordings import bands, cells, rubber
 from stepwell import lab, simulation
+from stepwell.atlas import Atlas, Machine, Sampled
 from stepwell.base import StepwellError
+from stepwell.design import USUAL, share_of
+from stepwell.studies import Axis
 
 
 def _refused(ask: Any) -> StepwellError:
@@ -19,6 +22,19 @@ def _refused(ask: Any) -> StepwellError:
     except StepwellError as why:
         return why
     raise AssertionError("it was to be refused")
+
+
+def _atlas(chain: sw.Chain) -> Atlas:
+    """Of one machine, as `charted` would give it."""
+    one = Machine(
+        "0a1b2c3d", share_of(60, 100), 7, chain, 0.1, share_of(9, 10), True, "00>10>11>01>00",
+        *(4, 4, 2, 0), True, *(0, 0, 0, 0, 0), ways=(),
+    )  # fmt: skip
+    counts = (100, 60, 0, 40, 0)
+    return Atlas(
+        chain, (Axis("outer.q.x", 0.0, 0.02),), "stroke", 0, *counts, USUAL, (one,), (),
+        Sampled(0, 0, {}), 0, 0, None, False,
+    )  # fmt: skip
 
 
 @cache
@@ -47,6 +63,7 @@ def of_chains() -> dict[str, Any]:
         sw.check(chain, samples=60),
         chain.survival([0.0, 0.040, 0.0], "00", n=20),
         chain.reprogram("00>01>11>10>00", by="inner.p"),
+        _atlas(chain),
         sw.design("00>01>11>10>00", n=40),
         _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,

@@ -217,6 +217,13 @@ def test_every_name_of_the_json_is_documented():
         assert any(f"`{one}`" in text or f'"{one}"' in text for one in told), name
 
 
+# Pictures of a page that its own commands draw.
+PICTURES = {
+    "atlas": {"three/machines.svg": "atlas.svg"},
+    "how-to/many-designs": {"unsure/outcomes.svg": "many-designs.svg"},
+}
+
+
 @pytest.mark.slow
 @pytest.mark.shown
 @pytest.mark.parametrize(
@@ -245,6 +252,8 @@ def test_the_examples_do_what_the_page_shows(name, stepwell, tmp_path, monkeypat
                 assert program == "stepwell"
                 printed = stepwell(*arguments).output
                 assert matches(shown, printed), f"{line}\n{printed}"
+    for drawn, shown in PICTURES.get(name, {}).items():
+        assert (tmp_path / drawn).read_bytes() == (DOCS / "img" / shown).read_bytes(), shown
 
 
 def test_every_design_on_the_page_that_is_not_called_wrong_loads(tmp_path):

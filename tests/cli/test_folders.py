@@ -17,6 +17,7 @@ EVERY = {
     "reprogram": ("forward.toml", "--by", "inner.p"),
     "robot show": ("robot-forward",),
     "sweep report": ("study.zarr",),
+    "atlas show": (),
     "robot sweep": ("robot-forward", "foot.below_mm=0.3:0.6:2"),
     "walk": ("robot-forward",),
     "maze": ("robot-explorer", "cylinder"),

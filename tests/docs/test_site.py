@@ -46,6 +46,9 @@ ASKED = {
     "yield": {"words/", "how-to/design-for-a-purpose/"},
     "stepwell maze": {"commands/", "how-to/robots/"},
     "lesson": {"lessons/"},
+    "atlas": {"atlas/"},
+    "sweep": {"commands/", "how-to/many-designs/"},
+    "which number decides": {"what-decides/", "how-to/many-designs/"},
 }
 # One of every kind.
 MACHINES = ["paper-forward", "countdown", "dome", "robot-explorer"]

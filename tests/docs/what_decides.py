@@ -1,4 +1,4 @@
-"""The tables and the picture of docs/what-decides.md, from its studies' records.
+"""The tables and the pictures of docs/what-decides.md, from its studies' records.
 
 The studies are those of the commands on the page; docs/what-decides.json holds what `stepwell sweep
 status STORE --json` prints of each. `python tests/docs/what_decides.py` makes both anew.
@@ -9,17 +9,40 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from stepwell.base import percent
-from stepwell.figures import influences, svg
+from stepwell.figures import compose, influences, svg
 from stepwell.results import deciding_rows
 from stepwell.studies import Decided, Influence
 
 ROOT = Path(__file__).parents[2]
 PAGE, FILE = ROOT / "docs" / "what-decides.md", ROOT / "docs" / "what-decides.json"
-PICTURE = ROOT / "docs" / "img" / "what-decides.svg"
+# One for each study; of a width [mm] at which a phone shows them readably.
+PICTURES = {
+    name: ROOT / "docs" / "img" / f"what-decides-{name.replace('_', '-')}.svg"
+    for name in ("forward_10", "forward_30", "right_30")
+}
+WIDTH = 105.0
+# What the keys of the commands are called on the page.
+WORDS = {
+    "blocks.carriage_g": "mass of the carriage",
+    "blocks.damping_N_s_per_m": "damping of the blocks",
+    "blocks.mass_g": "mass of a block",
+    "body.mass_g": "mass of the body",
+    "drive.period_s": "period of the drive",
+    "drive.stiffness_N_per_m": "stiffness of the drive",
+    "floor.drag_N": "drag of the T-foot",
+    "floor.foot_friction": "friction of the feet",
+    "foot.below_mm": "depth of the feet",
+    "foot.mass_g": "mass of a foot",
+    "foot.radius_mm": "radius of a foot",
+    "leg.*.chain.cell.*.band.stiffness_N_per_m": "stiffness of the bands",
+    "leg.*.chain.cell.*.friction_N": "friction of the joints",
+    "gaits": "the gait stays",
+}
 # What each page is about: the noise of a robot that goes straight is left out.
 COLUMNS = {
     "forward_10": ("advance", "work"),
@@ -42,8 +65,7 @@ def table(record: dict[str, Any], columns: tuple[str, ...]) -> str:
         if what in columns and row["share"] >= 0.01:
             more = "more" if row["trend"] > 0 else "less"
             more = {"gaits": f"{more} often"}.get(what, more)
-            told = "the gait stays" if what == "gaits" else what
-            key = row["parameter"].replace("*", "\\*")
+            told, key = WORDS.get(what, what), WORDS[row["parameter"]]
             lines.append(f"| {told} | {key} | {percent(row['share'])} | {more} |")
     return "\n".join(lines)
 
@@ -67,13 +89,12 @@ def written(text: str) -> str:
     return text
 
 
-def drawn() -> str:
-    """What decides how the robot walks forward, within 30 %, as SVG."""
-    name = "forward_30"
+def drawn(name: str) -> str:
+    """What each number of a study decides by itself, as SVG."""
     found = [
         Decided(
             one["column"],
-            one["value"] or "",
+            "",
             one["designs"],
             one["floor"],
             tuple(
@@ -84,7 +105,7 @@ def drawn() -> str:
         for one in records()[name]["decided"]
         if one["column"] in COLUMNS[name]
     ]
-    return svg(influences(found))
+    return svg(compose([partial(influences, found, WORDS)], width=WIDTH))
 
 
 def commands() -> list[list[str]]:
@@ -94,5 +115,6 @@ def commands() -> list[list[str]]:
 
 
 if __name__ == "__main__":
-    PICTURE.write_text(drawn(), "utf-8")
+    for name, file in PICTURES.items():
+        file.write_text(drawn(name), "utf-8")
     PAGE.write_text(written(PAGE.read_text("utf-8")), "utf-8")

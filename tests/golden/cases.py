@@ -491,7 +491,7 @@ ROBOTS = [
             "atlas build preset:paper-forward --vary outer.q.x=-8:20 --vary inner.stiffness=28:57 "
             "--designs 5000 --seed 3 --workers 1 --drive force --out leg.zarr --json",
             "atlas show two.zarr --anchor 0.5 --stiffness 8 --rest-length 2 --json",
-            "atlas show leg.zarr",
+            "atlas show leg.zarr --out leg",
             "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness 5 "
             "--rest-length 1 --out pair.toml --json",
             "atlas find 'counts to two and not remembers' two.zarr",

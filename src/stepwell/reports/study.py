@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from stepwell.base import InputError
 from stepwell.reports.pages import study_page
-from stepwell.reports.steps import Folder, Progress, bundle
+from stepwell.reports.steps import Folder, Progress, bundle, narrow
 from stepwell.results import study_record
 
 if TYPE_CHECKING:
@@ -36,13 +38,16 @@ def write_study(
     study = found.study
     if study.what == "atlas":
         raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")
-    drawn: dict[str, Figure] = {"outcomes": figures.outcomes(study)}
+    draws: dict[str, Callable[[], Figure]] = {"outcomes": partial(figures.outcomes, study)}
     if what_decides := decided(study):
-        drawn["influences"] = figures.influences(what_decides)
+        draws["influences"] = partial(figures.influences, what_decides)
+    drawn = {name: draw() for name, draw in draws.items()}
+    page = {_CAPTIONS[name]: one for name, one in drawn.items()}
+    small = {_CAPTIONS[name]: narrow(draw) for name, draw in draws.items()}
     record = study_record(found)
     contents = {
         "study.csv": study.to_csv,
         "study.json": record,
-        "report.html": study_page(record, {_CAPTIONS[name]: one for name, one in drawn.items()}),
+        "report.html": study_page(record, page, small),
     }
     return bundle(folder, "sweep report", contents, drawn, progress=progress, force=force)

@@ -57,6 +57,8 @@ if TYPE_CHECKING:
 # Of a map, as wide as it may be, and from which width of the page on the key stands beside it
 # [mm]; below it, if it is no higher than this share of the map.
 _SIDE, _WIDEST, _BESIDE, _SHORT = 70.0, 110.0, 150.0, 0.7
+# A key beside the map that is so much higher than the map is parted [mm].
+_LONG = 30.0
 # Characters that a row of the key has room for.
 _ROOM = 50
 # Pieces of a curve longer than this have their own number [pt].
@@ -150,8 +152,15 @@ def transition_map(
     aside = page >= _BESIDE
     side = _SIDE if aside else min(page - 18.0, _WIDEST)
     tall = side * aspect
+    below = []
     key = Key(rows, page - side - 24.0 if aside else page - 6.0)
-    height = max(15.0 + tall, key.height + 6.0) if aside else 15.0 + tall + key.height
+    if aside and key.height > _LONG + tall:
+        # Curves under the map: beside it their rows would leave half of the page empty.
+        below = [row for row in rows if row.line is not None]
+        key = Key([row for row in rows if row.line is None], key.width)
+    under = Key(below, side + 16.0)
+    left = 15.0 + tall + (under.height if below else 0.0)
+    height = max(left, key.height + 6.0) if aside else 15.0 + tall + key.height
     figure = blank(page, height)
     ax = place(figure, 16.0, height - 3.0 - tall, side, tall)
     walls = [_shares(points * (x.scale, y.scale), x, y) for one in curves for points in one.points]
@@ -188,6 +197,8 @@ def transition_map(
         else (4.0, 0.0, page - 6.0, key.height)
     )
     key.draw(place(figure, *at))
+    if below:
+        under.draw(place(figure, 4.0, height - left, side + 16.0, under.height))
     return figure
 
 

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 MOST_LANES = 60
 _WIDTHS = (2.0, 1.3)
 _UNLOADING_DASHES = (0, (3.2, 1.6))
-# Between the lanes of two cells, as a fraction of the longest travel.
-_GAP = 0.42
+# Between the lanes of two cells, as a fraction of the longest travel; a name needs so much [mm].
+_GAP, _NAME = 0.42, 3.9
 # In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
 _LANE, _ROW = 11.0, 3.4
 # Digits closer than this cover each other [pt].
@@ -82,7 +82,9 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     stroke = path.stroke * x.factor
     snaps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
-    shown = lanes(path, _GAP)
+    pitch = ax.get_window_extent().height / root(ax).dpi * 25.4 / len(cells)
+    gap = max(_GAP, _NAME / max(pitch - _NAME, _NAME)) if named else _GAP
+    shown = lanes(path, gap)
     for i, (lane, name) in enumerate(zip(shown, path.chain.names, strict=True)):
         lane.draw(ax)
         if named:
@@ -98,7 +100,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     ax.set(xlabel=x.label, ylabel=y.label if named else each)
     ax.margins(x=0.06)
     longest = max(lane.top - lane.base for lane in shown)
-    ax.set_ylim(shown[-1].base - 0.12 * longest, (1.0 + _GAP) * longest)
+    ax.set_ylim(shown[-1].base - 0.12 * longest, (1.0 + gap) * longest)
     for lane in shown if named else ():
         lane.number(ax)
     if own:

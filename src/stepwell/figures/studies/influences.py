@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _ROW, _HEAD, _FOOT, _RIGHT = 5.2, 10.0, 8.0, 3.0
 _LETTER, _MOST = 1.55, 46  # width of a letter of a name, letters that there is room for
 _WIDEST = 26.0  # of a column
+_SHARES, _SIGNS = "Share of the variance by itself;", "+ or -: more of it gives mostly more or less"
+_SENTENCE = 100.0
 # From this on white words are read more easily than dark ones.
 _DARK = 0.9
 
@@ -65,13 +67,17 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
     left = 3.0 + _LETTER * max(map(len, told))
     tall = _ROW * len(rows)
     page = page_width(PAGE)
-    figure = blank(page, _HEAD + tall + _FOOT)
+    # Under narrow columns what shares and signs mean takes two lines.
+    apart = "\n" if page - left < _SENTENCE else " "
+    foot = _FOOT + 3.0 * (apart == "\n")
+    figure = blank(page, _HEAD + tall + foot)
     wide = min(page - left - _RIGHT, _WIDEST * len(found))
-    ax = place(figure, left, _FOOT, wide, tall)
+    ax = place(figure, left, foot, wide, tall)
     ax.set_xlim(-0.5, len(found) - 0.5)
     name_rows(ax, [literal(name) for name in told])
     ax.tick_params(axis="x", length=0, labeltop=True, labelbottom=False, pad=1.0)
-    heads = [shortened(known.get(one.column, one.column), 16, 2) for one in found]
+    names_of = (known.get(one.column, one.column.replace("_", " ")) for one in found)
+    heads = [shortened(name, 16, 2) for name in names_of]
     ax.set_xticks(range(len(found)), [literal(head) for head in heads])
     for spine in ax.spines.values():
         spine.set_visible(False)
@@ -91,6 +97,6 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
             ax.add_patch(Rectangle((k - 0.5, i - 0.5), 1.0, 1.0, **look, zorder=0))
     text_at(
         figure, left, 3.0,
-        minus("Share of the variance by itself; + or -: more of it gives mostly more or less"),
+        minus(f"{_SHARES}{apart}{_SIGNS}"),
     )  # fmt: skip
     return figure

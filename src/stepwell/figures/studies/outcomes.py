@@ -39,6 +39,10 @@ Colour = str | tuple[float, float, float]
 # Panels, points of one, and classes of a bar chart at most.
 _PANELS, _POINTS, _BARS = 8, 3000, 20
 _LEFT, _RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
+# From this width of the page on two panels stand side by side [mm].
+_TWO = 120.0
+# Whole numbers that are told apart as words are, at most so many.
+_COUNTS = 6
 _SPARE = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
 _REST, _NAME = "any other", 44
 _SHADES = "cividis"
@@ -83,15 +87,16 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         raise InputError("all designs do the same: there is nothing to draw.")
     deciding = {one.column: one.influences[0].name for one in decided(study)}
     shown = list(found.items())[:_PANELS]
-    rows = -(-len(shown) // 2)
     wordy = [one for _, one in shown if one.words]
     colours = {one.name: _colours(one.values) for one in wordy}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = page_width(PAGE)
+    beside = 2 if page >= _TWO else 1
+    rows = -(-len(shown) // beside)
     figure = blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
-    wide = (page - 2 * (_LEFT + _RIGHT)) / 2
+    wide = page / beside - _LEFT - _RIGHT
     for k, (name, one) in enumerate(shown):
-        row, column = divmod(k, 2)
+        row, column = divmod(k, beside)
         left = _LEFT + column * (wide + _LEFT + _RIGHT)
         bottom = foot + _BOTTOM + (rows - 1 - row) * (_BOTTOM + _TALL + _TOP)
         ax = place(figure, left, bottom, wide, _TALL)
@@ -110,9 +115,19 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
     values = study.values(name, chunks)
     sign = Quantity("", unit).sign
     head = names.get(name) or (f"{name} [{sign}]" if sign else name)
+    if name not in study.varied and name not in names:
+        head = head[:1].upper() + head[1:].replace("_", " ")
     if study.columns[name] == "text":
         return _Column(head, np.array([str(one) for one in values], object), True)
+    if name not in study.varied and not sign and _few_counts(values):
+        return _Column(head, np.array([f"{one:.0f}" for one in values], object), True)
     return _Column(head, values * factor, False)
+
+
+def _few_counts(values: Floats) -> bool:
+    """Whether these are a few whole numbers, such as those of snaps."""
+    found = np.unique(values)
+    return len(found) <= _COUNTS and bool(np.all(np.isfinite(found)) and np.all(found % 1 == 0))
 
 
 def _differs(one: _Column) -> bool:
@@ -187,10 +202,14 @@ def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) ->
         share = 100.0 * times / np.maximum(counts, 1)
         ax.bar(
             ends[:-1], share, np.diff(ends), foot, align="edge",
-            color=colour, linewidth=0, gid="shares",
+            color=colour, edgecolor=colour, linewidth=0.3, gid="shares",
         )  # fmt: skip
         foot += share
-    ax.set(xlim=(ends[0], ends[-1]), ylim=(0.0, 100.0), ylabel="Designs [%]")
+    ax.set(
+        xlim=(ends[0], ends[-1]),
+        ylim=(0.0, 100.0),
+        ylabel=f"{literal(shortened(one.name, 16))}: designs [%]",
+    )
 
 
 def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:

@@ -21,12 +21,14 @@ _VARIED = (
 )
 
 
-def study_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
+def study_page(
+    record: Mapping[str, Any], drawn: Mapping[str, Figure], narrow: Mapping[str, Figure]
+) -> str:
     """The page of a study.
 
     Args:
         record: what `results.study_record` returns.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
@@ -51,7 +53,7 @@ def study_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
         ],
         {},
         [
-            parts.part("What they do", parts.pictures(drawn)),
+            parts.part("What they do", parts.pictures(drawn, narrow)),
             parts.part(
                 "Which number decides what",
                 parts.table(
