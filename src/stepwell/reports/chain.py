@@ -11,15 +11,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import InputError, Measure, StepwellError, have, need, write_atomic
+from stepwell.base import InputError, Measure, have, need, write_atomic
 from stepwell.design import boundaries, transition_map, yields
 from stepwell.files import dumps, with_program
 from stepwell.files.tables import WrittenProgram
 from stepwell.mechanism import Cell, Chain
 from stepwell.reports.pages import map_page, program_page, report
-from stepwell.reports.steps import PHONE, Folder, Progress, bundle, narrow, netcdf
+from stepwell.reports.steps import (
+    MOST_BUILT,
+    PHONE,
+    Folder,
+    Progress,
+    bundle,
+    narrow,
+    netcdf,
+    replay_of,
+)
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
-from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
     import xarray
@@ -29,9 +37,8 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program, TransitionGraph
     from stepwell.statics import Landing
 
-# The longest chain that is built by chance, and plays, in a report; how many are built by the
-# engine, and in closed form; the width of a figure that fills a phone [mm].
-_MOST_BUILT, _FEW, _MANY, _MOST_NARROW = 12, 100, 20_000, 8
+# How many are built by the engine, and in closed form; cells of figures that fill a phone.
+_FEW, _MANY, _MOST_NARROW = 100, 20_000, 8
 # Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
 _NODES, _BEYOND = 41, 1.35
 
@@ -79,7 +86,7 @@ def write_run(
         margins=shown(of_margin),
         built=built,
         built_as=shown(of_yield),
-        replay=_replay(chain, chain.title or source or "", margin),
+        replay=replay_of(chain, chain.title or source or "", margin),
     )
     contents = {
         "design.toml": text,
@@ -95,7 +102,7 @@ def write_run(
 
 def _built(chain: Chain) -> Yield | None:
     """How many of those built do what the drawing does, as far as that is soon known."""
-    if len(chain) > _MOST_BUILT:
+    if len(chain) > MOST_BUILT:
         return None
     few = yields(chain, n=_FEW)
     # In closed form many take no longer than these.
@@ -110,7 +117,7 @@ def _of_margin(margin: Margin) -> dict[str, Figure]:
     anchors = [change for change in margin.changes if change.parameter == "anchor"]
     nearest = min(anchors, key=lambda change: change.distance, default=None)
     # By the engine a map takes seconds; and of long chains it has too many regions.
-    if nearest is None or margin.method != "exact" or len(chain) > _MOST_BUILT:
+    if nearest is None or margin.method != "exact" or len(chain) > MOST_BUILT:
         return drawn
     cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
     # Of maps, the core alone knows nothing.
@@ -122,16 +129,6 @@ def _of_margin(margin: Margin) -> dict[str, Figure]:
     curves = boundaries(chain, nearest.cell, x=x[[0, -1]], y=y[[0, -1]])
     dots = {"this design": here}
     return drawn | {"around": narrow(partial(figures.transition_map, around, curves, dots))}
-
-
-def _replay(result: Chain | Program, title: str, margin: Margin | None = None) -> str:
-    """The motion as a page; nothing where it would be too heavy to look at."""
-    if len(result if isinstance(result, Chain) else result.chain) > _MOST_BUILT:
-        return ""
-    try:
-        return replay(result, title=title, margin=margin)
-    except StepwellError:
-        return ""
 
 
 def _captions(measure: Measure) -> dict[str, str]:
@@ -222,7 +219,7 @@ def write_program(
     }
     drawn = {"program": figures.stroke_program(program)}
     contents["report.html"] = program_page(
-        program, drawn["program"], _replay(program, program.chain.title)
+        program, drawn["program"], replay_of(program, program.chain.title)
     )
     return bundle(folder, "program", contents, drawn, progress=progress, force=force)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from stepwell.base import have
+from stepwell.design import Yield
 from stepwell.files import dumps
 from stepwell.reports.pages import (
     check_page,
@@ -13,7 +15,7 @@ from stepwell.reports.pages import (
     survival_page,
     yield_page,
 )
-from stepwell.reports.steps import Folder, Progress, bundle
+from stepwell.reports.steps import Folder, Progress, bundle, replay_of
 from stepwell.results import (
     check_record,
     design_record,
@@ -25,7 +27,7 @@ from stepwell.results import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stepwell.design import Check, Design, Reprogramming, Survival, Yield
+    from stepwell.design import Check, Design, Reprogramming, Survival
 
 # Mechanisms that are drawn around the drawing, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
@@ -63,11 +65,7 @@ def write_yield(
 
     For up to 16 cells the force-plane is drawn too; report.html tells it.
     """
-    from stepwell import figures
-
-    drawn: dict[str, Figure] = {"yield": figures.yield_bars(found)}
-    if len(found.chain) <= _DRAWABLE_CELLS:
-        drawn["force-plane"] = figures.force_plane(found.chain, clouds=found.end_forces(_CLOUD))
+    drawn = _of_yield(found)
     text = design or dumps(found.chain)
     contents = {
         "design.toml": text,
@@ -80,6 +78,15 @@ def write_yield(
     return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
 
 
+def _of_yield(found: Yield) -> dict[str, Figure]:
+    from stepwell import figures
+
+    drawn: dict[str, Figure] = {"yield": figures.yield_bars(found)}
+    if len(found.chain) <= _DRAWABLE_CELLS:
+        drawn["force-plane"] = figures.force_plane(found.chain, clouds=found.end_forces(_CLOUD))
+    return drawn
+
+
 def write_check(
     found: Check,
     folder: Folder,
@@ -90,11 +97,14 @@ def write_check(
     force: bool = False,
 ) -> tuple[str, ...]:
     """Write a verdict on a design: design.toml, check.json, report.html."""
-    text = design or dumps(found.chain)
+    text, chain, built = design or dumps(found.chain), found.chain, found.yield_
+    # The verdict needs no figures: where they cannot be drawn, it stands without them.
+    drawn = _of_yield(built) if isinstance(built, Yield) and have("figures") else {}
+    page = {_CAPTIONS[name]: one for name, one in drawn.items()}
     contents = {
         "design.toml": text,
         "check.json": check_record(found, design=text, calibrated=calibrated),
-        "report.html": check_page(found, calibrated),
+        "report.html": check_page(found, page, replay_of(chain, chain.title), calibrated),
     }
     return bundle(folder, "check", contents, progress=progress, force=force)
 

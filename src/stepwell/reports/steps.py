@@ -9,19 +9,25 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import write_atomic, write_netcdf
+from stepwell.base import StepwellError, write_atomic, write_netcdf
 from stepwell.files import staged_folder
+from stepwell.mechanism import Chain
+from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from stepwell.design import Margin
+    from stepwell.sequences import Program
+
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
 Film = Callable[[Path], None]
 
-# The width of figures that fill a phone [mm].
-PHONE = 85.0
+# The width of figures that fill a phone [mm], and cells of which a page shows what those built do
+# and the motion.
+PHONE, MOST_BUILT = 85.0, 12
 
 
 def bundle(
@@ -84,3 +90,13 @@ def narrow(draw: Callable[[], Figure]) -> Figure:
     from stepwell import figures
 
     return figures.compose([draw], width=PHONE)
+
+
+def replay_of(result: Chain | Program, title: str, margin: Margin | None = None) -> str:
+    """The motion as a page; nothing where it would be too heavy to look at."""
+    if len(result if isinstance(result, Chain) else result.chain) > MOST_BUILT:
+        return ""
+    try:
+        return replay(result, title=title, margin=margin)
+    except StepwellError:
+        return ""

@@ -17,14 +17,23 @@ from stepwell.results import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from stepwell.design import Check
 
 
-def check_page(found: Check, calibrated: Mapping[str, Any] | None = None) -> str:
+def check_page(
+    found: Check,
+    drawn: Mapping[str, Figure],
+    replay: str,
+    calibrated: Mapping[str, Any] | None = None,
+) -> str:
     """The page of a verdict, the verdict first.
 
     Args:
         found: what `design.check` returns.
+        drawn: figures by caption; none where what draws them is not installed.
+        replay: its motion as a page, if it has one.
         calibrated: what is told of the recordings that were folded in; None for none.
 
     Returns:
@@ -48,6 +57,8 @@ def check_page(found: Check, calibrated: Mapping[str, Any] | None = None) -> str
                 "What to measure next",
                 parts.paragraph(f"Measure {measure}." if measure else ""),
             ),
+            parts.part("What those built do", parts.pictures(drawn)),
+            parts.part("See it move", parts.motion(replay, found.wanted) if replay else ""),
             parts.part(
                 "Out of the ordinary",
                 parts.listed([parts.sentence(line) for line in found.oddities]),
