@@ -8,6 +8,7 @@ import pytest
 
 import stepwell as sw
 from sizes import examples
+from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
 from stepwell.design.checks.measurement import _left
@@ -153,3 +154,9 @@ def test_a_program_of_another_chain_and_no_cycle_are_refused():
         check(sw.load("preset:paper-forward"), hand.program("00100"))
     with pytest.raises(StepwellError, match="want"):
         check(hand, "0>1")
+
+
+def test_the_page_of_a_check_shows_what_those_built_do_and_moves(tmp_path):
+    reports.write_check(check(sw.preset("paper-forward"), samples=60), tmp_path)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "data:image/svg+xml" in page and "<iframe" in page

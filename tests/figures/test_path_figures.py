@@ -170,3 +170,18 @@ def test_names_of_many_cells_are_text_too():
     chain = Chain([replace(cell, name=f"${k}$") for k in range(13)])
     (ax,) = figures.travel_stroke(chain.path([0.0, 0.001])).axes
     assert [label.get_text() for label in ax.get_yticklabels()][:2] == [r"\$0\$", r"\$1\$"]
+
+
+@pytest.mark.parametrize("draw", [figures.overview, figures.travel_stroke])
+def test_names_of_a_dozen_lanes_stand_between_them(draw):
+    cells = [Cell(Band((-0.010, 0.0), (0.004 + 0.001 * i, 0.001 * (i % 3)))) for i in range(12)]
+    cycle = Chain(tuple(cells)).cycle()
+    figure = draw(cycle)
+    figure.draw_without_rendering()
+    (ax,) = (ax for ax in figure.axes if ax.get_ylabel().startswith("Travel"))
+    names = [text for text in ax.texts if text.get_text().startswith("cell ")]
+    ticks = [ax.transData.transform((0.0, y))[1] for y in sorted(ax.get_yticks())]
+    assert len(names) == 12
+    for name in names:
+        box = name.get_window_extent()
+        assert not any(box.y0 <= tick <= box.y1 for tick in ticks), name

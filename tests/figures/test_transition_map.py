@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import stepwell as sw
-from figures.drawn import collisions, cut_off, lines, points, says, words
+from figures.drawn import collisions, cut_off, lines, points, says, untidy, words
 from stepwell import figures, files
 from stepwell.design import parameter_boundaries, parameter_map
 from stepwell.figures.common.style import INK, LOADING, PATHWAY, UNLOADING, pale
@@ -293,3 +293,23 @@ def test_a_map_read_back_from_a_file_looks_the_same(pair, tmp_path):
     with xr.open_dataset(tmp_path / "map.nc") as again:
         first = figures.svg(figures.transition_map(dataset, boundaries))
         assert figures.svg(figures.transition_map(again, boundaries)) == first
+
+
+def test_a_long_key_stands_beside_the_map_and_below_it():
+    """Beside it alone it would leave half of the page empty."""
+    cells = [
+        sw.Cell(sw.Band((-0.010, 0.0), (0.004 + 0.0013 * k, -0.006 + 0.001 * (5 * k % 12))))
+        for k in range(5)
+    ]
+    chain = sw.Chain(cells)
+    place = ("2.q.x", np.linspace(0.0, 0.020, 15)), ("1.stiffness", np.linspace(15, 45, 15))
+    figure = figures.transition_map(
+        parameter_map(chain, *place), parameter_boundaries(chain, *place, search=15)
+    )
+    assert untidy(figure) == []
+    ax, beside, below = figure.axes
+    assert beside.get_position().x0 > ax.get_position().x1
+    assert below.get_position().y1 < ax.get_position().y0
+    rows = [text.get_text() for text in below.texts if not text.get_text().isdigit()]
+    assert len(rows) > 5 and all("change places" in row for row in rows)
+    assert not any("change places" in text.get_text() for text in beside.texts)

@@ -1,12 +1,14 @@
 """Which number decides what: shares that are known, chance that is not told, reports of both."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 import stepwell as sw
+from figures.drawn import untidy
 from stepwell import figures, reports, results
 
 pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
@@ -103,11 +105,23 @@ def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
         (tmp_path / "kept").rename(study.study.folder / "snaps" / "c" / "1")
 
 
+@pytest.mark.parametrize("width", [60.0, 180.0])
+def test_figures_of_a_study_are_read_on_a_phone_too(study, width):
+    found = decided(study.study)
+    for draw in (partial(figures.outcomes, study.study), partial(figures.influences, found)):
+        assert untidy(figures.compose([draw], width=width)) == []
+
+
 def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp_path):
     axes = Axis("outer.q.x", 0.0, 0.020, 5), Axis("outer.q.y", -0.015, 0.015, 5)
     plane = sweep(LEG, "cycle", Space(axes), tmp_path / "plane.zarr").study
-    (first, *_) = figures.outcomes(plane).axes
+    drawn = figures.outcomes(plane)
+    first = drawn.axes[0]
     assert (first.get_xlabel(), first.get_ylabel()) == ("outer.q.x [mm]", "outer.q.y [mm]")
+    # A few whole numbers are classes with a colour each, and no scale.
+    (key,) = drawn.legends
+    told = [text.get_text() for text in key.get_texts()]
+    assert told[told.index("Snaps") :] == ["Snaps", "2", "0"]
     alike = Space((Axis("outer.q.x", 0.018, 0.0181, 2),))
     same = sweep(LEG, "graph", alike, tmp_path / "same.zarr").study
     with pytest.raises(ValueError, match="all designs do the same"):

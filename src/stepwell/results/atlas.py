@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, number, told_in
+from stepwell.base import Column, counted, number, told_in
 from stepwell.results.head import head
 
 if TYPE_CHECKING:
@@ -125,11 +125,11 @@ def _cycling(found: Atlas, one: Cycling) -> dict[str, Any]:
 def atlas_facts(record: Mapping[str, Any]) -> dict[str, str]:
     """What an atlas holds and how sure that is, of its record."""
     facts = {
+        "Found": f"{counted(record['graphs'], 'graph')}, {counted(len(record['cycles']), 'cycle')}",
+        "Proved": _proved(record),
         "Space": f"{record['cells']} cells driven by {record['drive']}, "
         f"{len(record['space'])} numbers varied",
         "Designs": f"{record['designs']} drawn evenly, {record['told']} told in closed form",
-        "Found": f"{record['graphs']} graphs, {len(record['cycles'])} cycles",
-        "Proved": _proved(record),
         "Engine": f"the same graph for {record['agreed']} of {record['checked']} more designs",
     }
     if record["sampled"]["asked"]:
@@ -163,7 +163,7 @@ def _sampled(record: Mapping[str, Any]) -> str:
     missed = record["designs"] - record["told"]
     return (
         f"{missed} designs; of a sample of {sampled['asked']} the engine finds "
-        f"{len(sampled['graphs'])} graphs, {others} of them others"
+        f"{len(sampled['graphs'])} graphs, {others or 'none'} of them new"
     )
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 STUDY_OUTCOME: Columns = (
     Quantity("column", head="column"),
     Quantity("value", head="value"),
-    Quantity("designs", head="designs"),
+    Column("designs", lambda row: str(row["designs"]), True),
     Column("share", lambda row: percent(row["share"]), True),
 )
 STUDY_DECIDED: Columns = (

@@ -61,8 +61,9 @@ _SIDE, _WIDEST, _BESIDE, _SHORT = 70.0, 110.0, 150.0, 0.7
 _LONG = 30.0
 # Characters that a row of the key has room for.
 _ROOM = 50
-# Pieces of a curve longer than this have their own number [pt].
+# Pieces of a curve longer than this have their own number [pt], at one of these shares of it.
 _NUMBERED = 25.0
+_ALONG = np.array([0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82, 0.1, 0.9])
 # Between the names of a design and of a region [pt].
 _CLEAR = 5.0
 _SHADES = (ORANGE, SKY, YELLOW, GREEN, PURPLE, "#8F8F8F", BLUE, VERMILLION)
@@ -387,28 +388,45 @@ def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: tuple[float, float]
     taken: list[Bbox] = []
     for curve in curves:
         colour, style = curve.line
-        found: list[tuple[float, float, float]] = []
+        found: list[tuple[float, Floats]] = []
         for points in curve.points:
             drawn = points * scale
             width, gid = (1.5, "boundary") if curve.number else (0.8, "stability edge")
             ax.plot(*drawn.T, color=colour, linestyle=style, linewidth=width, gid=gid)
-            found.append(_middle(ax, drawn))
-        longest = max(length for length, *_ in found)
-        for length, x, y in found if curve.number else ():
-            # A short piece gets its number only where there is no longer one.
-            if length >= min(longest, _NUMBERED * point):
+            found.append((_length(ax, drawn), drawn))
+        numbered = False
+        for length, drawn in sorted(found, key=lambda one: -one[0]) if curve.number else ():
+            x, y, crowded = _clear(ax, drawn, (3.5 + 2.0 * len(curve.number)) * point, taken)
+            # A short piece, or one without room, gets its number only where no other has it.
+            if not numbered or (length >= _NUMBERED * point and not crowded):
                 text = badge(ax, x, y, curve.number, colour)
-                taken.append(text.get_window_extent().padded(3.5 * point))
+                taken.append(text.get_window_extent().padded(2.5 * point))
+                numbered = True
     return taken
 
 
-def _middle(ax: Axes, points: Floats) -> tuple[float, float, float]:
-    """Length of a curve on the page [pixels], and the point half-way along it."""
+def _length(ax: Axes, points: Floats) -> float:
+    """Of a curve on the page [pixels]."""
+    return float(np.sum(np.hypot(*np.diff(ax.transData.transform(points), axis=0).T)))
+
+
+def _clear(
+    ax: Axes, points: Floats, half: float, taken: Sequence[Bbox]
+) -> tuple[float, float, bool]:
+    """Where along a curve its number stands, and whether it covers another there.
+
+    That is half-way, or as near to it as others leave room.
+
+    `half` is that of the number's width [pixels].
+    """
     on_page = ax.transData.transform(points)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(on_page, axis=0).T))])
-    half = [float(np.interp(along[-1] / 2, along, on_page[:, k])) for k in (0, 1)]
-    x, y = ax.transData.inverted().transform(half)
-    return float(along[-1]), float(x), float(y)
+    places = np.column_stack([np.interp(along[-1] * _ALONG, along, on_page[:, k]) for k in (0, 1)])
+    boxes = [Bbox([place - half, place + half]) for place in places]
+    crowd = [sum(box.overlaps(other) for other in taken) for box in boxes]
+    best = int(np.argmin(crowd))
+    x, y = ax.transData.inverted().transform(places[best])
+    return float(x), float(y), crowd[best] > 0
 
 
 def _free(ax: Axes, x: Floats, y: Floats, taken: Sequence[Bbox]) -> Bools:
