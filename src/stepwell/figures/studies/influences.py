@@ -77,7 +77,8 @@ def influences(found: Sequence[Decided], names: Mapping[str, str] | None = None)
     name_rows(ax, [literal(name) for name in told])
     ax.tick_params(axis="x", length=0, labeltop=True, labelbottom=False, pad=1.0)
     names_of = (known.get(one.column, one.column.replace("_", " ")) for one in found)
-    heads = [shortened(name, 16, 2) for name in names_of]
+    letters = max(6, min(16, int(wide / len(found) / _LETTER)))
+    heads = [shortened(name, letters, 2) for name in names_of]
     ax.set_xticks(range(len(found)), [literal(head) for head in heads])
     for spine in ax.spines.values():
         spine.set_visible(False)
