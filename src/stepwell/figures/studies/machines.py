@@ -26,6 +26,7 @@ from stepwell.figures.common import (
     text_at,
 )
 from stepwell.figures.graphs import small_graph
+from stepwell.mechanism import Cell
 from stepwell.results import atlas_record, memory_words
 
 if TYPE_CHECKING:
@@ -104,7 +105,8 @@ def _as_it_loads(chain: Chain) -> Chain:
     Cells in series share one force, so their places decide nothing; concave ones, and an atlas has
     no others, load in the order of their forces at 0.
     """
-    return replace(chain, cells=tuple(sorted(chain.cells, key=lambda cell: cell.force_0)))
+    cells = [cell for cell in chain.cells if isinstance(cell, Cell)]
+    return replace(chain, cells=tuple(sorted(cells, key=lambda cell: cell.force_0)))
 
 
 def _head(figure: Figure, x: float, y: float, place: int, one: Mapping[str, Any]) -> None:
