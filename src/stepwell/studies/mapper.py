@@ -35,11 +35,14 @@ def mapped(
     Args:
         call: importable; what it returns is not told.
         tasks: its arguments; as many are waiting as there are processes, and no more.
-        workers: processes at once, 1 or more.
+        workers: processes at once; 0 makes the calls in this one, which dies if they do.
 
     Yields:
         The arguments of a call that has ended, and what it raised.
     """
+    if workers == 0:
+        yield from _here(call, tasks)
+        return
     apart = multiprocessing.get_context("spawn")
     left, dead = iter(tasks), deque[tuple[Sequence[Any], int]]()
     busy: dict[Connection, tuple[BaseProcess, Sequence[Any], int]] = {}
@@ -88,6 +91,18 @@ def mapped(
             pipe.close()
             process.kill()
             process.join()
+
+
+def _here(
+    call: Callable[..., Any], tasks: Iterable[Sequence[Any]]
+) -> Generator[tuple[Sequence[Any], Exception | None]]:
+    for task in tasks:
+        try:
+            call(*task)
+        except Exception as error:
+            yield task, error
+        else:
+            yield task, None
 
 
 def mapped_on(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import ByValue, StepwellError
+from stepwell.base import ByValue, InputError, StepwellError
 from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
@@ -84,7 +84,8 @@ def sweep(
         given: what `what` takes besides the design, as `work_of` says.
         chunk: designs that are computed and written together; by default 64, or more where the
             study has more than 640,000; 16 of walks, 1 of mazes.
-        workers: processes at once; one for every core by default.
+        workers: processes at once; one for every core by default; 0 computes in this process, which
+            needs no `if __name__ == "__main__":` in a script.
         scheduler: address of a running Dask scheduler, whose workers do it instead; they must see
             the folder under this name, and have this version of Stepwell.
         progress: called with (done, all) chunks.
@@ -135,8 +136,12 @@ def resumed(
         problems: called after every chunk with the kinds of the problems of its designs.
 
     Raises:
+        ValueError: fewer than no workers.
         CancelledError: somebody has called `cancel` meanwhile.
     """
+    wanted = cores() if workers is None else workers
+    if wanted < 0:
+        raise InputError(f"workers = {workers}: must be 0 or more.")
     folder = study.folder.resolve()
     cancelled = study.folder / _CANCELLED
     cancelled.unlink(missing_ok=True)
@@ -144,7 +149,7 @@ def resumed(
     done = study.chunks - len(missing)
     tasks = ((str(folder), study.identity, number) for number in missing)
     if scheduler is None:
-        ended = mapped(fill, tasks, min(workers or cores(), max(len(missing), 1)))
+        ended = mapped(fill, tasks, min(wanted, max(len(missing), 1)))
     else:
         ended = mapped_on(scheduler, fill, tasks)
     failed: list[str] = []

@@ -74,7 +74,11 @@ _Chunk = Annotated[
 ]
 Workers = Annotated[
     int | None,
-    typer.Option(metavar="N", min=1, help="Processes at once; one for every core by default."),
+    typer.Option(
+        metavar="N",
+        min=0,
+        help="Processes at once; one for every core by default, 0 to do without any.",
+    ),
 ]
 Scheduler = Annotated[
     str | None,
