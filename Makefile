@@ -71,7 +71,8 @@ docs: .venv/.ready
 	.venv/bin/mkdocs build --strict
 
 # $(1) is the virtual environment, $(2) its lock file. No build isolation: what builds the
-# package is pinned too. Running this again on an existing environment only brings it up to date.
+# package is pinned too. Python compiles what is imported when it is, which is a part of it, in half
+# the time. Running this again on an existing environment only brings it up to date.
 define make_venv
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 	  echo "Stepwell needs Python >= 3.11, and '$(PYTHON)' is not one. Name one that is:" \
@@ -79,7 +80,7 @@ define make_venv
 	@$(PYTHON) -m venv $(1) || { \
 	  echo "'$(PYTHON)' cannot make a virtual environment. On Debian and Ubuntu install" \
 	    "python3-venv, or name another Python: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
-	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r $(2)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes --no-deps -r $(2)
 	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
 	@touch $@
 endef

@@ -59,6 +59,16 @@ def predicted_once():
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def put_together_once():
+    """The commands are put together once a process, which takes as long as many of them run."""
+    import typer.testing
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.testing, "_get_command", cache(typer.main.get_command))
+        yield
+
+
 @pytest.fixture(scope="session")
 def kamp2024() -> Path:
     """The authors' recordings, which are not part of the repository.

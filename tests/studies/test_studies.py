@@ -1,5 +1,6 @@
 """A study loses nothing: whatever is killed, damaged or done twice, the store ends the same."""
 
+import multiprocessing
 import os
 import random
 import resource
@@ -118,6 +119,15 @@ def test_other_things_are_computed_too(tmp_path, what, columns):
     data = sweep(LEG, what, Space(axes), tmp_path / "s.zarr", workers=1).study.to_xarray()
     for name in columns:
         assert np.all(np.isfinite(data[name].values))
+
+
+def test_without_processes_the_bytes_are_the_same(tmp_path, undisturbed):
+    before = multiprocessing.active_children()
+    study = sweep(LEG, "cycle", GRID, tmp_path / "s.zarr", chunk=CHUNK, workers=0).study
+    assert multiprocessing.active_children() == before
+    assert bytes_of(study.folder) == undisturbed
+    with pytest.raises(sw.InputError, match="workers = -1: must be 0 or more"):
+        resumed(study, -1)
 
 
 @pytest.mark.slow
