@@ -43,6 +43,11 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "walk, maze, view, export",
             "The robot's simulation needs MuJoCo",
         ),
+        "gpu": Extra(
+            {"mujoco-warp": "mujoco_warp"},
+            "`stepwell sweep walk --engine warp`",
+            "Robots by the thousand on a GPU need MuJoCo Warp",
+        ),
         "video": Extra(
             {"av": "av"},
             "videos as MP4",

@@ -67,7 +67,7 @@ class RunSamples:
 
 
 class Run:
-    """A run in progress, a chunk at a time."""
+    """A run in progress, a chunk at a time; its samples are kept, or only looked at."""
 
     def __init__(
         self,
@@ -75,8 +75,10 @@ class Run:
         arena: Arena | None,
         settings: Settings,
         start: RunSamples | None = None,
+        *,
+        record: bool = True,
     ):
-        self.robot, self.settings = robot, settings
+        self.robot, self.settings, self.record = robot, settings, record
         self.model = spec(robot, arena, settings).compile()
         # A run that diverges is stopped and told, not put back to its start.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
@@ -131,14 +133,18 @@ class Run:
 
     def chunks(self, end: float) -> Iterator[float]:
         """Go on to this time [s], or to where it goes wrong; each time looked at is given."""
-        self.require_affordable(end)
-        begin = self.now
-        count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
-        for i in range(count):
-            self.advance(begin + (end - begin) * (i + 1) / count)
+        for until in self.looks(end):
+            self.advance(until)
             yield self.now
             if self.stopped:
                 return
+
+    def looks(self, end: float) -> list[float]:
+        """When a run that goes on to this time [s] is looked at [s]."""
+        self.require_affordable(end)
+        begin = self.now
+        count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
+        return [begin + (end - begin) * (i + 1) / count for i in range(count)]
 
     def advance(self, until: float) -> None:
         """Step to this time [s], or to where the run goes wrong."""
@@ -180,6 +186,8 @@ class Run:
         sound, self.stopped = stopped_at(time[keep], data, self.where, self.rods)
         if not self.stopped and not np.isfinite(self.state).all():
             self.stopped = f"Stopped at {self.now:.3f} s: a number overflowed."
+        if not self.record:
+            return
         self._times.append(time[keep][:sound])
         self._data.append(data[:sound])
         # The full state begins with the time and the joint positions.

@@ -154,6 +154,40 @@ class Maze(ByValue, Drawn):
         )
 
 
+class Judge:
+    """Says of a run in progress how it has ended.
+
+    Attributes:
+        outcome: None as long as it goes on.
+    """
+
+    def __init__(self, arena: Arena):
+        self.outcome: Outcome | None = None
+        self._goal = arena.goal
+        self._places: list[tuple[float, float, float]] = []
+
+    def look(self, run: Run) -> Outcome | None:
+        """Look at a run as it is now: its outcome if it has ended."""
+        # The full state begins with the time and the body's place.
+        x, y = float(run.state[1]), float(run.state[2])
+        self._places.append((run.now, x, y))
+        if run.stopped:
+            self.outcome = Outcome.STOPPED
+        elif self._goal is not None and self._goal.reached(x, y):
+            self.outcome = Outcome.REACHED
+        elif _stuck(self._places):
+            self.outcome = Outcome.TRAPPED
+        return self.outcome
+
+
+def _stuck(places: list[tuple[float, float, float]]) -> bool:
+    now, x, y = places[-1]
+    if now - places[0][0] < STUCK_FOR:
+        return False
+    recent = np.array([place for place in places if now - place[0] <= STUCK_FOR])
+    return bool((np.hypot(recent[:, 1] - x, recent[:, 2] - y) < STUCK_WITHIN).all())
+
+
 def maze(
     robot: Robot,
     arena: Arena,
@@ -170,26 +204,15 @@ def maze(
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
     settings = settings or Settings()
-    run = Run(robot, arena, settings)
-    outcome = Outcome.TIMED_OUT
-    places: list[tuple[float, float, float]] = []
+    run, judge = Run(robot, arena, settings), Judge(arena)
     for now in run.chunks(limit):
         if progress is not None:
             progress(max(now, 0.0), limit)
         if look is not None:
             look(lambda: recorded(robot, arena, settings, run.samples()))
-        if run.stopped:
-            outcome = Outcome.STOPPED
+        if judge.look(run) is not None:
             break
-        # The full state begins with the time and the body's place.
-        x, y = float(run.state[1]), float(run.state[2])
-        places.append((now, x, y))
-        if arena.goal is not None and arena.goal.reached(x, y):
-            outcome = Outcome.REACHED
-            break
-        if _stuck(places):
-            outcome = Outcome.TRAPPED
-            break
+    outcome = judge.outcome or Outcome.TIMED_OUT
     return Maze(recorded(robot, arena, settings, run.samples()), arena, outcome, limit)
 
 
@@ -240,14 +263,6 @@ def mazes(
             pool.shutdown(wait=True, cancel_futures=True)
             raise
         return tuple(way.result() for way in ways)
-
-
-def _stuck(places: list[tuple[float, float, float]]) -> bool:
-    now, x, y = places[-1]
-    if now - places[0][0] < STUCK_FOR:
-        return False
-    recent = np.array([place for place in places if now - place[0] <= STUCK_FOR])
-    return bool((np.hypot(recent[:, 1] - x, recent[:, 2] - y) < STUCK_WITHIN).all())
 
 
 def _stretches(time: np.ndarray, held: np.ndarray) -> list[tuple[int, int]]:

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -191,7 +192,8 @@ def sweep(
     missing = [i for i in range(len(robots)) if i not in found]
     for first in range(0, len(missing), PER_CORE * threads):
         batch = missing[first : first + PER_CORE * threads]
-        walks = _walked([robots[i] for i in batch], cycles, settings, threads)
+        step = partial(_step_together, threads=threads)
+        walks = walked([robots[i] for i in batch], cycles, settings, step)
         new = dict(zip(batch, map(Trial.of, walks), strict=True))
         found |= new
         if kept is not None:
@@ -201,8 +203,20 @@ def sweep(
     return Sweep(values, tuple(found[i] for i in range(len(robots))))
 
 
-def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: int) -> list[Walk]:
-    """Every robot's walk, stepped together where their models have the same size."""
+def walked(
+    robots: Sequence[Robot],
+    cycles: int,
+    settings: Settings,
+    step: Callable[[Sequence[Run], float], None],
+) -> list[Walk]:
+    """Every robot's walk, stepped together where their models have the same size.
+
+    Args:
+        robots: (n,) robots.
+        cycles: of each walk.
+        settings: of the simulation.
+        step: steps runs of one size and one period to a time [s].
+    """
     runs = [Run(robot, None, settings) for robot in robots]
     alike: dict[tuple[int, ...], list[Run]] = {}
     for run in runs:
@@ -211,7 +225,7 @@ def _walked(robots: Sequence[Robot], cycles: int, settings: Settings, threads: i
         key = (run.model.nq, run.model.nv, run.model.nsensordata, round(period * 1e9))
         alike.setdefault(key, []).append(run)
     for group in alike.values():
-        _step_together(group, cycles * group[0].robot.drive.period, threads)
+        step(group, cycles * group[0].robot.drive.period)
     return [recorded(run.robot, None, settings, run.samples()) for run in runs]
 
 
