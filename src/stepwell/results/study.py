@@ -34,10 +34,11 @@ _VALUES, _FOREMOST = 20, 5
 
 def study_record(found: Status) -> dict[str, Any]:
     """How far a study is and what it has found so far, as docs/commands.md describes it."""
-    from stepwell.studies import decided
+    from stepwell.studies import SCREEN_COLUMNS, decided
 
     study = found.study
-    columns = {name: unit for name, unit in study.columns.items() if name not in study.varied}
+    not_found = study.varied.keys() | SCREEN_COLUMNS.keys()
+    columns = {name: unit for name, unit in study.columns.items() if name not in not_found}
     problems = columns.pop("problem", None) and found.problems
     return {
         **head("stepwell.study/1", study.text, study.designs.seed, "zarr"),
@@ -53,6 +54,7 @@ def study_record(found: Status) -> dict[str, Any]:
         "done": found.done,
         "finished": found.finished,
         "problems": problems,
+        "screen": _screen(found),
         "outcomes": [
             row
             for name, unit in columns.items()
@@ -88,6 +90,24 @@ def _decided(one: Decided) -> dict[str, Any]:
     }
 
 
+def _screen(found: Status) -> dict[str, Any] | None:
+    """How a screen and what was computed agree."""
+    from stepwell.studies import screened
+
+    of = screened(found.study)
+    if of is None:
+        return None
+    shares = {"alike": of.alike, "held": of.held, "missed": of.missed}
+    return {
+        "engine": found.study.given["engine"],
+        "wanted": found.study.given["wanted"],
+        "designs": of.designs,
+        "kept": of.kept,
+        "computed": of.computed,
+        **{name: one and {**one._asdict(), "share": one.share} for name, one in shares.items()},
+    }
+
+
 def _span(found: Status, name: str) -> dict[str, Any]:
     """The unit of what differs, and between which values; of what is not bounded, so far."""
     told, factor = found.study.told(name)
@@ -106,7 +126,11 @@ def _span(found: Status, name: str) -> dict[str, Any]:
 
 
 def _outcomes(found: Status, name: str) -> list[dict[str, Any]]:
-    counts = Counter(map(str, found.study.values(name)))
+    words = np.array([str(one) for one in found.study.values(name)], object)
+    if found.study.work.screen:
+        # Those that a screen chose are no sample of the designs; those that were drawn by lot are.
+        words = words[found.study.values("lot") == 1]
+    counts = Counter(words.tolist())
     counts.pop("", None)
     told = sum(counts.values())
     return [

@@ -27,11 +27,13 @@ from stepwell.studies.run import (
     status,
     sweep,
 )
+from stepwell.studies.screen import Screened, screened
 from stepwell.studies.store import Study, StudyError, begun, extended, opened
-from stepwell.studies.work import WORKS, function_of
+from stepwell.studies.work import SCREEN_COLUMNS, WORKS, function_of
 
 __all__ = [
     "DRIVES",
+    "SCREEN_COLUMNS",
     "WORKS",
     "Axis",
     "Block",
@@ -43,6 +45,7 @@ __all__ = [
     "How",
     "Influence",
     "Packed",
+    "Screened",
     "Space",
     "Status",
     "Study",
@@ -67,6 +70,7 @@ __all__ = [
     "read_table",
     "resumed",
     "status",
+    "screened",
     "sweep",
     "unit_in",
 ]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import StepwellError, __version__
+from stepwell.base import InputError, StepwellError, __version__
+from stepwell.studies.screen import verdicts_of
 from stepwell.studies.store import PROBLEM, Study, StudyError, opened, same_version
-from stepwell.studies.work import TEXT
+from stepwell.studies.work import SCREEN_COLUMNS, TEXT
 
 # Designs that an estimate computes, and seconds after which it takes no more.
 _SAMPLE, _PATIENCE = 8, 10.0
@@ -40,7 +42,9 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
     """Every column of a chunk (rows,), in SI; a design that cannot be has a problem instead."""
     rows = study.rows(chunk)
     columns: dict[str, list[Any]] = {name: [] for name in study.columns}
-    for row in _computed(study, rows):
+    screen = study.work.screen
+    verdicts = verdicts_of(study, screen, chunk) if screen else None
+    for row in _computed(study, rows, verdicts):
         for name, values in columns.items():
             values.append(row[name])
     return {
@@ -49,8 +53,12 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
     }
 
 
-def _computed(study: Study, rows: range) -> Any:
-    """Of every row all that its columns hold."""
+def _computed(study: Study, rows: range, verdicts: Sequence[str] | None = None) -> Any:
+    """Of every row all that its columns hold.
+
+    Of a screened study those rows are computed that are kept, drawn by lot, or of which the screen
+    could tell nothing.
+    """
     nothing = {name: "" if unit == TEXT else math.nan for name, unit in study.columns.items()}
     made = study.designs.made(study.subject, rows.start, rows.stop)
     for number, (values, design) in zip(rows, made, strict=True):
@@ -58,6 +66,13 @@ def _computed(study: Study, rows: range) -> Any:
         if isinstance(design, ValueError):
             yield row | {PROBLEM: _told(design)}
             continue
+        if verdicts is not None:
+            told, lot = verdicts[number - rows.start], study.by_lot(number)
+            again = not told or study.work.screen.kept(told) or lot
+            row |= dict(zip(SCREEN_COLUMNS, (told, float(again), float(lot)), strict=True))
+            if not again:
+                yield row
+                continue
         try:
             found = study.work.row(design, study.seed_of(number))
             _refuse_others(study, found)
@@ -111,6 +126,8 @@ def estimate(study: Study, workers: int) -> Estimate:
     Raises:
         ValueError: nothing can be computed.
     """
+    if study.work.screen:
+        raise InputError("estimate: nobody knows beforehand how many designs a screen keeps.")
     count = min(_SAMPLE, study.count)
     chosen = sorted({round(k * (study.count - 1) / max(count - 1, 1)) for k in range(count)})
     begin, spent, text = time.perf_counter(), list[float](), 0

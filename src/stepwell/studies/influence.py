@@ -70,7 +70,7 @@ def decided(study: Study) -> tuple[Decided, ...]:
     for granted that the numbers were varied independently, as a grid and every draw vary them.
 
     Args:
-        study: of 50 designs or more; of fewer nothing is said.
+        study: of 50 designs or more; of fewer, and of those that a screen chose, nothing is said.
 
     Returns:
         One for every column that differs from design to design.
@@ -78,6 +78,8 @@ def decided(study: Study) -> tuple[Decided, ...]:
     Source: first-order indices from given data, Plischke, Borgonovo and Smith 2013; without the
     bias of few designs a class, Kelley 1935; the floor by the F distribution.
     """
+    if study.work.screen:
+        return ()
     chunks = study.done_chunks()
     varied = {name: study.values(name, chunks) for name in study.varied}
     found: list[Decided] = []

@@ -15,11 +15,14 @@ from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
+from stepwell.studies.screen import aimed
 from stepwell.studies.store import PROBLEM, Study, StudyError, begun, opened
+from stepwell.studies.work import WARP
 
 # Of a chunk that nobody has given the size of: some seconds, and files that are not too many.
 _CHUNK, _MOST_CHUNKS = 64, 10_000
 _CHUNKS_OF = {"walk": 16, "maze": 1}
+_WORLDS = 256
 _CANCELLED = ".cancelled"
 
 
@@ -83,7 +86,7 @@ def sweep(
         folder: of the store, which xarray opens as Zarr.
         given: what `what` takes besides the design, as `work_of` says.
         chunk: designs that are computed and written together; by default 64, or more where the
-            study has more than 640,000; 16 of walks, 1 of mazes.
+            study has more than 640,000; 16 of walks, 1 of mazes, 256 of what is screened.
         workers: processes at once; one for every core by default; 0 computes in this process, which
             needs no `if __name__ == "__main__":` in a script.
         scheduler: address of a running Dask scheduler, whose workers do it instead; they must see
@@ -115,9 +118,13 @@ def asked(
     """The study that `sweep` begins with these arguments, which it explains; nothing is written."""
     from stepwell.files import dumps
 
+    given = aimed(what, given or {}, design)
     least = _CHUNKS_OF.get(what, _CHUNK)
+    if given.get("engine") == WARP:
+        # Robots that are screened together, each in all of its layouts.
+        least = max(1, _WORLDS // max(given.get("layouts", 1), 1))
     size = chunk or max(least, -(-designs.count // _MOST_CHUNKS))
-    study = Study(Path(folder), what, dumps(design), designs, size, given or {})
+    study = Study(Path(folder), what, dumps(design), designs, size, given)
     study.columns  # noqa: B018  refuses what cannot be computed
     return study
 

@@ -11,7 +11,8 @@ import json
 import os
 import shutil
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
@@ -43,7 +44,7 @@ from stepwell.studies.designs import (
     Workshop,
     unit_in,
 )
-from stepwell.studies.work import TEXT, Work, work_of
+from stepwell.studies.work import ONE_OF, SCREEN_COLUMNS, TEXT, Work, work_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -108,7 +109,7 @@ class Study(ByValue):
     @cached_property
     def columns(self) -> dict[str, str]:
         """Unit of every column by its name: what differs, what is found, what was wrong."""
-        found = dict(self.work.columns)
+        found = (SCREEN_COLUMNS if self.work.screen else {}) | dict(self.work.columns)
         if twice := sorted({PROBLEM, *self.varied} & found.keys()):
             raise InputError(f"{self.what}: gives {', '.join(twice)}, which is a column already.")
         columns = self.varied | found | {PROBLEM: TEXT}
@@ -159,6 +160,10 @@ class Study(ByValue):
         digest = hashlib.sha256(f"{self.identity}:{number}".encode()).digest()
         return int.from_bytes(digest[:4], "big")
 
+    def by_lot(self, number: int) -> bool:
+        """Whether a design is computed in any case, whatever a screen says of it."""
+        return self.seed_of(number) % ONE_OF == 0
+
     def rows(self, chunk: int) -> range:
         """Numbers of the designs of a chunk."""
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.count))
@@ -185,6 +190,33 @@ class Study(ByValue):
         for name in self.columns:
             self.column(name)[rows.start : rows.stop] = columns[name]
             _sync(self.folder / name / "c" / str(chunk))
+
+    def once(self, name: str, chunk: int, find: Callable[[], Sequence[str]]) -> list[str]:
+        """What is found of a chunk and need not come out alike twice: who is first decides it.
+
+        Args:
+            name: of the column for which it is found; it is kept beside its chunks.
+            chunk: which.
+            find: finds it.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        rows = self.rows(chunk)
+        place = self.folder / name / f".found-{rows.start}-{rows.stop}.json"
+        if (there := _read(place)) is not None:
+            return there
+        draft = place.with_name(f".{uuid.uuid4().hex}")
+        try:
+            write_atomic(draft, json.dumps(list(find())))
+            with suppress(FileExistsError):  # somebody else was faster
+                os.link(draft, place)
+            sync_folder(place.parent)
+        finally:
+            draft.unlink(missing_ok=True)
+        found = _read(place)
+        assert found is not None
+        return found
 
     def to_xarray(self) -> xr.Dataset:
         """What is there so far, over "row"; NaN and empty words where nothing is yet."""
@@ -487,6 +519,11 @@ def _holds(file: Path) -> bool:
     except OSError:
         return False
     return value(held[:-4]) == int.from_bytes(held[-4:], "little") if len(held) > 4 else False
+
+
+def _read(file: Path) -> list[str] | None:
+    """What a file holds, None where there is none."""
+    return json.loads(file.read_text("utf-8")) if file.exists() else None
 
 
 def _sync(file: Path) -> None:

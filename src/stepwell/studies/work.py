@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -17,8 +17,29 @@ from stepwell.robot import Robot
 from stepwell.studies.designs import Block, Subject
 
 Row = Mapping[str, Any]
-Given = Mapping[str, Any]
 TEXT = "text"
+ENGINES = CPU, WARP = ("cpu", "warp")
+# What a screened study has besides: the screen's verdict; whether the row was computed; whether it
+# is one of those that are computed in any case, one of `ONE_OF` by lot.
+SCREENED, ONE_OF = "screened", 10
+SCREEN_COLUMNS = {SCREENED: TEXT, "again": "1", "lot": "1"}
+Given = Mapping[str, Any]
+
+
+class Screen(NamedTuple):
+    """What looks at many designs at once beforehand, and leaves to `Work.row` those worth it.
+
+    Attributes:
+        verdicts: of designs, each in the words of `verdict`, "" where it can tell nothing.
+        verdict: the same of a row that was computed.
+        kept: whether a design of this verdict is worth it.
+        aim: what `kept` wants, by the verdict of the design that is varied.
+    """
+
+    verdicts: Callable[[Sequence[Any]], list[str]]
+    verdict: Callable[[Row], str]
+    kept: Callable[[str], bool]
+    aim: Callable[[str], Any]
 
 
 class Work(NamedTuple):
@@ -27,10 +48,12 @@ class Work(NamedTuple):
     Attributes:
         columns: unit of every column by its name; `TEXT` for words, "1" for ratios and counts.
         row: the values of one design, from the design and a seed of its own.
+        screen: what chooses the designs that are computed; all of them by default.
     """
 
     columns: Mapping[str, str]
     row: Callable[[Any, int], Row]
+    screen: Screen | None = None
 
 
 def work_of(what: str, given: Given, subject: Subject) -> Work:
@@ -40,7 +63,8 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
         what: one of `WORKS`; "atlas" takes blocks of designs.
         given: what it takes besides the design, by name: of a program `start` and `to`; of a walk
             `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts` and the
-            `first` of them; of a call what `function_of` gives.
+            `first` of them; of both `engine` ("cpu", or "warp" to screen them) and what is
+            `wanted` of those that are kept; of a call what `function_of` gives.
         subject: the design that is varied.
 
     Raises:
@@ -141,23 +165,55 @@ def _program(subject: Chain, start: str | None = None, to: str | None = None) ->
     return Work({"found": "1", "proved": "1", "strokes": "1", "slack": unit, "end": unit}, row)
 
 
-def _walk(cycles: int = 4) -> Work:
+def _walk(cycles: int = 4, engine: str = "cpu", wanted: str = "") -> Work:
     from stepwell.simulation import Trial, walk
 
     if not 1 <= cycles <= 1000:
         raise InputError(f"walk: cycles = {cycles}: must be from 1 to 1000.")
 
     def row(robot: Robot, _seed: int) -> Row:
-        found = Trial.of(walk(robot, cycles))
+        return told(Trial.of(walk(robot, cycles)))
+
+    def told(found: Trial) -> Row:
         gaits = " | ".join(gait or "none" for gait in found.gaits)
         numbers = {name: getattr(found, name) for name in ("advance", "sideways", "turn", "work")}
         return {**numbers, "gaits": gaits, "stopped": found.stopped}
 
+    def verdict(found: Row) -> str:
+        return "stopped" if found["stopped"] else str(found["gaits"])
+
+    def verdicts(robots: Sequence[Robot]) -> list[str]:
+        from stepwell.simulation import screen_walks
+
+        trials = screen_walks(robots, cycles=cycles)
+        return ["" if trial is None else verdict(told(trial)) for trial in trials]
+
     numbers = {"advance": "1", "sideways": "1", "turn": "rad", "work": "J"}
-    return Work({**numbers, "gaits": TEXT, "stopped": TEXT}, row)
+
+    def aim(told: str) -> str:
+        if told == "stopped":
+            raise InputError("the design itself stops early, so no other can keep its gait.")
+        return told
+
+    screen = Screen(verdicts, verdict, lambda told: told == wanted, aim)
+    return Work({**numbers, "gaits": TEXT, "stopped": TEXT}, row, _with(engine, screen))
 
 
-def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0, first: int = 0) -> Work:
+def _with(engine: str, screen: Screen) -> Screen | None:
+    """What an engine screens by."""
+    if engine not in ENGINES:
+        raise InputError(f"engine = {engine!r}: must be one of {', '.join(ENGINES)}.")
+    return screen if engine == WARP else None
+
+
+def _maze(
+    arena: str = "",
+    limit: float = 600.0,
+    layouts: int = 0,
+    first: int = 0,
+    engine: str = "cpu",
+    wanted: int = 0,
+) -> Work:
     from stepwell.files import loads_arena
     from stepwell.robot import other_layout, other_start
     from stepwell.simulation import Outcome, maze
@@ -170,22 +226,48 @@ def _maze(arena: str = "", limit: float = 600.0, layouts: int = 0, first: int = 
         raise InputError(f"maze: layouts = {layouts}: must be from 0 to 10000.")
     if not 0 <= first <= 2**31:
         raise InputError(f"maze: first = {first}: must be from 0 to 2147483648.")
-    there = loads_arena(arena, "arena")
+    place = loads_arena(arena, "arena")
     # The same for every design, so that what differs is the design.
-    moved = [other_start(other_layout(there, seed), seed) for seed in range(first, first + layouts)]
-    places = moved or [there]
+    moved = [other_start(other_layout(place, seed), seed) for seed in range(first, first + layouts)]
+    places = moved or [place]
 
     def row(robot: Robot, _seed: int) -> Row:
-        ways = [maze(robot, place, limit=limit) for place in places]
-        reached = [way for way in ways if way.outcome is Outcome.REACHED]
-        times = [float(way.walk.time[-1]) for way in reached]
+        ways = [maze(robot, one, limit=limit) for one in places]
+        there = [way for way in ways if way.outcome is Outcome.REACHED]
+        times = [float(way.walk.time[-1]) for way in there]
         return {
-            "reached": len(reached) / len(ways),
+            "reached": len(there) / len(ways),
             "time": sum(times) / len(times) if times else math.nan,
-            "outcomes": ", ".join(way.outcome.name.lower().replace("_", " ") for way in ways),
+            "outcomes": told([way.outcome for way in ways]),
         }
 
-    return Work({"reached": "1", "time": "s", "outcomes": TEXT}, row)
+    def told(outcomes: Sequence[Outcome]) -> str:
+        return ", ".join(outcome.name.lower().replace("_", " ") for outcome in outcomes)
+
+    def verdicts(robots: Sequence[Robot]) -> list[str]:
+        from stepwell.simulation import screen_mazes
+
+        entries = [(robot, one) for robot in robots for one in places]
+        ends, found = screen_mazes(entries, limit=limit), list[str]()
+        for k in range(0, len(ends), len(places)):
+            ways = [end for end in ends[k : k + len(places)] if end is not None]
+            found.append(told(ways) if len(ways) == len(places) else "")
+        return found
+
+    def reached(told: str) -> int:
+        return told.split(", ").count("reached")
+
+    def aim(told: str) -> int:
+        if not reached(told):
+            raise InputError("the design itself reaches no goal, so every other does as well.")
+        return reached(told)
+
+    def verdict(found: Row) -> str:
+        return str(found["outcomes"])
+
+    screen = Screen(verdicts, verdict, lambda told: reached(told) >= wanted, aim)
+    columns = {"reached": "1", "time": "s", "outcomes": TEXT}
+    return Work(columns, row, _with(engine, screen))
 
 
 def _atlas(subject: Chain, drive: str = "stroke") -> Work:

@@ -91,6 +91,16 @@ _Estimate = Annotated[
 ]
 _There = Annotated[Path, typer.Argument(metavar="STORE", help="What --out said.")]
 
+_Engine = Annotated[
+    str,
+    typer.Option(
+        metavar="ENGINE",
+        help="cpu computes every design; warp screens all of them at once on a GPU, in single "
+        "precision, and has cpu compute those that do as the design itself does, every one that it "
+        "cannot tell, and one of ten by lot.",
+    ),
+]
+
 # What some of them take besides the design and what varies.
 _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
     "program": {
@@ -101,7 +111,8 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
         "to": (Annotated[str, typer.Option("--to", metavar="STATE", help="As in 01.")], ...),
     },
     "walk": {
-        "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4)
+        "cycles": (Annotated[int, typer.Option(help="How many cycles each walks.", min=1)], 4),
+        "engine": (_Engine, "cpu"),
     },
     "maze": {
         "arena": (
@@ -131,6 +142,7 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             ],
             0,
         ),
+        "engine": (_Engine, "cpu"),
     },
     "call": {
         "function": (
@@ -345,12 +357,22 @@ def report(
 def _resumed(study: Study, workers: int | None, scheduler: str | None, as_json: bool) -> None:
     from stepwell.studies import begun, resumed
 
+    if study.work.screen and scheduler is None:
+        _warn_without_gpu()
     kinds = Counter[str]()
     with going_on(study.folder, scheduler, lambda: _so_far(kinds)) as tell:
         found = resumed(
             begun(study), workers, scheduler=scheduler, progress=tell, problems=kinds.update
         )
     _show(found, as_json)
+
+
+def _warn_without_gpu() -> None:
+    from stepwell.simulation import device
+
+    _, is_gpu = device()
+    if not is_gpu:
+        warn("No GPU here: Warp screens on the processor, where --engine cpu is much faster.")
 
 
 def _so_far(kinds: Mapping[str, int]) -> str:
@@ -373,6 +395,8 @@ def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
     from stepwell import files
     from stepwell.studies import function_of
 
+    if own.get("engine") == "cpu":
+        del own["engine"]  # as in stores that were begun when there was no other
     if "arena" in own:
         own |= {"arena": files.dumps(files.load_arena(own["arena"]))}
     if "function" in own:

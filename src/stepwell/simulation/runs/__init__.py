@@ -5,3 +5,4 @@ from stepwell.simulation.runs.maze import TOUCHED, Contact, GaitChange, Maze, Ou
 from stepwell.simulation.runs.sweep import TRIAL, Sweep, Trial, sweep
 from stepwell.simulation.runs.video import VideoError, drawing_system, video
 from stepwell.simulation.runs.walk import LOADED, Walk, walk
+from stepwell.simulation.runs.worlds import device, screen_mazes, screen_walks

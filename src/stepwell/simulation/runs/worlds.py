@@ -35,7 +35,7 @@ SHARED = {"site_size", "key_qpos"}
 
 def screen_walks(
     robots: Sequence[Robot], *, cycles: int = 4, settings: Settings | None = None
-) -> tuple[Trial, ...]:
+) -> tuple[Trial | None, ...]:
     """Walk many robots at once on MuJoCo Warp, on a bare floor: to choose from, not to report.
 
     Args:
@@ -44,7 +44,8 @@ def screen_walks(
         settings: of the simulation.
 
     Returns:
-        (n,) what each did, in single precision and not always the same to the last digits.
+        (n,) what each did, in single precision and not always the same to the last digits; None
+        where Warp ran out of room and says nothing.
 
     Raises:
         ValueError: no cycles, or a robot that the simulator has no term for.
@@ -59,7 +60,7 @@ def screen_walks(
 
     opened()
     walks = walked(robots, cycles, settings or Settings(), step)
-    return tuple(map(Trial.of, walks))
+    return tuple(None if UNTOLD in walk.stopped else Trial.of(walk) for walk in walks)
 
 
 def screen_mazes(
@@ -67,7 +68,7 @@ def screen_mazes(
     *,
     limit: float = 600.0,
     settings: Settings | None = None,
-) -> tuple[Outcome, ...]:
+) -> tuple[Outcome | None, ...]:
     """Let many robots walk in many arenas at once on MuJoCo Warp: to choose from, not to report.
 
     Args:
@@ -76,7 +77,8 @@ def screen_mazes(
         settings: of the simulation.
 
     Returns:
-        (n,) how each way ended, in single precision and not always the same.
+        (n,) how each way ended, in single precision and not always the same; None where Warp ran
+        out of room and says nothing.
 
     Raises:
         ValueError: as `maze`.
@@ -92,7 +94,10 @@ def screen_mazes(
         judges[run] = Judge(arena)
     for group in alike(list(judges)):
         _judged(group, judges, limit)
-    return tuple(judge.outcome or Outcome.TIMED_OUT for judge in judges.values())
+    return tuple(
+        None if UNTOLD in run.stopped else judge.outcome or Outcome.TIMED_OUT
+        for run, judge in judges.items()
+    )
 
 
 def _judged(group: Sequence[Run], judges: dict[Run, Judge], limit: float) -> None:
