@@ -99,10 +99,11 @@ page:
 lock:
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION)
-	$(call compile,highest,requirements.lock)
+	@# MuJoCo Warp goes with one release of MuJoCo, the newest: its tests are left out on the oldest.
+	$(call compile,highest,requirements.lock,--extra gpu)
 	$(call compile,lowest-direct,requirements-lowest.lock)
 
-compile = .venv-lock/bin/uv --no-config pip compile pyproject.toml --extra dev --quiet $(UPGRADE) \
+compile = .venv-lock/bin/uv --no-config pip compile pyproject.toml --extra dev $(3) --quiet $(UPGRADE) \
   --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-package stepwell \
   --no-annotate --custom-compile-command "make lock" --resolution $(1) --output-file $(2)
 

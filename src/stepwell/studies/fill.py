@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,9 +42,12 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
     """Every column of a chunk (rows,), in SI; a design that cannot be has a problem instead."""
     rows = study.rows(chunk)
     columns: dict[str, list[Any]] = {name: [] for name in study.columns}
-    screen = study.work.screen
-    verdicts = verdicts_of(study, screen, chunk) if screen else None
-    for row in _computed(study, rows, verdicts):
+    made: Iterable[Any] = study.designs.made(study.subject, rows.start, rows.stop)
+    verdicts = None
+    if screen := study.work.screen:
+        made = list(made)
+        verdicts = verdicts_of(study, screen, chunk, [design for _, design in made])
+    for row in _computed(study, rows, made, verdicts):
         for name, values in columns.items():
             values.append(row[name])
     return {
@@ -53,14 +56,15 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
     }
 
 
-def _computed(study: Study, rows: range, verdicts: Sequence[str] | None = None) -> Any:
+def _computed(
+    study: Study, rows: range, made: Iterable[Any], verdicts: Sequence[str] | None = None
+) -> Any:
     """Of every row all that its columns hold.
 
     Of a screened study those rows are computed that are kept, drawn by lot, or of which the screen
     could tell nothing.
     """
     nothing = {name: "" if unit == TEXT else math.nan for name, unit in study.columns.items()}
-    made = study.designs.made(study.subject, rows.start, rows.stop)
     for number, (values, design) in zip(rows, made, strict=True):
         row = nothing | dict(zip(study.varied, values, strict=True))
         if isinstance(design, ValueError):
@@ -133,7 +137,8 @@ def estimate(study: Study, workers: int) -> Estimate:
     begin, spent, text = time.perf_counter(), list[float](), 0
     for number in chosen:
         now = time.perf_counter()
-        (row,) = _computed(study, range(number, number + 1))
+        made = study.designs.made(study.subject, number, number + 1)
+        (row,) = _computed(study, range(number, number + 1), made)
         spent.append(time.perf_counter() - now)
         text = max(text, sum(len(v.encode()) for v in row.values() if isinstance(v, str)))
         if time.perf_counter() - begin > _PATIENCE:

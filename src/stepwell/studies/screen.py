@@ -35,30 +35,15 @@ def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, An
         raise InputError(f"{what}: engine = {WARP!r}: {error}") from None
 
 
-def verdicts_of(study: Study, screen: Screen, chunk: int) -> list[str]:
-    """What a screen says of the designs of a chunk, once and for all."""
+def verdicts_of(study: Study, screen: Screen, chunk: int, made: Sequence[Any]) -> list[str]:
+    """What a screen says of the designs that a chunk is made of, once and for all."""
 
     def find() -> list[str]:
-        rows = study.rows(chunk)
-        made = [one for _, one in study.designs.made(study.subject, rows.start, rows.stop)]
-        able = [k for k, one in enumerate(made) if _can_be(one)]
+        able = [k for k, one in enumerate(made) if not isinstance(one, ValueError)]
         told = dict(zip(able, screen.verdicts([made[k] for k in able]), strict=True))
         return [told.get(k, "") for k in range(len(made))]
 
     return study.once(SCREENED, chunk, find)
-
-
-def _can_be(design: Any) -> bool:
-    """Whether a robot has a model; of one that has none, what is computed says why."""
-    from stepwell.simulation import spec
-
-    if isinstance(design, ValueError):
-        return False
-    try:
-        spec(design).compile()
-    except ValueError:
-        return False
-    return True
 
 
 @dataclass(frozen=True, eq=False)

@@ -193,7 +193,7 @@ def sweep(
     for first in range(0, len(missing), PER_CORE * threads):
         batch = missing[first : first + PER_CORE * threads]
         step = partial(_step_together, threads=threads)
-        walks = walked([robots[i] for i in batch], cycles, settings, step)
+        walks = walked([Run(robots[i], None, settings) for i in batch], cycles, step)
         new = dict(zip(batch, map(Trial.of, walks), strict=True))
         found |= new
         if kept is not None:
@@ -204,20 +204,15 @@ def sweep(
 
 
 def walked(
-    robots: Sequence[Robot],
-    cycles: int,
-    settings: Settings,
-    step: Callable[[Sequence[Run], float], None],
+    runs: Sequence[Run], cycles: int, step: Callable[[Sequence[Run], float], None]
 ) -> list[Walk]:
-    """Every robot's walk, stepped together where their models have the same size.
+    """Every run's walk, stepped together where their models have the same size.
 
     Args:
-        robots: (n,) robots.
+        runs: (n,) runs on a bare floor, at their start.
         cycles: of each walk.
-        settings: of the simulation.
         step: steps runs of one size and one period to a time [s].
     """
-    runs = [Run(robot, None, settings) for robot in robots]
     alike: dict[tuple[int, ...], list[Run]] = {}
     for run in runs:
         period = run.robot.drive.period
@@ -226,7 +221,7 @@ def walked(
         alike.setdefault(key, []).append(run)
     for group in alike.values():
         step(group, cycles * group[0].robot.drive.period)
-    return [recorded(run.robot, None, settings, run.samples()) for run in runs]
+    return [recorded(run.robot, None, run.settings, run.samples()) for run in runs]
 
 
 def _step_together(runs: Sequence[Run], end: float, threads: int) -> None:

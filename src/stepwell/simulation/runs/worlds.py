@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import fields
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from stepwell.simulation.model import Model, Settings, mujoco
 from stepwell.simulation.runs.engine import Run
 from stepwell.simulation.runs.maze import Judge, Outcome
 from stepwell.simulation.runs.sweep import Trial, walked
+
+T = TypeVar("T")
 
 STEPS = 100  # that are read from the device at once
 CONTACTS = 48  # room for contacts in a world; a robot among walls has some twenty
@@ -45,10 +47,10 @@ def screen_walks(
 
     Returns:
         (n,) what each did, in single precision and not always the same to the last digits; None
-        where Warp ran out of room and says nothing.
+        where nothing can be told: the robot has no model, or Warp ran out of room.
 
     Raises:
-        ValueError: no cycles, or a robot that the simulator has no term for.
+        ValueError: no cycles.
         ExtraError: the extra gpu is not installed, or not in the release of MuJoCo.
     """
     if cycles < 1:
@@ -59,8 +61,9 @@ def screen_walks(
             Worlds(group).advance(end)
 
     opened()
-    walks = walked(robots, cycles, settings or Settings(), step)
-    return tuple(None if UNTOLD in walk.stopped else Trial.of(walk) for walk in walks)
+    runs = _begun([(robot, None) for robot in robots], settings, record=True)
+    trials = [Trial.of(walk) for walk in walked([run for run in runs if run], cycles, step)]
+    return _told(runs, trials)
 
 
 def screen_mazes(
@@ -77,27 +80,44 @@ def screen_mazes(
         settings: of the simulation.
 
     Returns:
-        (n,) how each way ended, in single precision and not always the same; None where Warp ran
-        out of room and says nothing.
+        (n,) how each way ended, in single precision and not always the same; None where nothing
+        can be told: the robot has no model, or Warp ran out of room.
 
     Raises:
-        ValueError: as `maze`.
+        ValueError: no time.
         ExtraError: the extra gpu is not installed, or not in the release of MuJoCo.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
     opened()
-    settings = settings or Settings()
-    judges: dict[Run, Judge] = {}
-    for robot, arena in entries:
-        run = Run(robot, arena, settings, record=False)
-        judges[run] = Judge(arena)
+    runs = _begun(entries, settings, record=False)
+    judges = {
+        run: Judge(arena) for run, (_, arena) in zip(runs, entries, strict=True) if run is not None
+    }
     for group in alike(list(judges)):
         _judged(group, judges, limit)
-    return tuple(
-        None if UNTOLD in run.stopped else judge.outcome or Outcome.TIMED_OUT
-        for run, judge in judges.items()
-    )
+    return _told(runs, [judge.outcome or Outcome.TIMED_OUT for judge in judges.values()])
+
+
+def _begun(
+    entries: Sequence[tuple[Robot, Arena | None]], settings: Settings | None, *, record: bool
+) -> list[Run | None]:
+    """Runs at their start; None of a robot that has no model, of which its own run says why."""
+    found: list[Run | None] = []
+    for robot, arena in entries:
+        try:
+            found.append(Run(robot, arena, settings or Settings(), record=record))
+        except ValueError:
+            found.append(None)
+    return found
+
+
+def _told(runs: Sequence[Run | None], of: Sequence[T]) -> tuple[T | None, ...]:
+    """What was found of each run that there is, in the order of all; None where nothing is sure."""
+    left = iter(of)
+    each = ((run, next(left)) for run in runs if run is not None)
+    sure = {run: None if UNTOLD in run.stopped else one for run, one in each}
+    return tuple(None if run is None else sure[run] for run in runs)
 
 
 def _judged(group: Sequence[Run], judges: dict[Run, Judge], limit: float) -> None:
