@@ -18,14 +18,15 @@ import programs
 import robot
 import studies
 import studio
+import worlds
 import yields
 
 
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    whole = maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, studies, studio
-    for module in whole:
+    whole = maps, cycles, graphs, programs, yields, inverse, peers, commands, robot, worlds
+    for module in (*whole, studies, studio):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

@@ -478,7 +478,7 @@ ROBOTS = [
         "sweep/robots",
         (
             "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 1 "
-            "--out walk.zarr",
+            "--engine cpu --out walk.zarr",
             "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --workers 1 "
             "--vary foot.below_mm=0.3:0.6:2 --out maze.zarr",
         ),
@@ -526,6 +526,7 @@ ROBOTS = [
             "sweep cycle preset:paper-forward --out a.zarr",
             "sweep cycle preset:paper-forward --built 2 --vary outer.q.x=0:20 --out a.zarr",
             "sweep walk preset:paper-forward --vary outer.q.x=0:20:2 --out a.zarr",
+            "sweep walk robot-forward --vary foot.below_mm=0:1:2 --engine gpu --out a.zarr",
             "sweep cycle preset:paper-forward --table gone.csv --out a.zarr",
             "sweep call preset:paper-forward --function gone.py:f --vary outer.q.x=0:20:2 "
             "--out a.zarr",
