@@ -71,7 +71,13 @@ from stepwell.results.run import (
     run_record,
     unreachable_record,
 )
-from stepwell.results.study import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, study_record
+from stepwell.results.study import (
+    STUDY_DECIDED,
+    STUDY_OUTCOME,
+    deciding_rows,
+    screen_facts,
+    study_record,
+)
 
 __all__ = [
     "assumptions",

@@ -77,6 +77,24 @@ def deciding_rows(record: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
+def screen_facts(record: Mapping[str, Any]) -> dict[str, str]:
+    """Of a study's record how its screen and what was computed agree, in words."""
+    screen = record["screen"]
+    if screen is None:
+        return {}
+    engine, kept, told = screen["engine"], screen["kept"], screen["designs"]
+    facts = {"Screen": f"{engine} keeps {kept} of {told}; {screen['computed']} were computed"}
+    for name, among in (
+        ("alike", "drawn by lot"),
+        ("held", "kept"),
+        ("missed", "drawn by lot and not kept"),
+    ):
+        if share := screen[name]:
+            ends = f"{percent(share['low'])} to {percent(share['high'])}"
+            facts[name.capitalize()] = f"{share['times']} of {share['of']} {among} (95 %: {ends})"
+    return facts
+
+
 def _decided(one: Decided) -> dict[str, Any]:
     return {
         "column": one.column,

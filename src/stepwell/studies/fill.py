@@ -70,9 +70,9 @@ def _computed(
         if isinstance(design, ValueError):
             yield row | {PROBLEM: _told(design)}
             continue
-        if verdicts is not None:
+        if verdicts is not None and (screen := study.work.screen):
             told, lot = verdicts[number - rows.start], study.by_lot(number)
-            again = not told or study.work.screen.kept(told) or lot
+            again = not told or screen.kept(told) or lot
             row |= dict(zip(SCREEN_COLUMNS, (told, float(again), float(lot)), strict=True))
             if not again:
                 yield row

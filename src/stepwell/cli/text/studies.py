@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from stepwell.base import Column, number, percent
+from stepwell.base import Column, number
 from stepwell.cli.screen import show_facts, show_records, show_text
-from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows
+from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, screen_facts
 
 _ENDS = ("least", "median", "most")
 
@@ -22,7 +22,7 @@ def study(record: dict[str, Any]) -> None:
         else f"{record['done']} of {record['chunks']} chunks",
         "Store": record["store"],
     }
-    show_facts(record, facts | _screened(record["screen"]), 8)
+    show_facts(record, facts | screen_facts(record), 8)
     if record["outcomes"]:
         show_records("What they do, most frequent first", STUDY_OUTCOME, record["outcomes"])
     columns = [
@@ -43,27 +43,6 @@ def study(record: dict[str, Any]) -> None:
         )
     if not record["finished"]:
         show_text(f"Go on with: stepwell sweep resume {record['store']}")
-
-
-def _screened(screen: dict[str, Any] | None) -> dict[str, str]:
-    """How a screen and what was computed agree, as facts."""
-    if screen is None:
-        return {}
-    kept, told = screen["kept"], screen["designs"]
-    facts = {
-        "Screen": f"{screen['engine']} keeps {kept} of {told}; {screen['computed']} were computed",
-        "Alike": _of(screen["alike"], "drawn by lot"),
-        "Held": _of(screen["held"], "kept, by what was computed"),
-        "Missed": _of(screen["missed"], "drawn by lot of those not kept"),
-    }
-    return {name: text for name, text in facts.items() if text}
-
-
-def _of(share: dict[str, Any] | None, among: str) -> str:
-    if share is None:
-        return ""
-    ends = f"{percent(share['low'])} to {percent(share['high'])}"
-    return f"{share['times']} of {share['of']} {among} (95 %: {ends})"
 
 
 def _between(one: dict[str, Any]) -> str:

@@ -71,7 +71,7 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     Raises:
         ValueError: nothing is done yet, or nothing varies.
     """
-    from stepwell.studies import decided
+    from stepwell.studies import SCREEN_COLUMNS, decided
 
     chunks = study.done_chunks()
     told = {name: _column(study, name, chunks, names or {}) for name in study.columns}
@@ -79,7 +79,7 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     found = {
         name: one
         for name, one in told.items()
-        if name not in study.varied and name != "problem" and _differs(one)
+        if name not in {*study.varied, *SCREEN_COLUMNS, "problem"} and _differs(one)
     }
     if not varied or not len(varied[0].values):
         raise InputError("the study is empty: compute one design or more, over one number or more.")
@@ -118,7 +118,11 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
     if name not in study.varied and name not in names:
         head = head[:1].upper() + head[1:].replace("_", " ")
     if study.columns[name] == "text":
-        return _Column(head, np.array([str(one) for one in values], object), True)
+        words = np.array([str(one) for one in values], object)
+        if study.work.screen:
+            # Shares are those of designs drawn by lot: those that a screen chose are no sample.
+            words[study.values("lot", chunks) != 1] = ""
+        return _Column(head, words, True)
     if name not in study.varied and not sign and _few_counts(values):
         return _Column(head, np.array([f"{one:.0f}" for one in values], object), True)
     return _Column(head, values * factor, False)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.base import Column, counted, number, percent
 from stepwell.reports.pages import parts
-from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows
+from stepwell.results import STUDY_DECIDED, STUDY_OUTCOME, deciding_rows, screen_facts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,7 +51,7 @@ def study_page(
             else f"{record['done']} of {record['chunks']} chunks are done.",
             f"{counted(failed, 'design')} could not be computed." if failed else "",
         ],
-        {},
+        screen_facts(record),
         [
             parts.part("What they do", parts.pictures(drawn, narrow)),
             parts.part(
@@ -109,6 +109,12 @@ def _assumed(record: Mapping[str, Any]) -> list[str]:
         found.append(
             "Intervals are those of designs drawn independently, 95 % (Clopper and Pearson); a "
             "Sobol' sequence and a Latin hypercube are mostly surer."
+        )
+    if record["screen"]:
+        found.append(
+            "A screen in single precision chose the designs that were computed, and some were "
+            "drawn by lot: shares are those of designs drawn, all other numbers those of all that "
+            "were computed."
         )
     return found
 

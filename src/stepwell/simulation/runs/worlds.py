@@ -282,7 +282,7 @@ def _structure(model: Model) -> Hashable:
     batched = set(_batched())
     found: list[Hashable] = [model.opt.gravity.tobytes()]
     for field in fields(opened()[1].Model):
-        value = getattr(model, field.name, None)
+        value: Any = getattr(model, field.name, None)
         if field.name in batched:
             # What is nowhere in the first of them may be left out for all.
             found.append((value.shape, bool(value.any())))
@@ -303,4 +303,4 @@ def _vary(values: Sequence[np.ndarray]) -> bool:
 
 def _fill(array: Any, values: Sequence[np.ndarray] | np.ndarray) -> None:
     """Put what each world has into an array of the device."""
-    array.assign(np.stack(values).reshape(array.numpy().shape))
+    array.assign(np.asarray(values).reshape(array.numpy().shape))
