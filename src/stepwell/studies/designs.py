@@ -6,6 +6,7 @@ import csv
 import hashlib
 import math
 import os
+import re
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, told_in
+from stepwell.base import ByValue, Floats, InputError, Quantity, told_in, write_csv
 from stepwell.design import Draws, Tolerances, parameter
 from stepwell.files import key_unit, vary
 from stepwell.mechanism import Cell, Chain
@@ -35,6 +36,9 @@ class How(StrEnum):
     LATIN = "latin"
     RANDOM = "random"
 
+
+# Between keys of a robot that take a number together: a comma that is in no quoted name.
+_TOGETHER = re.compile(r',(?=(?:[^"]*"[^"]*")*[^"]*$)')
 
 # A Latin hypercube shuffles all of its designs, and every process holds them.
 MOST_LATIN = 10_000_000
@@ -78,13 +82,25 @@ def unit_in(subject: Subject, name: str) -> str:
     """The unit in which a store keeps a number: SI of a chain, that of the key of a robot.
 
     Raises:
-        ValueError: the design has no number of that name.
+        ValueError: the design has no number of that name, or several in different units.
     """
     if isinstance(subject, Chain):
         wanted = parameter(subject, name)
         wanted.values([0.0, 1.0], 2)  # a place is no number
         return wanted.unit or "1"
-    return key_unit(subject, name) or "1"
+    units = {key_unit(subject, key) or "1" for key in _keys(name)}
+    if len(units) > 1:
+        raise InputError(f"{name}: is in {' and in '.join(sorted(units))}: must be in one unit.")
+    return units.pop()
+
+
+def _keys(name: str) -> dict[str, float]:
+    """The keys of a robot that take a number together, each with the sign that it takes it with."""
+    found = {}
+    for key in _TOGETHER.split(name):
+        bare = key.removeprefix("-")
+        found[bare] = -1.0 if bare != key else 1.0
+    return found
 
 
 def changed(subject: Subject, names: Sequence[str], values: Sequence[float]) -> Subject:
@@ -94,7 +110,8 @@ def changed(subject: Subject, names: Sequence[str], values: Sequence[float]) -> 
         ValueError: a design that cannot be.
     """
     if isinstance(subject, Robot):
-        return vary(subject, dict(zip(names, values, strict=True)))
+        told = zip(names, values, strict=True)
+        return vary(subject, {k: sign * v for name, v in told for k, sign in _keys(name).items()})
     for name, value in zip(names, values, strict=True):
         subject = parameter(subject, name).changed(subject, value)
     return subject
@@ -326,6 +343,22 @@ class Table(ByValue):
         """The designs from number `first` to before `last`: their numbers, and each itself."""
         return _each(subject, self.columns, self.rows[first:last])
 
+    def to_csv(self, file: str | os.PathLike[str], subject: Subject) -> None:
+        """Write the list as `read_table` reads it.
+
+        Args:
+            file: where to.
+            subject: the design in which they differ.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        columns: list[tuple[Quantity, Any]] = [(Quantity("design"), range(self.count))]
+        for name, values in zip(self.columns, self.rows.T, strict=True):
+            unit = told_in(unit_in(subject, name))[0] if isinstance(subject, Chain) else ""
+            columns.append((Quantity(name, "" if unit == "1" else unit), values))
+        write_csv(file, columns)
+
 
 class Block(NamedTuple):
     """Many designs of one space at once.
@@ -451,8 +484,6 @@ def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:
 
 def heading(name: str, unit: str) -> str:
     """What a table calls a column: its name with the unit in which it is told."""
-    from stepwell.base import Quantity
-
     return Quantity(name, "" if unit == "1" else unit).key
 
 

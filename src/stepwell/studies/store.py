@@ -44,6 +44,7 @@ from stepwell.studies.designs import (
     Workshop,
     unit_in,
 )
+from stepwell.studies.ranking import ranked
 from stepwell.studies.work import ONE_OF, SCREEN_COLUMNS, TEXT, Work, work_of
 
 if TYPE_CHECKING:
@@ -258,6 +259,32 @@ class Study(ByValue):
     def _known(self) -> dict[str, tuple[tuple[int, ...], np.ndarray[Any, Any]]]:
         """What was read last of each column: of which chunks, and what."""
         return {}
+
+    def best(self, count: int, by: Sequence[str]) -> Table:
+        """The best of the designs that are done, best first, as a list of designs.
+
+        Args:
+            count: how many at most.
+            by: columns of numbers, each by its largest values or, with - before it, its least; the
+                next decides where one has ties, and the design's number at last.
+
+        Raises:
+            ValueError: no such column of numbers, or no design that has a value in the first.
+        """
+        if count < 1 or not by:
+            raise InputError(f"best {count} by {list(by)}: must be 1 or more, by a column or more.")
+        chunks = self.done_chunks()
+        columns = {}
+        for name in dict.fromkeys(one.removeprefix("-") for one in by):
+            if self.columns.get(name, TEXT) == TEXT:
+                known = ", ".join(name for name, unit in self.columns.items() if unit != TEXT)
+                raise InputError(f"{name}: is no column of numbers: must be one of {known}.")
+            columns[name] = self.values(name, chunks)
+        order = ranked(columns, by)[:count]
+        if not order:
+            raise InputError(f"{self.folder}: no design has a value of {by[0]} yet.")
+        rows = [self.values(name, chunks)[order] for name in self.varied]
+        return Table(tuple(self.varied), np.column_stack(rows))
 
     def to_csv(self, file: str | os.PathLike[str]) -> int:
         """Write what is done as CSV, a line for every design, units in the headings.

@@ -62,9 +62,10 @@ def work_of(what: str, given: Given, subject: Subject) -> Work:
     Args:
         what: one of `WORKS`; "atlas" takes blocks of designs.
         given: what it takes besides the design, by name: of a program `start` and `to`; of a walk
-            `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts` and the
-            `first` of them; of both `engine` ("cpu", or "warp" to screen them) and what is
-            `wanted` of those that are kept; of a call what `function_of` gives.
+            `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the `first`
+            of them, and the largest `place` [m] and `angle` [rad] by which their walls differ; of
+            both `engine` ("cpu", or "warp" to screen them) and what is `wanted` of those that are
+            kept; of a call what `function_of` gives.
         subject: the design that is varied.
 
     Raises:
@@ -213,6 +214,8 @@ def _maze(
     first: int = 0,
     engine: str = "cpu",
     wanted: int = 0,
+    place: float | None = None,
+    angle: float | None = None,
 ) -> Work:
     from stepwell.files import loads_arena
     from stepwell.robot import other_layout, other_start
@@ -226,10 +229,16 @@ def _maze(
         raise InputError(f"maze: layouts = {layouts}: must be from 0 to 10000.")
     if not 0 <= first <= 2**31:
         raise InputError(f"maze: first = {first}: must be from 0 to 2147483648.")
-    place = loads_arena(arena, "arena")
+    spread = {"place": place, "angle": angle}
+    for name, value in spread.items():
+        if value is not None and not 0 <= value < math.inf:
+            raise InputError(f"maze: {name} = {value}: must be >= 0.")
+    loaded = loads_arena(arena, "arena")
     # The same for every design, so that what differs is the design.
-    moved = [other_start(other_layout(place, seed), seed) for seed in range(first, first + layouts)]
-    places = moved or [place]
+    most = {name: value for name, value in spread.items() if value is not None}
+    seeds = range(first, first + layouts)
+    moved = [other_start(other_layout(loaded, seed, **most), seed) for seed in seeds]
+    places = moved or [loaded]
 
     def row(robot: Robot, _seed: int) -> Row:
         ways = [maze(robot, one, limit=limit) for one in places]

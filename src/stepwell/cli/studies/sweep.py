@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -143,6 +144,28 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             0,
         ),
         "engine": (_Engine, "cpu"),
+        "place": (
+            Annotated[
+                float | None,
+                typer.Option(
+                    metavar="MM",
+                    help="How far a layout shifts each wall at most [mm]; 40 by default.",
+                    min=0,
+                ),
+            ],
+            None,
+        ),
+        "angle": (
+            Annotated[
+                float | None,
+                typer.Option(
+                    metavar="DEG",
+                    help="How far a layout turns each wall at most [deg]; 8 by default.",
+                    min=0,
+                ),
+            ],
+            None,
+        ),
     },
     "call": {
         "function": (
@@ -323,13 +346,39 @@ def export(
             dir_okay=False,
         ),
     ],
+    best: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Only the N best designs, best first, and only what varies: a list that another "
+            "study takes as --table.",
+        ),
+    ] = None,
+    by: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="COLUMN",
+            help="What makes them the best: the largest values of a column, or the least with - "
+            "before it; given again, what decides between ties.",
+        ),
+    ] = None,
 ) -> None:
     """Write the designs of a store that are done as a table, units in the headings."""
     from stepwell.studies import opened
 
-    if out.suffix not in (".csv", ".parquet"):
-        raise typer.BadParameter(f"{out}: must end in .csv or .parquet.", param_hint="--out")
+    if bool(best) != bool(by):
+        raise typer.BadParameter("must both be given, or neither.", param_hint="--best, --by")
+    if out.suffix not in ((".csv",) if best else (".csv", ".parquet")):
+        ends = ".csv" if best else ".csv or .parquet"
+        raise typer.BadParameter(f"{out}: must end in {ends}.", param_hint="--out")
     study = opened(store)
+    if best and by:
+        with usable("--by"):
+            table = study.best(best, by)
+        table.to_csv(out, study.subject)
+        show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
+        return
     count = study.to_parquet(out) if out.suffix == ".parquet" else study.to_csv(out)
     show_lines(f"Written into {out}: {count} designs.")
 
@@ -399,6 +448,9 @@ def _given(own: dict[str, Any], subject: Any) -> dict[str, Any]:
         del own["engine"]  # as in stores that were begun when there was no other
     if "arena" in own:
         own |= {"arena": files.dumps(files.load_arena(own["arena"]))}
+        for name, unit in (("place", 1e-3), ("angle", math.pi / 180)):
+            told = own.pop(name)
+            own |= {} if told is None else {name: told * unit}
     if "function" in own:
         with usable("--function"):
             return function_of(own["function"], subject)
