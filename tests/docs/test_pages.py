@@ -1,5 +1,6 @@
 """The README and the pages say what is so: examples run, numbers hold, names and links exist."""
 
+import csv
 import importlib
 import json
 import re
@@ -11,6 +12,7 @@ import pytest
 from PIL import Image
 
 import stepwell as sw
+from docs import antennas_found as antennas
 from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short
@@ -130,6 +132,7 @@ def test_the_pictures_are_those_of_the_model(tmp_path):
     # These are drawn elsewhere, and compared there.
     elsewhere = {
         "house.svg",
+        "antennas-found.svg",
         "atlas.svg",
         "many-designs.svg",
         *(one.name for one in PICTURES.values()),
@@ -255,3 +258,46 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     assert written(page) == page
     for name, file in PICTURES.items():
         assert drawn(name) == file.read_text("utf-8"), name
+
+
+def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_path, monkeypatch):
+    """The page's commands begin the studies of the records, and hand on the best of each."""
+    pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
+    from typer.testing import CliRunner
+
+    from stepwell import studies
+    from stepwell.cli.studies import sweep
+    from stepwell.studies.ranking import ranked
+
+    record, page = antennas.records(), antennas.PAGE.read_text("utf-8")
+    monkeypatch.chdir(tmp_path)
+    Path("two-walls.toml").write_text(antennas.arena_text(), "utf-8")
+    for name, lines in record["lists"].items():
+        Path(name).write_text("\n".join(lines) + "\n", "utf-8")
+    begun = []
+    monkeypatch.setattr(studies, "begun", lambda study: begun.append(study) or 1 / 0)
+    told = antennas.commands()
+    for words in (one for one in told if one[0] == "maze"):
+        CliRunner().invoke(sweep.commands, words)
+    assert [one.folder.stem for one in begun] == list(record["studies"])
+    for one in begun:
+        found = record["studies"][one.folder.stem]
+        assert (one.identity, one.count) == (found["identity"], found["count"])
+        assert found["finished"] and found["problems"] == {}
+    for words in (one for one in told if one[0] == "export"):
+        rows = antennas.rows(words[1].removesuffix(".zarr"))
+        by = [words[k + 1] for k, word in enumerate(words) if word == "--by"]
+        columns = {
+            name: np.array([float(row[name]) for row in rows]) for name in ("reached", "time")
+        }
+        best = ranked(columns, by)[: int(antennas.option(words, "--best"))]
+        varied = record["lists"][antennas.option(words, "--out")]
+        handed = [list(row.values())[1:] for row in csv.DictReader(varied)]
+        assert handed == [list(rows[k].values())[1 : len(handed[0]) + 1] for k in best]
+    # What judges has not been seen by the search, and is the same for both.
+    seen = {k for name in antennas.ROUNDS for k in antennas.layouts(name)}
+    ours, today = (antennas.layouts(name) for name in antennas.LAST)
+    assert ours == today and len(seen) >= 50 <= len(ours) and not seen & {*ours}
+    assert antennas.robot("today").antennas == sw.preset("robot-antennas").antennas
+    assert antennas.written(page) == page
+    assert antennas.drawn() == antennas.PICTURE.read_text("utf-8")

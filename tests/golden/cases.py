@@ -438,6 +438,8 @@ ROBOTS = [
             "sweep report study.zarr --out again --json --force",
             "sweep resume study.zarr --workers 1",
             "sweep export study.zarr --out table.csv",
+            "sweep export study.zarr --best 3 --by snaps --by -peak_force --out best.csv",
+            "sweep cycle preset:paper-forward --table best.csv --workers 1 --out best.zarr",
         ),
     ),
     Case(
@@ -479,8 +481,9 @@ ROBOTS = [
         (
             "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 1 "
             "--engine cpu --out walk.zarr",
-            "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --workers 1 "
-            "--vary foot.below_mm=0.3:0.6:2 --out maze.zarr",
+            "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --place 60 "
+            "--angle 20 --vary antenna.left.angle_deg,-antenna.right.angle_deg=62:63:2 "
+            "--workers 1 --out maze.zarr",
         ),
         within=SIMULATED,
     ),
@@ -532,6 +535,10 @@ ROBOTS = [
             "--out a.zarr",
             "sweep maze robot-forward --arena nowhere --vary foot.below_mm=0.3:0.6:2 --out a.zarr",
             "sweep export gone.zarr --out table.xls",
+            "sweep export gone.zarr --best 2 --out table.csv",
+            "sweep export gone.zarr --best 2 --by reached --out table.parquet",
+            "sweep walk robot-antennas --vary antenna.*.swing_deg,antenna.*.hook_mm=10:20:2 "
+            "--out a.zarr",
             "sweep resume gone.zarr --scheduler tcp://127.0.0.1:9",
             "sweep extend gone.zarr --count 3 --scheduler tcp://127.0.0.1:9",
         ),

@@ -1,5 +1,6 @@
 """A study loses nothing: whatever is killed, damaged or done twice, the store ends the same."""
 
+import math
 import multiprocessing
 import os
 import random
@@ -10,6 +11,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -43,7 +45,9 @@ from stepwell.studies import (
     status,
     store,
     sweep,
+    unit_in,
 )
+from stepwell.studies.work import work_of
 
 AXES = (Axis("outer.q.x", 0.0, 0.020, 9), Axis("outer.q.y", -0.015, 0.015, 7))
 GRID = Space(AXES)
@@ -453,6 +457,61 @@ def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
     done = resumed(store.begun(study), 1).study
     chunks = (done.folder / name / "c" for name in done.columns)
     assert not any(file.stat().st_size > found.disk for one in chunks for file in one.iterdir())
+
+
+def test_the_best_of_a_study_are_a_list_that_another_study_takes(tmp_path):
+    first = sweep(LEG, "cycle", GRID, tmp_path / "a.zarr", chunk=CHUNK, workers=1).study
+    snaps, peak = first.values("snaps"), first.values("peak_force")
+    best = first.best(5, ["snaps", "-peak_force"])
+    wanted = sorted(range(GRID.count), key=lambda k: (-snaps[k], peak[k], k))[:5]
+    assert np.array_equal(best.rows, GRID.points(0, GRID.count)[wanted])
+    best.to_csv(tmp_path / "best.csv", LEG)
+    listed = read_table(tmp_path / "best.csv", LEG)
+    again = sweep(LEG, "cycle", listed, tmp_path / "b.zarr", workers=1).study
+    assert np.allclose(again.values("peak_force"), peak[wanted], rtol=1e-9)
+    for count, by in ((0, ["snaps"]), (1, []), (1, ["sequence"]), (1, ["snap"])):
+        with pytest.raises(ValueError, match=r"must be"):
+            first.best(count, by)
+
+
+def test_designs_are_ranked_by_value_then_by_the_next_column_and_never_without_a_value():
+    from stepwell.studies.ranking import ranked
+
+    share, time = [0.5, 1.0, math.nan, 1.0, 0.5, 1.0], [3.0, 9.0, 1.0, math.nan, 3.0, 2.0]
+    columns = {"share": np.array(share), "time": np.array(time)}
+    assert ranked(columns, ["share", "-time"]) == [5, 1, 3, 0, 4]
+    assert ranked(columns, ["-share"]) == [0, 4, 1, 3, 5]
+    assert ranked(columns, ["time"]) == [1, 0, 4, 5, 2]
+
+
+def test_keys_of_a_robot_take_a_number_together_each_with_its_sign():
+    robot, name = sw.preset("robot-antennas"), "antenna.left.angle_deg,-antenna.right.angle_deg"
+    space = Space((Axis(name, 40.0, 85.0, 2), Axis("antenna.*.hook_mm", 5.0, 9.0, 2)))
+    assert space.names(robot) == (name, "antenna.*.hook_mm")
+    (_, design), *_ = space.made(robot, 1, 2)
+    assert [math.degrees(one.angle) for one in design.antennas] == pytest.approx([40.0, -40.0])
+    assert [one.hook for one in design.antennas] == pytest.approx([0.009, 0.009])
+    assert unit_in(robot, name) == "deg"
+    with pytest.raises(ValueError, match="is in deg and in mm: must be in one unit"):
+        unit_in(robot, "antenna.left.angle_deg,antenna.left.length_mm")
+    with pytest.raises(ValueError, match="leg"):
+        unit_in(robot, 'leg."a,b".at_mm[0]')
+
+
+def test_the_layouts_of_a_maze_differ_by_as_much_as_is_asked(monkeypatch):
+    simulation = pytest.importorskip("stepwell.simulation")
+    seen = []
+    end = SimpleNamespace(outcome=simulation.Outcome.TIMED_OUT)
+    monkeypatch.setattr(simulation, "maze", lambda _robot, arena, **_: seen.append(arena) or end)
+    robot, arena = sw.preset("robot-antennas"), sw.load_arena("three-walls")
+    given = {"arena": sw.files.dumps(arena), "layouts": 2, "first": 7}
+    for spread in ({}, {"place": 0.1, "angle": 1.0}, {"place": 0.0, "angle": 0.0}):
+        work_of("maze", given | spread, robot).row(robot, 0)
+        for k, met in enumerate(seen[-2:], 7):
+            assert met.walls == sw.robot.other_layout(arena, k, **spread).walls
+            assert met.start == sw.robot.other_start(arena, k).start
+    with pytest.raises(ValueError, match=r"place = -1.0: must be >= 0"):
+        work_of("maze", given | {"place": -1.0}, robot)
 
 
 def test_parquet_holds_what_csv_holds(tmp_path):
