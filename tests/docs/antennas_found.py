@@ -36,6 +36,7 @@ from stepwell.figures.common import (
     legends,
     place,
     plain,
+    scale_bar,
     styled,
 )
 from stepwell.figures.robots import draw_arena, frame, in_world
@@ -168,11 +169,15 @@ def shown() -> dict[str, list[int]]:
         "both pass": [],
         "found passes": [],
         "today's passes": [],
-        "none": [],
+        "neither passes": [],
     }
     one, other = (passed(store) for store in LAST)
     for k, a, b in zip(layouts("found"), one, other, strict=True):
-        kind = ("both pass" if b else "found passes") if a else ("today's passes" if b else "none")
+        kind = (
+            ("both pass" if b else "found passes")
+            if a
+            else ("today's passes" if b else "neither passes")
+        )
         found[kind] = [*found[kind], k][:2]
     return found
 
@@ -195,10 +200,15 @@ def picture() -> Any:
         plain(ax, (-180.0, 820.0, -475.0, 475.0))
         draw_arena(ax, arena, [True] * len(arena.walls))
         for store in LAST:
-            for line in frame(robots[store], [0.0, 0.0]):
+            lines = frame(robots[store], [0.0, 0.0])
+            bodies = len(lines) - len(robots[store].antennas)
+            for j, line in enumerate(lines):
                 shape = in_world(line, *arena.start, arena.heading) * MM
-                ax.plot(*shape.T, color=COLOURS[store], linewidth=0.7, zorder=4)
+                look = {"color": INK, "linewidth": 0.6} if j < bodies else {"color": COLOURS[store]}
+                ax.plot(*shape.T, zorder=4, **look)
             ax.plot(*np.array(ways[str(k)][store]).T, color=COLOURS[store], linewidth=1.6, zorder=6)
+        if i == 0:
+            scale_bar(ax, 800.0, -440.0, 200.0)
         ax.set_title(f"{k}: {kind}", fontsize=7, color=INK, pad=2)
     lines = [legends.line(f"antennas {store}", COLOURS[store], 1.6) for store in LAST]
     legends.below(figure, lines, 2)

@@ -512,6 +512,8 @@ def test_the_layouts_of_a_maze_differ_by_as_much_as_is_asked(monkeypatch):
             assert met.start == sw.robot.other_start(arena, k).start
     with pytest.raises(ValueError, match=r"place = -1.0: must be >= 0"):
         work_of("maze", given | {"place": -1.0}, robot)
+    with pytest.raises(ValueError, match=r"angle: is of layouts, and layouts = 0"):
+        work_of("maze", given | {"layouts": 0, "angle": 1.0}, robot)
 
 
 def test_parquet_holds_what_csv_holds(tmp_path):

@@ -230,12 +230,14 @@ def _maze(
     if not 0 <= first <= 2**31:
         raise InputError(f"maze: first = {first}: must be from 0 to 2147483648.")
     spread = {"place": place, "angle": angle}
-    for name, value in spread.items():
-        if value is not None and not 0 <= value < math.inf:
+    most = {name: value for name, value in spread.items() if value is not None}
+    for name, value in most.items():
+        if not 0 <= value < math.inf:
             raise InputError(f"maze: {name} = {value}: must be >= 0.")
+    if most and not layouts:
+        raise InputError(f"maze: {', '.join(most)}: is of layouts, and layouts = 0.")
     loaded = loads_arena(arena, "arena")
     # The same for every design, so that what differs is the design.
-    most = {name: value for name, value in spread.items() if value is not None}
     seeds = range(first, first + layouts)
     moved = [other_start(other_layout(loaded, seed, **most), seed) for seed in seeds]
     places = moved or [loaded]

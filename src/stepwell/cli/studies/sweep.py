@@ -143,7 +143,6 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             ],
             0,
         ),
-        "engine": (_Engine, "cpu"),
         "place": (
             Annotated[
                 float | None,
@@ -166,6 +165,7 @@ _OWN: dict[str, dict[str, tuple[Any, Any]]] = {
             ],
             None,
         ),
+        "engine": (_Engine, "cpu"),
     },
     "call": {
         "function": (
