@@ -153,7 +153,7 @@ def _judged() -> str:
     lines += [
         "",
         f"{won} arenas are passed by the antennas that were found and not by today's, {lost} the "
-        f"other way round: {verdict} (p = {number(chance, 2)}, McNemar's test, exact).",
+        f"other way round: {verdict} (p = {number(float(chance), 2)}, McNemar's test, exact).",
     ]
     return "\n".join(lines)
 
@@ -165,53 +165,43 @@ def _pairs(ways: dict[str, list[bool]]) -> list[list[tuple[bool, bool]]]:
 
 def shown() -> dict[str, list[int]]:
     """Arenas of the picture by who passes them: the first two of each kind."""
-    found: dict[str, list[int]] = {
-        "both pass": [],
-        "found passes": [],
-        "today's passes": [],
-        "neither passes": [],
-    }
+    found: dict[str, list[int]] = {}
     one, other = (passed(store) for store in LAST)
     for k, a, b in zip(layouts("found"), one, other, strict=True):
-        kind = (
-            ("both pass" if b else "found passes")
-            if a
-            else ("today's passes" if b else "neither passes")
-        )
-        found[kind] = [*found[kind], k][:2]
-    return found
+        who = ("both pass" if b else "found passes") if a else "today's passes"
+        kind = who if a or b else "neither passes"
+        found[kind] = [*found.get(kind, []), k][:2]
+    return dict(sorted(found.items()))
 
 
 @styled
 def picture() -> Any:
-    """The ways of both through a few of the arenas that judge."""
-    ways, robots = records()["ways"], {store: robot(store) for store in LAST}
-    told = [(kind, k) for kind, arenas in shown().items() for k in arenas]
-    across = 4
-    wide, gap, title = (WIDE - 3 * 3.0) / across, 3.0, 4.5
-    high = wide * 0.95
-    down = -(-len(told) // across)
-    figure = blank(WIDE, down * (high + title) + 8.0)
-    for i, (kind, k) in enumerate(told):
-        arena = layout(k)
-        left = (i % across) * (wide + gap)
-        bottom = 8.0 + (down - 1 - i // across) * (high + title)
-        ax = place(figure, left, bottom, wide, high)
-        plain(ax, (-180.0, 820.0, -475.0, 475.0))
-        draw_arena(ax, arena, [True] * len(arena.walls))
-        for store in LAST:
-            lines = frame(robots[store], [0.0, 0.0])
-            bodies = len(lines) - len(robots[store].antennas)
-            for j, line in enumerate(lines):
-                shape = in_world(line, *arena.start, arena.heading) * MM
-                look = {"color": INK, "linewidth": 0.6} if j < bodies else {"color": COLOURS[store]}
-                ax.plot(*shape.T, zorder=4, **look)
-            ax.plot(*np.array(ways[str(k)][store]).T, color=COLOURS[store], linewidth=1.6, zorder=6)
-        if i == 0:
-            scale_bar(ax, 800.0, -440.0, 200.0)
-        ax.set_title(f"{k}: {kind}", fontsize=7, color=INK, pad=2)
-    lines = [legends.line(f"antennas {store}", COLOURS[store], 1.6) for store in LAST]
-    legends.below(figure, lines, 2)
+    """The ways of both through a few of the arenas that judge: a column for every kind."""
+    ways, robots, kinds = records()["ways"], {store: robot(store) for store in LAST}, shown()
+    gap, title, foot = 3.0, 4.5, 8.0
+    wide = (WIDE - (len(kinds) - 1) * gap) / len(kinds)
+    high = wide * 0.9
+    figure = blank(WIDE, 2 * (high + title) + foot)
+    for i, (kind, arenas) in enumerate(kinds.items()):
+        for j, k in enumerate(arenas):
+            ax = place(figure, i * (wide + gap), foot + (1 - j) * (high + title), wide, high)
+            plain(ax, (-180.0, 820.0, -450.0, 450.0))
+            arena = layout(k)
+            draw_arena(ax, arena, [True] * len(arena.walls))
+            for store in LAST:
+                lines = frame(robots[store], [0.0, 0.0])
+                bodies = len(lines) - len(robots[store].antennas)
+                for n, line in enumerate(lines):
+                    shape = in_world(line, *arena.start, arena.heading) * MM
+                    colour, thick = (INK, 0.6) if n < bodies else (COLOURS[store], 1.4)
+                    ax.plot(*shape.T, color=colour, linewidth=thick, zorder=4)
+                way = np.array(ways[str(k)][store])
+                ax.plot(*way.T, color=COLOURS[store], linewidth=1.6, zorder=6)
+            if i == j == 0:
+                scale_bar(ax, 800.0, -420.0, 200.0)
+            ax.set_title(f"{k}: {kind}", fontsize=7, color=INK, pad=2)
+    told = [legends.line(f"antennas {store}", COLOURS[store], 1.6) for store in LAST]
+    legends.below(figure, told, 2)
     return figure
 
 
@@ -219,7 +209,9 @@ def robot(store: str) -> sw.Robot:
     """The only robot of a study."""
     (row,) = csv.DictReader(records()["lists"][f"{store}.csv"])
     keys = {name: float(value) for name, value in row.items() if name != "design"}
-    return studies.changed(sw.preset(PRESET), list(keys), list(keys.values()))
+    made = studies.changed(sw.preset(PRESET), list(keys), list(keys.values()))
+    assert isinstance(made, sw.Robot)
+    return made
 
 
 def drawn() -> str:

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import docs.antennas_found as antennas
 import stepwell as sw
-from docs import antennas_found as antennas
 from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
 from docs.short_claims import replaced, short

@@ -489,6 +489,7 @@ def test_keys_of_a_robot_take_a_number_together_each_with_its_sign():
     space = Space((Axis(name, 40.0, 85.0, 2), Axis("antenna.*.hook_mm", 5.0, 9.0, 2)))
     assert space.names(robot) == (name, "antenna.*.hook_mm")
     (_, design), *_ = space.made(robot, 1, 2)
+    assert isinstance(design, sw.Robot)
     assert [math.degrees(one.angle) for one in design.antennas] == pytest.approx([40.0, -40.0])
     assert [one.hook for one in design.antennas] == pytest.approx([0.009, 0.009])
     assert unit_in(robot, name) == "deg"
