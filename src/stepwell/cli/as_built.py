@@ -1,4 +1,4 @@
-"""`stepwell lab as-built`: a first build, what it must be, and which anchor to move."""
+"""`stepwell lab as-built`: a first build, what it must be, and which anchors to move."""
 
 from __future__ import annotations
 
@@ -65,6 +65,15 @@ def as_built(
     hole: Annotated[
         float, typer.Option("--hole-mm", metavar="MM", help="How far apart holes are.", min=0.1)
     ] = 5.0,
+    wrong_hole: Annotated[
+        float,
+        typer.Option(
+            metavar="PERCENT",
+            help="How likely an anchor is in the hole beside its own.",
+            min=0,
+            max=40,
+        ),
+    ] = 5.0,
     anchor: given.Anchor = 1.0,
     stiffness_spread: given.StiffnessSpread = 10.0,
     rest_length_spread: given.RestLengthSpread = 0.0,
@@ -78,11 +87,11 @@ def as_built(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a first build must be like to do what it did, and which anchor to move.
+    """Say what a first build must be like to do what it did, and which anchors to move.
 
     Give what you saw when it was pulled out and let back once: the order of its states, strokes of
-    snaps read off a ruler, forces read off a scale, or a recording. Builds within tolerances are
-    drawn at random and weighed by how well they agree with it.
+    snaps read off a ruler, forces read off a scale, or a recording. Builds within tolerances, some
+    with an anchor in a wrong hole, are drawn at random and weighed by how well they agree with it.
     With --out, the design as it was built and as it is with the best move go into a folder.
     """
     from stepwell import lab, reports
@@ -107,7 +116,15 @@ def as_built(
     )
     with usable("what was seen"), progress("builds") as tell:
         found = lab.as_built(
-            chain, told, spread, wanted=want, hole=hole * 1e-3, n=samples, seed=seed, progress=tell
+            chain,
+            told,
+            spread,
+            wanted=want,
+            hole=hole * 1e-3,
+            wrong_hole=wrong_hole / 100,
+            n=samples,
+            seed=seed,
+            progress=tell,
         )
     record = lab.as_built_record(found)
     finish(

@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell.base import number, percent
 from stepwell.cli.screen import show_facts, show_records
-from stepwell.lab.as_built import KNOWN, MOVE
+from stepwell.lab.as_built import KNOWN, MOVE, holes_told
 
 
 def as_built(record: dict[str, Any]) -> None:
@@ -20,10 +20,11 @@ def as_built(record: dict[str, Any]) -> None:
         "Built": f"with anchors ±{number(record['anchor_mm'])} mm and stiffness "
         f"±{number(record['stiffness_percent'])} %{further}; {percent(record['agreeing'])} of such "
         f"builds move so",
+        "Holes": holes_told(record),
     }
     show_facts(record, facts, 2 + max(map(len, facts)))
     if record["moves"]:
-        head = f"Moves of one anchor, and how many then do it; now {percent(record['share'])}"
+        head = f"Moves, and how many then do it; now {percent(record['share'])}"
         show_records(head, MOVE, record["moves"])
     show_records("As built, as far as this was told; p is taken as drawn", KNOWN, record["known"])
 

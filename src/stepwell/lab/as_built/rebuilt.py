@@ -11,7 +11,8 @@ import numpy as np
 
 from stepwell.base import ByValue, InputError, StepwellError, check, number, percent
 from stepwell.design import Draws, Parameter, Tolerances, checked_cycle, parameters
-from stepwell.lab.as_built.moves import Move, best_moves, does, moves_of
+from stepwell.lab.as_built.holes import Holes, WrongHole, outer_anchors, place_of
+from stepwell.lab.as_built.moves import MOST_HOLES, Move, best_moves, does, moves_of
 from stepwell.lab.as_built.observed import Observed
 from stepwell.lab.as_built.population import STEPS, Population, population
 from stepwell.lab.recordings import LabError
@@ -19,14 +20,16 @@ from stepwell.mechanism import Chain
 
 # What is believed of a first build before it is tried: drilled by hand, bands of one bag.
 FIRST_BUILD = Tolerances(anchor=0.001, stiffness=0.10, travel=0.05)
-# Where fewer than this move so, or those that do agree badly, parts may be further off; at most so
-# many times, and the spread of a band ends below a quarter.
-_FEW, _MOST_WIDE, _WIDEST = 0.02, 8.0, 0.24
+# Where few move so, or those that do agree badly, parts may be further off; at most so many times,
+# and the spread of a band ends below a quarter.
+_MOST_WIDE, _WIDEST = 8.0, 0.24
 # Half the squared errors of a number are a half in the mean; of a build that disagrees, more.
 _AGREE = 2.0
-# Further than so many holes another design is the better answer.
-_MOST_HOLES = 3
-# A doubt that shrank by less than this was not told by what was seen.
+# Of two hundred anchors ten are hooked into the hole beside their own.
+WRONG_HOLE = 0.05
+_MOST_WRONG = 0.4  # for one anchor; one of the two of a cell is then likelier wrong than right
+_RARE = 0.05  # of the builds: wrong holes that fewer have are not told
+# A doubt that shrank by less than this was not told by what was seen, where the mean stayed near.
 _TOLD = 0.8
 # What is told of every cell. Of anchors a motion knows d = q - p alone, so p is as drawn.
 _PARTS = ("q.x", "q.y", "stiffness", "force_scale", "travel_scale", "friction")
@@ -51,8 +54,8 @@ class Known(ByValue):
 
     @property
     def told(self) -> bool:
-        """Whether what was seen says anything of it."""
-        return self.doubt < _TOLD * self.before
+        """Whether what was seen says anything of it: it is surer now, or far from the drawing."""
+        return self.doubt < _TOLD * self.before or abs(self.value - self.drawn) > self.before
 
     def __repr__(self):
         return (
@@ -77,9 +80,12 @@ class AsBuilt(ByValue):
         chain: the build, at the means; where these together do something else, the one drawn
             that agrees best.
         share: of those that agree, how many do what is wanted as they are.
-        moves: the best three of one anchor, the best first, by as few holes as make it better than
-            leaving it beyond what chance does; none where up to three do not.
+        moves: the best three of one anchor, by as few holes as make it better than leaving it
+            beyond what chance does, or of two; the best first, none where none does.
         hole: how far apart holes are [m].
+        chance: how likely an anchor was taken to be one hole off.
+        wrong: anchors that are in the hole beside their own in a twentieth of the builds that
+            agree, or more; the likeliest first.
     """
 
     drawing: Chain = field(repr=False)
@@ -95,6 +101,8 @@ class AsBuilt(ByValue):
     share: float
     moves: tuple[Move, ...]
     hole: float
+    chance: float = WRONG_HOLE
+    wrong: tuple[WrongHole, ...] = ()
 
     @property
     def advice(self) -> str:
@@ -105,8 +113,11 @@ class AsBuilt(ByValue):
             return f"{best}: {now} as they are, {percent(best.share)} after it"
         if not moves_of(self.drawing):
             return f"{now}; it has no anchor that could be moved"
-        far = number(_MOST_HOLES * self.hole * 1e3)
-        return f"leave its anchors: {now}, and no move of one of them by up to {far} mm helps"
+        far = number(MOST_HOLES * self.hole * 1e3)
+        return (
+            f"leave its anchors: {now}, and no move of one by up to {far} mm helps, nor of two by "
+            f"{number(self.hole * 1e3)} mm"
+        )
 
     def __repr__(self):
         return f"AsBuilt({self.advice})"
@@ -119,6 +130,7 @@ def as_built(
     *,
     wanted: str | None = None,
     hole: float = 0.005,
+    wrong_hole: float = WRONG_HOLE,
     n: int = 200,
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
@@ -126,8 +138,9 @@ def as_built(
     """Find out what a build must be like to do what it was seen to do, and what to move.
 
     Builds are drawn within the tolerances until they agree with what was seen as well as its doubt
-    asks for; where they cannot, parts may be twice as far off, and so on. The numbers are means
-    over these builds. On them one anchor is moved, by up to three holes.
+    asks for, their anchors in the holes of the drawing or, seldom, beside them; where they cannot,
+    parts may be twice as far off, and so on. The numbers are means over these builds. On them one
+    anchor is moved, by up to three holes, or two by one.
 
     Args:
         drawing: what was meant to be built.
@@ -135,6 +148,7 @@ def as_built(
         tolerances: how far its parts may be off.
         wanted: what it should do; what the drawing does by default.
         hole: how far apart holes are [m].
+        wrong_hole: how likely an anchor is in the hole beside its own, along x or y [1].
         n: how many builds.
         seed: which.
         progress: called with (done, total) builds and moves.
@@ -150,11 +164,13 @@ def as_built(
     check.whole("seed", seed, 0)
     if not 0 < hole < math.inf:
         raise InputError(f"hole = {hole} m: must be > 0, how far apart holes are.")
+    if not 0 <= wrong_hole <= _MOST_WRONG:
+        raise InputError(f"wrong_hole = {wrong_hole}: must be 0 to {_MOST_WRONG}, 0 for never.")
     last = drawing.last_state
     want = str(drawing.cycle().sequence) if wanted is None else checked_cycle(wanted, last)
     if seen.sequence is not None:
         checked_cycle(seen.sequence, last, "seen")
-    done, total = 0, n * (1 + 4 * STEPS) + _MOST_HOLES * moves_of(drawing)
+    done, total = 0, n * (1 + 4 * STEPS) + moves_of(drawing)
 
     def tell() -> None:
         nonlocal done
@@ -162,10 +178,11 @@ def as_built(
         if progress is not None:
             progress(done, max(done, total))
 
+    holes = Holes(outer_anchors(drawing), hole, wrong_hole)
     wider = 1.0
     while True:
         given = _wide(tolerances, wider, drawing)
-        found = population(Draws(drawing, given, seed), seen, n, tell)
+        found = population(Draws(drawing, given, seed), holes, seen, n, tell)
         if (found is not None and _agrees(found, seen)) or wider >= _MOST_WIDE:
             break
         wider *= 2.0
@@ -182,19 +199,29 @@ def as_built(
     if likely is None or math.isinf(_misfit(likely, seen)):
         likely = found.built[int(np.argmin(found.misfits))]
     share = sum(does(one, want) for one in found.built) / n
-    moves: tuple[Move, ...] = ()
-    for holes in range(1, _MOST_HOLES + 1):
-        moves = best_moves(drawing, found.built, want, holes * hole, share, tell)
-        if moves or share == 1.0:
-            break
+    moves = best_moves(drawing, found.built, want, hole, share, tell)
     return AsBuilt(
-        drawing, seen, want, given, wider, n, seed, found.share, known, likely, share, moves, hole
+        drawing,
+        seen,
+        want,
+        given,
+        wider,
+        n,
+        seed,
+        found.share,
+        known,
+        likely,
+        share,
+        moves,
+        hole,
+        wrong_hole,
+        _wrong(drawing, holes, found),
     )
 
 
 def _agrees(found: Population, seen: Observed) -> bool:
     """Whether enough builds move as was seen, with strokes and forces within their doubts."""
-    if found.share < _FEW:
+    if found.few:
         return False
     return float(np.mean(found.misfits)) <= _AGREE * seen.numbers
 
@@ -218,16 +245,30 @@ def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
     return replace(found, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
 
 
+def _wrong(drawing: Chain, holes: Holes, found: Population) -> tuple[WrongHole, ...]:
+    """Anchors in wrong holes among builds that agree, the likeliest first."""
+    wrong: list[WrongHole] = []
+    for i, anchor in enumerate(holes.anchors):
+        was = place_of(anchor, drawing)
+        ways, counts = np.unique(found.shifts[:, i], axis=0, return_counts=True)
+        for (dx, dy), count in zip(ways.tolist(), counts.tolist(), strict=True):
+            if (dx or dy) and count >= _RARE * len(found.shifts):
+                to = was[0] + dx, was[1] + dy
+                wrong.append(WrongHole(anchor, was, to, count / len(found.shifts)))
+    return tuple(sorted(wrong, key=lambda one: -one.share))
+
+
 def _known(drawing: Chain, builds: Population) -> tuple[Known, ...]:
     found: list[Known] = []
     for one in parameters(drawing):
         if one.part not in _PARTS:
             continue
         before, after = (
-            [_value(one, chain, drawing) for chain in chains]
+            np.array([_value(one, chain, drawing) for chain in chains])
             for chains in (builds.before, builds.built)
         )
-        spread = float(np.std(before))
+        middle = float(builds.weights @ before)
+        spread = math.sqrt(float(builds.weights @ (before - middle) ** 2))
         if spread > 0.0:
             drawn = _value(one, drawing, drawing)
             found.append(Known(one, drawn, float(np.mean(after)), float(np.std(after)), spread))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from stepwell.base import Quantity, Schema, __version__, percent, record, told_in, versions
@@ -16,11 +17,20 @@ KNOWN: Schema = (
     Quantity("unit", head="unit"),
     Quantity("told", head="told by what was seen", form=lambda told: "yes" if told else "no"),
 )
-MOVE: Schema = (
-    Quantity("move", head="move", read=str),
+_PLACED: Schema = (
     Quantity("anchor", read="anchor.name"),
     Quantity("was", "mm"),
     Quantity("to", "mm"),
+)
+MOVE: Schema = (
+    Quantity("move", head="move", read=str),
+    *_PLACED,
+    Quantity("also", read=lambda move: [record(_PLACED, step) for step in move.steps[1:]]),
+    Quantity("share", head="share", form=percent, left=False),
+)
+WRONG: Schema = (
+    Quantity("wrong", head="hole", read=str),
+    *_PLACED,
     Quantity("share", head="share", form=percent, left=False),
 )
 
@@ -38,6 +48,8 @@ def as_built_record(found: AsBuilt) -> dict[str, Any]:
         "share": found.share,
         "moves": [record(MOVE, move) for move in found.moves],
         "hole_mm": found.hole * 1e3,
+        "wrong_hole": found.chance,
+        "wrong_holes": [record(WRONG, one) for one in found.wrong],
         "seen": {
             "sequence": seen.sequence,
             "snaps_out_mm": _mm(seen.out),
@@ -57,6 +69,16 @@ def as_built_record(found: AsBuilt) -> dict[str, Any]:
         "anchor_mm": found.tolerances.anchor * 1e3,
         "stiffness_percent": found.tolerances.stiffness * 1e2,
     }
+
+
+def holes_told(told: Mapping[str, Any]) -> str:
+    """What a record of a build says of its holes, in words."""
+    if not told["wrong_hole"]:
+        return "as drawn; wrong ones were not looked for"
+    if not told["wrong_holes"]:
+        return "as drawn, as far as was seen"
+    each = [f"{one['wrong']} in {percent(one['share'])}" for one in told["wrong_holes"]]
+    return f"{', '.join(each)} of the builds that would do this; p the other way does the same"
 
 
 def _known(one: Known) -> dict[str, Any]:

@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import counted, number, percent, shown
-from stepwell.lab.as_built import KNOWN, MOVE
+from stepwell.lab.as_built import KNOWN, MOVE, holes_told
 from stepwell.reports.pages import parts
 
 if TYPE_CHECKING:
     from stepwell.lab import AsBuilt
 
 _ASSUMED = (
-    "Parts vary each by itself within the tolerances; what was seen is weighed by its doubt alone.",
+    "Parts vary each by itself within the tolerances; an anchor is now and then in the hole beside "
+    "its own. What was seen is weighed by its doubt alone.",
     "Of anchors a motion knows q - p alone: p is taken as drawn, and q has what both are off.",
     "Several builds explain the same motion; where nothing was told of a number, its mean is that "
     "of all that may be.",
@@ -44,10 +45,11 @@ def as_built_page(found: AsBuilt, record: Mapping[str, Any]) -> str:
             "Do it as they are": percent(found.share),
             "After the move": "" if best is None else percent(best.share),
             "Of builds at random move so": f"{percent(found.agreeing)}{wider}",
+            "Holes": holes_told(record),
         },
         [
             parts.part(
-                "Moves of one anchor",
+                "Moves of anchors",
                 parts.table(shown(MOVE), record["moves"], "The best, and how many then do it."),
             ),
             parts.part(
