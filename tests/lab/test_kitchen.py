@@ -312,3 +312,21 @@ def test_the_band_of_a_table_goes_into_a_design_for_one_and_for_two_bands_and_ru
         design.write_text(text, "utf-8")
         ran = said("run", design)
         assert ran["sequence"] == "0>1>0"
+
+
+@pytest.mark.parametrize("note", ["note", "what I saw"])
+def test_a_column_of_notes_is_left_out_and_said(note):
+    rows = [line.split(",") for line in SEVEN.splitlines()[1:]]
+    words = ["limp", "", "windy", "", "again", "", "ok"]
+    table = f"length (mm),weight (g),{note}\n" + "".join(
+        f"{length},{weight},{word}\n" for (length, weight), word in zip(rows, words, strict=True)
+    )
+    noted, plain = pulled(table), pulled(SEVEN)
+    assert noted.stroke == pytest.approx(plain.stroke) and noted.force == pytest.approx(plain.force)
+    assert f"column {note!r} holds words: not read" in noted.remarks
+
+
+def test_a_band_of_metres_is_warned_of():
+    test = lab.band_test([pulled(SEVEN.replace("(mm)", "(m)"))])
+    (warning,) = test.warnings
+    assert "Did you mean" in warning and warning.endswith("Check the units in the header.")

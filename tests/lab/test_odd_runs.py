@@ -72,21 +72,82 @@ def test_one_odd_file_gets_a_line_and_stops_no_other(damage, unloading):
     assert test.snaps == lab.compare(others).pairs[0].snaps
 
 
-def test_files_damaged_at_random_never_stop_the_others():
+def with_hole(run: Recording, rng: np.random.Generator) -> Recording:
+    """A piece of it is lost."""
+    first, gone = int(rng.integers(len(run))), int(rng.integers(10, len(run) // 4))
+    return taken(run, np.r_[0:first, min(first + gone, len(run)) : len(run)])
+
+
+def spiked(run: Recording, rng: np.random.Generator) -> Recording:
+    """Single samples are far off."""
+    force = run.force.copy()
+    at = rng.choice(len(run), int(rng.integers(1, 12)), replace=False)
+    force[at] += rng.choice([-1.0, 1.0], len(at)) * rng.uniform(0.5, 8.0, len(at))
+    return replace(run, force=force)
+
+
+def at_another_rate(run: Recording, rng: np.random.Generator) -> Recording:
+    return sampled(run, float(np.exp(rng.uniform(np.log(2.0), np.log(5000.0)))))
+
+
+def cut_short(run: Recording, rng: np.random.Generator) -> Recording:
+    return taken(run, slice(0, int(rng.uniform(0.02, 1.0) * len(run))))
+
+
+SPOILT: tuple[Callable[[Recording, np.random.Generator], Recording], ...] = (
+    *(lambda run, rng, damage=damage: damage(run) for damage, _ in DAMAGES.values()),
+    cut_short,
+    with_hole,
+    spiked,
+    at_another_rate,
+    lambda run, rng: spiked(with_hole(run, rng), rng),
+)
+
+
+@pytest.mark.parametrize("code", CHAINS)
+@pytest.mark.parametrize("unloading", [False, True])
+def test_of_files_damaged_at_random_verdicts_are_right_or_cannot_be_told(code, unloading):
     rng = np.random.default_rng(4)
-    whole = runs("MMB", False)
+    *whole, base = runs(code, unloading)
+    judged = 0
     for _ in range(examples(12)):
+        often = rng.uniform(0.2, 1.0)
         odd = [
-            DAMAGES[list(DAMAGES)[int(rng.integers(len(DAMAGES)))]][0](run)
-            if rng.random() < 0.5
-            else run
-            for run in whole[:3]
+            SPOILT[int(rng.integers(len(SPOILT)))](run, rng) if rng.random() < often else run
+            for run in whole
         ]
-        if rng.random() < 0.3:
-            n = len(odd[0])
-            odd[0] = taken(odd[0], np.sort(rng.choice(n, int(rng.integers(2, n)), replace=False)))
         with suppress(lab.LabError):
-            assert all(test.verdict for test in lab.compare([*odd, whole[3]]).pairs)
+            (test,) = lab.compare([*odd, base]).pairs
+            judged += 1
+            assert test.right_order is not False, test.verdict
+            assert test.right_snaps is not False, test.verdict
+    assert judged > examples(12) / 2
+
+
+def test_one_spike_hides_no_snap_and_turns_no_order():
+    """The same in all three, so that no other run helps: it is told, and nothing else changes."""
+    *whole, base = runs("MMB", True)
+    (truth,) = lab.compare([*whole, base]).pairs
+    odd = []
+    for run in whole:
+        force = run.force.copy()
+        force[len(force) // 3] += 5.0
+        odd.append(replace(run, force=force))
+    (test,) = lab.compare([*odd, base]).pairs
+    assert test.snaps == truth.snaps
+    assert test.ratio == pytest.approx(truth.ratio, rel=0.05)
+    (told,) = [line for line in test.series.told if "spikes" in line]
+    assert told.startswith("2unit_MMB_1, 2unit_MMB_2, 2unit_MMB_3: 1 sample, at -13.")
+
+
+def test_a_force_of_the_other_sign_is_said_to_be_one():
+    *whole, base = runs("MMT", False)
+    (test,) = lab.compare([*(replace(r, force=-r.force) for r in whole), base]).pairs
+    assert "it pushes where the model pulls: check the sign of the force" in test.series.told
+    # One of three does not change what the others say.
+    (test,) = lab.compare([*whole[:2], replace(whole[2], force=-whole[2].force), base]).pairs
+    assert any("1 band, judged from the force: 1.0" in line for line in test.series.told)
+    assert test.right_order and test.right_snaps
 
 
 def slipping(run: Recording, rng: np.random.Generator, size: float) -> Recording:
@@ -138,6 +199,17 @@ def test_snaps_are_where_they_are_at_any_rate_or_none_is_invented(rate, unloadin
         assert all(abs(u - known[0]) < 0.2e-3 + 2 * step for u in snaps)
         assert snaps or rate < 10
     assert test.right_order
+
+
+def test_two_million_rows_say_what_a_thousand_say():
+    *whole, base = runs("MMT", False)
+    long = sampled(whole[0], 2_000_000 / whole[0].time[-1])
+    assert len(long) >= 2_000_000
+    ((known,),) = lab.compare([whole[0], base]).pairs[0].snaps
+    (test,) = lab.compare([long, base]).pairs
+    ((found,),) = test.snaps
+    assert found == pytest.approx(known, abs=0.2e-3)
+    assert test.right_order and test.right_snaps
 
 
 def test_a_hole_invents_no_snap_and_hides_none_without_a_word():

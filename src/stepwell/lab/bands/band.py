@@ -15,9 +15,13 @@ from stepwell.lab.bands.halves import Hysteresis, loops_of
 from stepwell.lab.bands.kinds import Run, differing, kinds, listed
 from stepwell.lab.bands.spread import Estimate, of_samples
 from stepwell.lab.recordings import LabError, Recording
+from stepwell.mechanism import sizes
 
 if TYPE_CHECKING:
     import xarray as xr
+
+# Of the largest force, a rise over the stroke that is none.
+_NO_RISE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,8 +185,12 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
             f"the force changes by {usual.stiffness:.3g} N/m of stroke: it must rise as the band "
             f"gets longer. Look at the sign and at which column is which.",
         )
+    slips = tuple(
+        f"{slip} Check the units in the header."
+        for slip in sizes.spring("The stiffness", usual.stiffness)
+    )
     if not others:
-        return frozenset(), ()
+        return frozenset(), slips
     differ = "; ".join(differing(usual, other) for other in others)
     todo = _todo({run.sample for run in usual.runs}, [r.sample for o in others for r in o.runs])
     bands = usual.bands + sum(other.bands for other in others)
@@ -198,7 +206,7 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
         f"Not one kind of band: {usual.bands} of {bands} have about {usual.stiffness:.4g} N/m; "
         f"not used: {differ}. Another kind, or a broken run: {todo}"
     )
-    return apart, (warning,)
+    return apart, (warning, *slips)
 
 
 def _todo(kept: set[int], odd: list[int]) -> str:
@@ -365,7 +373,9 @@ def _slope(stroke: Floats, force: Floats) -> float:
     if len(stroke) < 2 or np.ptp(stroke) == 0:
         return math.nan
     off = stroke - np.mean(stroke)
-    return float(off @ force / (off @ off))
+    slope = float(off @ (force - np.mean(force)) / (off @ off))
+    # Forces that are all the same do not rise by the last bits of their mean.
+    return slope if abs(slope) * np.ptp(stroke) > _NO_RISE * np.max(np.abs(force)) else 0.0
 
 
 def _listed(numbers: list[int]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import Bools, ByValue, Drawn, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
-from stepwell.lab.mechanisms.rig import PAPER_RIG, Rig, judged, quiet_zones
+from stepwell.lab.mechanisms.rig import END, PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
 from stepwell.lab.mechanisms.series import Series, carried
 from stepwell.lab.mechanisms.snaps import (
@@ -42,6 +42,8 @@ _SCATTER = 0.5e-3
 # A force is read before a snap over this stroke, to see how steeply it falls [m]; it is known to so
 # much, and falls no slower than so [N], [N/m]: from the recordings published with the paper.
 _BEFORE, FORCE_DOUBT, _FLATTEST = 1e-3, 0.03, 20.0
+# A run shows a snap if it goes on for so long after it [m].
+_LATE = 0.5e-3
 # Jumps of repeats this near each other are one jump [m].
 _TOGETHER = 1e-3
 
@@ -169,17 +171,29 @@ class PairTest(ByValue, Drawn):
         """Whether most runs snap as often as the model, and where it does within two sigmas.
 
         None where samples are missing and a run has fewer snaps than the model: the hole may hide
-        them, and so may strokes that no run reached.
+        them, and so may strokes that it did not reach.
         """
         wanted = len(self.snaps_predicted)
         if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
             return None
-        runs = list(zip(self.snaps, self.missing, strict=True))
-        if any(len(snaps) < wanted and gone for snaps, gone in runs):
+        runs = list(zip(self.series.recordings, self.snaps, self.missing, strict=True))
+        if any(len(snaps) < wanted and (gone or self._ends(run)) for run, snaps, gone in runs):
             return None
         if 2 * len(self.odd) >= len(runs):
             return False
         return not wanted or abs(self.sigmas) <= AGREE
+
+    def _ends(self, run: Recording) -> bool:
+        """Whether a run ends before what snaps late, held by friction, is over.
+
+        Without a baseline nobody knows how late that is.
+        """
+        full, stroke = self.series.chain.full_stroke, self.series.placed(run)
+        late = np.array(self.snaps_predicted + self.snaps_with_friction)
+        if self.series.unloading:
+            stroke, late = full - stroke, full - late
+        seen = float(np.max(late)) + _LATE if self.series.baseline else full
+        return float(np.max(stroke)) < min(seen, full - END)
 
     @property
     def odd(self) -> tuple[str, ...]:
@@ -515,7 +529,8 @@ def _pull_and_hold(
     for cell, mine, _ in _one_by_one(series, order, stroke):
         at_end = np.array([end * series.chain.cells[cell].full_travel])
         hold += abs(float(_baseline_force(series, first, cell, at_end)[0]))
-        pull += sign * float(force[mine][last])
+        if np.any(mine):  # the runs may end before the second cell moves
+            pull += sign * float(force[mine][last])
         sign = -sign
     return max(pull, 0.0), hold
 

@@ -311,11 +311,13 @@ def _series(
     found: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         told = [f"{counted_bands(bands)}, judged from the force: {ratio:.2f} times that of one"]
+        if ratio < 0:
+            told.append("it pushes where the model pulls: check the sign of the force")
         for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
             # Near where one more or one less would be taken.
             if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
                 told.append(f"{counted_bands(other)} may be too: check how many were on")
-        if ratio < _WEAK:
+        if 0 <= ratio < _WEAK:
             told.append("that is weak for a band: check which one was on")
         chain = Chain([_with_bands(cell, bands) for cell in cells])
         found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
@@ -376,7 +378,7 @@ def _ratio(series: Series, run: Recording) -> float:
 def _by_bands(
     runs: list[tuple[float, Recording]],
 ) -> list[tuple[int, list[Recording], float]]:
-    """Runs sorted by how many bands they show: the count, the runs, their mean ratio.
+    """Runs sorted by how many bands they show: the count, the runs, the median of their ratios.
 
     Each is judged by itself, whatever other files there are: so many bands as make each at most
     1.4 times as strong as the model's.
@@ -388,7 +390,7 @@ def _by_bands(
         (
             count,
             sorted((run for _, run in group), key=lambda run: natural(run.source)),
-            float(np.mean([ratio for ratio, _ in group])),
+            float(np.median([ratio for ratio, _ in group])),
         )
         for count, group in sorted(groups.items())
     ]

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.mechanisms.rig import judged
-from stepwell.lab.recordings import Recording
+from stepwell.lab.recordings import Recording, without_spikes
 from stepwell.statics import Event
 
 # Means over 0.1 s before and after, 0.12 s apart: snaps of the paper's rig take 40 to 80 ms. What
@@ -67,6 +67,7 @@ def find_snaps(
     """
     from scipy.ndimage import median_filter
 
+    force = without_spikes(force)
     rate, hole = _clock(time, len(force))
     averaged = max(1, int(rate / _RATE))
     if averaged > 1:

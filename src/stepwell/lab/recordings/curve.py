@@ -9,6 +9,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats
 from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings.spikes import without_spikes
 
 STEP = 0.05e-3  # [m] between the strokes of a mean curve
 
@@ -53,9 +54,10 @@ def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
         full: stroke with every cell at state 1 [m].
 
     Returns:
-        Forces at strokes counted from state 0, `STEP` apart, each the mean over a strip.
+        Forces at strokes counted from state 0, `STEP` apart, each the mean over a strip without
+        its spikes.
     """
-    placed = [(from_zero(r, full), r.force) for r in recordings]
+    placed = [(from_zero(r, full), without_spikes(r.force)) for r in recordings]
     low = max(float(np.min(u)) for u, _ in placed)
     high = min(float(np.max(u)) for u, _ in placed)
     first, last = np.ceil(low / STEP - 1e-6), np.floor(high / STEP + 1e-6)

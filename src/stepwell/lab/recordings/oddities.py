@@ -10,6 +10,7 @@ import numpy as np
 
 from stepwell.lab.recordings.names import run_number, stem_of
 from stepwell.lab.recordings.recording import Recording
+from stepwell.lab.recordings.spikes import spikes
 
 LATE = 0.02e-3  # [m] of stroke at the first sample
 SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack
@@ -27,7 +28,8 @@ def oddities(recording: Recording) -> tuple[str, ...]:
     Args:
         recording: any.
     """
-    return (*recording.remarks, *_start(recording), *_clock(recording), *_ends(recording))
+    found = (_start, _clock, _spikes, _ends)
+    return (*recording.remarks, *chain.from_iterable(look(recording) for look in found))
 
 
 def unusable(recording: Recording) -> str:
@@ -133,6 +135,16 @@ def _clock(recording: Recording) -> Iterator[str]:
         yield f"time stands still or runs back at {back} samples"
     elif (widest := float(np.max(steps)) * recording.rate) > TIME_GAP:
         yield f"a gap of {widest:.0f} time steps"
+
+
+def _spikes(recording: Recording) -> Iterator[str]:
+    at = np.flatnonzero(spikes(recording.force))
+    if len(at):
+        first = f"{recording.stroke[at[0]] * 1e3:.4g} mm"
+        told = (
+            f"1 sample, at {first}, is" if len(at) == 1 else f"{len(at)} samples, from {first}, are"
+        )
+        yield f"{told} far off those beside: spikes, which do not count"
 
 
 def _ends(recording: Recording) -> Iterator[str]:

@@ -115,20 +115,24 @@ class Recording(ByValue, Drawn):
 def turns_of(stroke: Floats) -> tuple[int, ...]:
     """Samples where strokes of any unit turn back, between the first and the last."""
     threshold = _TURN * float(np.ptp(stroke))
+    back = np.maximum.accumulate(stroke) - stroke, stroke - np.minimum.accumulate(stroke)
+    if any(float(np.max(one)) <= threshold for one in back):
+        return ()  # one way only, as most
     turns: list[int] = []
     low = high = 0
+    bottom = top = float(stroke[0])
     rising: bool | None = None
     for i, u in enumerate(stroke.tolist()):
-        if u > stroke[high]:
-            high = i
-        if u < stroke[low]:
-            low = i
-        if rising is not False and stroke[high] - u > threshold:
+        if u > top:
+            high, top = i, u
+        if u < bottom:
+            low, bottom = i, u
+        if rising is not False and top - u > threshold:
             if rising:
                 turns.append(high)
-            rising, low = False, i
-        elif rising is not True and u - stroke[low] > threshold:
+            rising, low, bottom = False, i, u
+        elif rising is not True and u - bottom > threshold:
             if rising is False:
                 turns.append(low)
-            rising, high = True, i
+            rising, high, top = True, i, u
     return tuple(turns)

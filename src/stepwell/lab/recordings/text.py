@@ -44,10 +44,11 @@ def parse(data: bytes) -> Export:
     Raises:
         ValueError: no text, no header, no numbers, or a unit that is none; says what to do.
     """
-    header, delimiter, count, body = _parts(data, "time, displacement and force")
+    lines, words = _without_words(_lines(data))
+    header, delimiter, count, body = _parts(lines, "time, displacement and force")
     found = columns(header, delimiter, count)
     rows, bad = _rows(body, delimiter, count)
-    remarks = _remarks(bad, body[-1][0])
+    remarks = (*words, *_remarks(bad, body[-1][0]))
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
     values = {role: rows[:, one.place] * one.factor for role, one in found.items()}
@@ -75,7 +76,7 @@ def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
     Raises:
         ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
     """
-    header, delimiter, count, body = _parts(data, "travel and force")
+    header, delimiter, count, body = _parts(_lines(data), "travel and force")
     # What names columns has no number for a field: a row of which one cannot be read has.
     if header and any(map(_NUMBER.fullmatch, split(header[-1], delimiter))):
         raise InputError(
@@ -114,9 +115,45 @@ class _Parts(NamedTuple):
     body: list[tuple[int, str]]
 
 
-def _parts(data: bytes, example: str) -> _Parts:
+def _lines(data: bytes) -> list[str]:
+    return re.split(r"\r\n|\r|\n", _decoded(data))
+
+
+def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
+    """The lines without columns of notes, where no row holds numbers alone; and what is told."""
+    if _row_of_numbers(lines) is not None:
+        return lines, ()
+    for delimiter in (";", "\t", ","):
+        fields = [split(line, delimiter) for line in lines]
+        start = next((n for n, row in enumerate(fields[:_HEADER_AT_MOST]) if _some(row)), 0)
+        width = len(fields[start])
+        whole = [row for row in fields[start:] if len(row) == width]
+        kept = [
+            k for k in range(width) if 2 * sum(map(_is_number, (r[k] for r in whole))) > len(whole)
+        ]
+        if not start or len(kept) < 2:
+            continue
+        above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
+        notes = ", ".join(repr(above[k][:_SHOWN]) for k in range(width) if k not in kept)
+        cut = [
+            delimiter.join(row[k] for k in kept) if len(row) == width else line
+            for row, line in zip(fields, lines, strict=True)
+        ]
+        return cut, (f"column {notes} holds words: not read",)
+    return lines, ()
+
+
+def _is_number(field: str) -> bool:
+    return _NUMBER.fullmatch(field) is not None
+
+
+def _some(row: list[str]) -> bool:
+    """Whether some fields of a row are numbers, two or more."""
+    return sum(map(_is_number, row)) >= 2
+
+
+def _parts(lines: list[str], example: str) -> _Parts:
     """The lines above the numbers, how they are split, and those from the first numbers on."""
-    lines = re.split(r"\r\n|\r|\n", _decoded(data))
     start, delimiter = _first_row(lines, example)
     body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
     header = [line for line in lines[:start] if line.strip()]
@@ -136,12 +173,19 @@ def _decoded(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def _first_row(lines: list[str], example: str) -> tuple[int, str | None]:
+def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
+    """The first line of numbers alone, two or more, and what parts them."""
     for at, line in enumerate(lines[:_HEADER_AT_MOST]):
         for delimiter in _DELIMITERS:
             fields = split(line, delimiter)
-            if len(fields) >= 2 and all(map(_NUMBER.fullmatch, fields)):
+            if len(fields) >= 2 and all(map(_is_number, fields)):
                 return at, delimiter
+    return None
+
+
+def _first_row(lines: list[str], example: str) -> tuple[int, str | None]:
+    if (found := _row_of_numbers(lines)) is not None:
+        return found
     raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
 
 
