@@ -192,8 +192,8 @@ class PairTest(ByValue, Drawn):
         late = np.array(self.snaps_predicted + self.snaps_with_friction)
         if self.series.unloading:
             stroke, late = full - stroke, full - late
-        seen = float(np.max(late)) + _LATE if self.series.baseline else full
-        return float(np.max(stroke)) < min(seen, full - END)
+        last = float(np.max(late)) if self.series.baseline else full - END
+        return float(np.max(stroke)) < max(last, min(last + _LATE, full - END))
 
     @property
     def odd(self) -> tuple[str, ...]:
