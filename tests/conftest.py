@@ -31,6 +31,9 @@ settings.load_profile(SIZE)
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    # For the processes that run the tests: where several do, threads of the linear algebra wait for
+    # each other, and small fits take ten times as long. NumPy reads this as it is imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Files go to the cores in the order of collection, not the one with most tests first.
     config.option.loadscopereorder = False
 

@@ -12,6 +12,9 @@ def _leave(*_: object) -> None:
 def main() -> None:
     """Open the command line; until it is open, Ctrl-C ends the program at once."""
     signal.signal(signal.SIGINT, _leave)
+    # Matrices are small here. Threads of the linear algebra would wait for each other: a fit takes
+    # ten times as long on a busy machine. NumPy reads this as it is imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from stepwell.cli import main
 
     main()
