@@ -45,7 +45,7 @@ def test_numbers_of_a_build_lie_within_their_doubt():
     """The truth is drawn as the builds are, so errors in doubts are about normal."""
     rng = np.random.default_rng(1)
     errors: list[float] = []
-    for k in range(examples(4)):
+    for k in range(examples(4, 200)):
         truth = Draws(LEG, OFF, 101).sample(k)
         found = as_built(LEG, seen(truth, rng), OFF, n=100)
         for one in found.known:

@@ -12,7 +12,7 @@ from stepwell.lab.calibration.model import force, law_of, rows
 from stepwell.lab.mechanisms.series import paper_cell
 from stepwell.mechanism import Band, Cell, Cubic
 
-DRAWS = examples(40)
+DRAWS = examples(40, 200)
 OFTEN = 0.90
 D = [(10, 0), (10, 15), (10, -15), (20, 0), (20, 15), (20, -15), (30, 0), (30, 15), (30, -15)]
 TRUE = {

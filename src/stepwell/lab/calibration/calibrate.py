@@ -474,7 +474,13 @@ class _Fit:
             fitted,
             left_out,
             # A snap is where two forces are equal, and each is off.
-            math.sqrt(moved + 2.0 * (rms(np.array(off)) / steep) ** 2 + scatter + _STROKE**2),
+            math.sqrt(
+                moved
+                + 2.0 * (rms(np.array(off)) / steep) ** 2
+                + scatter
+                + _STROKE**2
+                + test.seen_within**2
+            ),
             tuple(test.names(test.shown)),
             order,
             test.ratio,

@@ -167,6 +167,11 @@ class PairTest(ByValue, Drawn):
         return (mean - nearest) / self.doubt
 
     @property
+    def seen_within(self) -> float:
+        """How far the stroke of a snap may be off as it is seen, by the samples about it [m]."""
+        return _seen(self.series) / 2.0
+
+    @property
     def right_snaps(self) -> bool | None:
         """Whether most runs snap as often as the model, and where it does within two sigmas.
 
@@ -461,6 +466,11 @@ def _step(run: Recording) -> float:
     return float(np.median(np.abs(np.diff(run.stroke))))
 
 
+def _seen(series: Series) -> float:
+    """The stroke within which a jump of any run is seen [m]."""
+    return max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
+
+
 def _snap_events(path: Path) -> list[Event]:
     return [event for event in path.events if event.kind is EventKind.SNAP]
 
@@ -507,8 +517,9 @@ def _doubt(series: Series, snaps: Sequence[tuple[MeasuredSnap, ...]]) -> float:
     order = np.argsort(path.stroke, kind="stable")
     rise = np.diff(np.interp(ends, path.stroke[order], path.force[order]))[0] / _BEFORE
     off = math.hypot(FORCE_DOUBT, float(np.mean(series.curve.spread)))
-    seen = max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
-    return math.hypot(scatter, seen / math.sqrt(12.0), off / max(abs(float(rise)), _FLATTEST))
+    return math.hypot(
+        scatter, _seen(series) / math.sqrt(12.0), off / max(abs(float(rise)), _FLATTEST)
+    )
 
 
 def _snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
