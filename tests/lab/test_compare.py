@@ -229,6 +229,11 @@ def test_a_name_whose_anchors_make_no_sense_is_asked_about():
     data = pairs("TMTBM", Chain(cells)) + no_bands()
     with pytest.raises(lab.LabError, match="p and q of cell 2 are one point"):
         lab.compare(data)
+    meant = [T.with_anchors(q=q) for q in ((0.010, 0.0), (0.010, -0.015))]
+    for unloading in (False, True):
+        runs = pairs("TMTBM", Chain(meant), friction=(0.02, 0.02), unloading=unloading)
+        with pytest.raises(lab.LabError, match=r"are those of q at \(10, -15\) mm, which leaves"):
+            lab.compare(runs)
     others = pairs("MMB", COUNTER)
     told = lab.compare([*data, *others]).told
     assert sum("TMTBM" in line and "--as-designed" in line for line in told) == 3

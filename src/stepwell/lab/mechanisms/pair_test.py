@@ -13,7 +13,7 @@ from stepwell.base import Bools, ByValue, Drawn, Floats, record
 from stepwell.lab.mechanisms.predict import mover, on_path, path_of
 from stepwell.lab.mechanisms.rig import END, PAPER_RIG, Rig, judged, quiet_zones
 from stepwell.lab.mechanisms.schema import PAIR_TEST
-from stepwell.lab.mechanisms.series import Series, carried
+from stepwell.lab.mechanisms.series import TELLING, Series, carried
 from stepwell.lab.mechanisms.snaps import (
     MeasuredSnap,
     find_snaps,
@@ -28,8 +28,6 @@ from stepwell.statics import Event, EventKind, Path
 Order = tuple[int, int]
 
 _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
-# A ratio of errors below this does not tell one order from the other.
-TELLING = 1.25
 _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
 # Where none is predicted, a jump with the sign of a snap that is over so much of k r is one.
 SNAP_SHARE = 0.1

@@ -16,6 +16,7 @@ from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.mechanisms.predict import path_of, predicted_force
 from stepwell.lab.mechanisms.rig import judged, quiet_zones
 from stepwell.lab.recordings import (
+    PLACES,
     Curve,
     LabError,
     Recording,
@@ -37,6 +38,8 @@ from stepwell.statics import Path
 
 Geometry = tuple[float, float]
 
+# A ratio of errors below this does not tell one reading from another.
+TELLING = 1.25
 # Strokes that a baseline must cover, in those of the series.
 _COVER = (0.97, 1.1)
 # A band is at most so many times as strong as the model's, and at least so many times.
@@ -298,9 +301,10 @@ def _series(
     slack = [k for k, cell in enumerate(cells, 1) if all(np.allclose(b.d, 0.0) for b in cell.bands)]
     if slack:
         listed = ", ".join(map(str, slack))
+        rather = _rather(cells, slack[0] - 1, unloading, runs)
         return [], [
             f"{run.source}: left out, by its name p and q of cell {listed} are one point, where a "
-            f"band pulls nowhere: rename the file, or give the design and --as-designed"
+            f"band pulls nowhere{rather}: rename the file, or give the design and --as-designed"
             for run in runs
         ]
     runs, left_out = _over_stroke(runs, Chain(cells))
@@ -322,6 +326,41 @@ def _series(
         chain = Chain([_with_bands(cell, bands) for cell in cells])
         found.append(series_of(f"{setup.code}, {counted_bands(bands)}", chain, bands, mine, *told))
     return found, left_out
+
+
+def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
+    """Where the forces say that q of a cell is, and how much better that fits than the next.
+
+    Of the places that names can say the one that fits best, stiffness and friction left free.
+    """
+    chain = Chain(cells)
+    usable = [run for run in _over_stroke(runs, chain)[0] if not unusable(run)]
+    if not usable:
+        return ""
+    curve = mean_curve(usable, chain.full_stroke)
+    use = judged(curve.stroke, quiet_zones(chain.full_stroke, unloading))
+    p = cells[odd].bands[0].p
+    errors: list[tuple[float, tuple[float, float]]] = []
+    for q in PLACES:
+        if np.allclose(p, q):
+            continue
+        tried = [cell.with_anchors(p, q) if k == odd else cell for k, cell in enumerate(cells)]
+        model = predicted_force(Chain(tried), unloading, curve.stroke[use])
+        columns = np.stack([model, np.ones(len(model))], axis=1)
+        found = np.linalg.lstsq(columns, curve.force[use], rcond=None)[0]
+        if found[0] > 0:
+            errors.append((rms(columns @ found - curve.force[use]), q))
+    if len(errors) < 2:
+        return ""
+    (best, *_), (next_best, *_) = sorted(errors)[:2]
+    one, other = (f"({x * 1e3:g}, {y * 1e3:g})" for _, (x, y) in sorted(errors)[:2])
+    times = next_best / max(best, 1e-9)
+    if times < TELLING:
+        return f" (its forces may be those of q at {one} or at {other} mm, {times:.2f} to 1)"
+    return (
+        f" (its forces are those of q at {one} mm, which leaves {best:.2g} N; the next, {other}, "
+        f"leaves {times:.3g} times as much)"
+    )
 
 
 def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], list[str]]:

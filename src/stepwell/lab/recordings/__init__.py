@@ -4,6 +4,7 @@ from stepwell.lab.recordings.curve import Curve, from_zero, mean_curve, rms
 from stepwell.lab.recordings.errors import LabError
 from stepwell.lab.recordings.measured_curve import MeasuredCurve, read_curve
 from stepwell.lab.recordings.names import (
+    PLACES,
     Setup,
     is_baseline,
     run_number,

@@ -15,6 +15,8 @@ _BASELINE = re.compile(r"friction|baseline|no_?band", re.IGNORECASE)
 _P = {"M": (-0.010, 0.0), "T": (0.0, 0.0)}
 _QX = {"B": 0.0, "M": 0.010, "T": 0.020}
 _QY = {"L": 0.015, "M": 0.0, "R": -0.015}
+# Every q that a name can say [m].
+PLACES: tuple[Vec2, ...] = tuple((x, y) for x in _QX.values() for y in _QY.values())
 
 
 @dataclass(frozen=True)
