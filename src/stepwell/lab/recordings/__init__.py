@@ -15,5 +15,5 @@ from stepwell.lab.recordings.names import (
 from stepwell.lab.recordings.oddities import batch_oddities, missing, oddities, unlike, unusable
 from stepwell.lab.recordings.read import Batch, natural, read, read_all, read_bytes
 from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.recordings.spikes import spikes, without_spikes
+from stepwell.lab.recordings.spikes import without_spikes
 from stepwell.lab.recordings.table import SUMMARY, hashes, summary, table, to_csv
