@@ -16,9 +16,10 @@ from studies_bytes import bytes_of
 pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installed")
 
 from stepwell import figures, reports, results
-from stepwell.atlas import atlas, canonical, charted, find, possible, proved_space
-from stepwell.concave import FORCE, STROKE, simple
-from stepwell.design import Tolerances
+from stepwell.atlas import atlas, borders, canonical, charted, find, name_of, possible, proved_space
+from stepwell.atlas.canonical import ways_of
+from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
+from stepwell.design import Tolerances, parameter
 from stepwell.studies import Axis, Blocks, StudyError, changed, opened, packed, resumed, sweep
 
 CELL = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
@@ -343,3 +344,50 @@ def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tm
     assert all(one.name in page for one in found.machines)
     record = json.loads((tmp_path / "atlas.json").read_text("utf-8"))
     assert record["machines"] == results.atlas_record(found)["machines"]
+
+
+@pytest.mark.parametrize(("cells", "designs", "low"), [(2, 20_000, -0.008), (3, 2_000, 0.0)])
+def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cells, designs, low):
+    study, found = stores(cells, designs, low=low)
+    near = borders(study, found)
+    known = {one.name: one for one in found.machines}
+    assert {one.machine for one in near} == known.keys()
+    span = {axis.name: (axis.low, axis.high) for axis in found.axes}
+    for one in near[:: 1 if cells == 2 else 17]:
+        chain = known[one.machine].chain
+        first, last = span[one.parameter]
+        start = parameter(chain, one.parameter).value(chain)
+        assert one.value == pytest.approx(start + one.step, rel=1e-12)
+        assert first <= one.value <= last
+        wanted, past = [one.machine, one.beyond], np.sign(one.step) * (last - first)
+        assert one.machine != one.beyond
+
+        def names(before, behind, one=one, chain=chain, past=past):
+            return [
+                name_of(canonical(ways_of(changed(chain, [one.parameter], [x]).graph()), cells))
+                for x in (one.value - before * past, one.value + behind * past)
+            ]
+
+        # Where a snap lands by a flow of three cells, the two know that to some micrometres.
+        assert names(4e-5, 0.0) == wanted or names(5e-4, 5e-4) == wanted
+
+
+def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
+    # Shares nothing with the search but the closed form: the first change on 4000 places a way.
+    study, found = stores(2, 20_000)
+    near = {(one.machine, one.parameter, one.step > 0): one for one in borders(study, found)}
+    names, places = [axis.name for axis in found.axes], 4000
+    numbers = packed(found.chain, names)
+    for machine in found.machines:
+        (start,) = study.designs.space.points(machine.design, machine.design + 1)
+        for k, axis in enumerate(found.axes):
+            for end in (axis.low, axis.high):
+                points = np.tile(start, (places, 1))
+                points[:, k] = np.linspace(start[k], end, places)
+                key, _, _, told = classed(numbers.at(points), STROKE)
+                other = np.flatnonzero((key != key[0]) & (told == TOLD))
+                one = near.get((machine.name, axis.name, end > start[k]))
+                assert (one is None) == (not len(other))
+                if one is not None:
+                    step = abs(end - start[k]) / (places - 1)
+                    assert abs(one.value - points[other[0], k]) <= step

@@ -10,17 +10,20 @@ from stepwell.base import Column, counted, number, told_in
 from stepwell.results.head import head
 
 if TYPE_CHECKING:
-    from stepwell.atlas import Atlas, Cycling, Machine
+    from stepwell.atlas import Atlas, Border, Cycling, Machine
     from stepwell.design import Share
     from stepwell.mechanism import Chain
 
 
-def atlas_record(found: Atlas, machines: Sequence[Machine] | None = None) -> dict[str, Any]:
+def atlas_record(
+    found: Atlas, machines: Sequence[Machine] | None = None, borders: Sequence[Border] = ()
+) -> dict[str, Any]:
     """An atlas, as docs/commands.md describes it.
 
     Args:
         found: the atlas.
         machines: those of it that are told; all by default.
+        borders: where one becomes another, as `atlas.borders` finds them.
     """
     shown = found.machines if machines is None else machines
     return {
@@ -54,6 +57,7 @@ def atlas_record(found: Atlas, machines: Sequence[Machine] | None = None) -> dic
         },
         "machines": [_machine(found, one) for one in shown],
         "cycles": [_cycling(found, one) for one in found.cycles],
+        "borders": [_border(found, one) for one in borders],
     }
 
 
@@ -108,6 +112,18 @@ def _machine(found: Atlas, one: Machine) -> dict[str, Any]:
         "counts_by_hand": one.counts_by_hand,
         "gardens": one.gardens,
         "latches": one.latches,
+    }
+
+
+def _border(found: Atlas, one: Border) -> dict[str, Any]:
+    unit, factor = _told(found, one.parameter)
+    return {
+        "machine": one.machine,
+        "parameter": one.parameter,
+        "unit": unit or "1",
+        "at": one.value * factor,
+        "step": one.step * factor,
+        "beyond": one.beyond,
     }
 
 

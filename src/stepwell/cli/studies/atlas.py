@@ -112,7 +112,7 @@ def build(
             subject, axes, int(designs), out,
             drive=drive, seed=seed, workers=workers, scheduler=scheduler, progress=tell,
         )  # fmt: skip
-    _show(_charted(found.study), as_json)
+    _show(found.study, _charted(found.study), as_json)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -127,7 +127,8 @@ def show(
 ) -> None:
     """Say what a store holds so far: machines, their shares and yields, what is proved."""
     free(out, "atlas show", force)
-    _show(_charted(_opened(store), anchor, stiffness, rest_length), as_json, out, force)
+    study = _opened(store)
+    _show(study, _charted(study, anchor, stiffness, rest_length), as_json, out, force)
 
 
 @commands.command(epilog=EXIT_CODES)
@@ -209,9 +210,13 @@ def _charted(
         return charted(study, tolerances=within, checks=checks, progress=tell)
 
 
-def _show(found: Atlas, as_json: bool, out: Path | None = None, force: bool = False) -> None:
-    from stepwell import reports, results
+def _show(
+    study: Study, found: Atlas, as_json: bool, out: Path | None = None, force: bool = False
+) -> None:
+    from stepwell import atlas, reports, results
     from stepwell.cli.text import atlas as texts
 
+    # People look at neighbours in the studio.
+    near = atlas.borders(study, found) if as_json else ()
     write = partial(reports.write_atlas, found)
-    finish(results.atlas_record(found), texts.atlas, as_json, out, force, write)
+    finish(results.atlas_record(found, borders=near), texts.atlas, as_json, out, force, write)
