@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -28,6 +29,15 @@ def studio(
             "the last design again, or any free one.",
             min=0,
             max=65535,
+            show_default=False,
+        ),
+    ] = None,
+    studies: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Where the page finds and keeps studies; by default a folder of your own data.",
+            file_okay=False,
             show_default=False,
         ),
     ] = None,
@@ -58,6 +68,6 @@ def studio(
             webbrowser.open(address)
 
     try:
-        room.serve(tables, port=port, opened=opened)
+        room.serve(tables, port=port, studies=studies, opened=opened)
     except KeyboardInterrupt:
         raise Interrupted("The studio has ended; an open page keeps its design.") from None

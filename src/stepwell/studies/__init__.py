@@ -17,6 +17,7 @@ from stepwell.studies.designs import (
 from stepwell.studies.fill import Estimate, estimate
 from stepwell.studies.influence import Decided, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
+from stepwell.studies.pace import Pace, pace
 from stepwell.studies.run import (
     CancelledError,
     Status,
@@ -44,6 +45,7 @@ __all__ = [
     "Estimate",
     "How",
     "Influence",
+    "Pace",
     "Packed",
     "Screened",
     "Space",
@@ -66,6 +68,7 @@ __all__ = [
     "mapped",
     "mapped_on",
     "opened",
+    "pace",
     "packed",
     "read_table",
     "resumed",

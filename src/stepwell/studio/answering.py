@@ -23,7 +23,7 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
         ask: what it asks for, where somebody is told how far it is.
     """
     design = Design(message.design, message.leg)
-    ask = ask or Ask(message.ask)
+    ask = ask or Ask(message.ask, studies=message.studies)
     try:
         return packed(message.type, message.seq, answer(message.type, design, ask))
     except StepwellError as error:

@@ -108,4 +108,4 @@ def work(pipe: Connection) -> None:
             def show(view: View, message: Message = message) -> None:
                 pipe.send((False, part(message.type, message.seq, view)))
 
-            pipe.send((True, answered(message, Ask(message.ask, tell, show))))
+            pipe.send((True, answered(message, Ask(message.ask, tell, show, message.studies))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
@@ -10,10 +11,14 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from importlib import import_module
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
+
+import platformdirs
 
 from stepwell.base import need
 from stepwell.studio.guard import App, Guard
+from stepwell.studio.panels import end_studies
 from stepwell.studio.session import Session, warm
 from stepwell.studio.wire import LONGEST_MESSAGE
 
@@ -36,6 +41,7 @@ def serve(
     design: dict[str, Any] | None = None,
     *,
     port: int | None = None,
+    studies: str | os.PathLike[str] | None = None,
     opened: Callable[[str], None] | None = None,
 ) -> None:
     """Serve the studio until it is interrupted.
@@ -43,6 +49,7 @@ def serve(
     Args:
         design: tables of the design that the page shows first; the gallery by default.
         port: of 127.0.0.1, 0 for any free one; by default 7473, or any where that is taken.
+        studies: the folder in which it keeps studies; by default one of this user's data.
         opened: called with the page's address once it can be had.
 
     Raises:
@@ -61,7 +68,7 @@ def serve(
                 opened(address)
 
         config = uvicorn.Config(
-            application(own, token, design, ready),
+            application(own, token, design, ready, studies),
             ws="websockets-sansio",
             ws_max_size=LONGEST_MESSAGE,
             ws_per_message_deflate=False,
@@ -88,6 +95,7 @@ def application(
     token: str,
     design: dict[str, Any] | None = None,
     ready: Callable[[], None] = lambda: None,
+    studies: str | os.PathLike[str] | None = None,
 ) -> App:
     """The studio as an ASGI application.
 
@@ -96,6 +104,7 @@ def application(
         token: without which no socket opens.
         design: as for `serve`.
         ready: called once it can answer.
+        studies: as for `serve`.
 
     Raises:
         ExtraError: the packages of the extra `studio` are not installed.
@@ -103,17 +112,19 @@ def application(
     applications = _needed("starlette.applications")
     responses, routing = _needed("starlette.responses"), _needed("starlette.routing")
     threads = ThreadPoolExecutor(1, "studio")
+    kept = Path(studies).absolute() if studies is not None else usual_studies()
 
     @asynccontextmanager
     async def lifespan(_app: Any) -> AsyncIterator[None]:
         threads.submit(warm)
         ready()
         yield
+        await asyncio.to_thread(end_studies)
         threads.shutdown(wait=False, cancel_futures=True)
 
     async def talk(websocket: Any) -> None:
         await websocket.accept()
-        session = Session(websocket.send_bytes, threads, design)
+        session = Session(websocket.send_bytes, threads, design, kept)
         await _talked(websocket, session)
 
     def of(name: str, content: bytes) -> Any:
@@ -131,6 +142,11 @@ def application(
         routes.append(routing.Route("/", of("index.html", held["index.html"])))
     routes.append(routing.WebSocketRoute("/socket", talk))
     return Guard(applications.Starlette(routes=routes, lifespan=lifespan), port, token)
+
+
+def usual_studies() -> Path:
+    """The folder in which studies are kept where nobody names another."""
+    return platformdirs.user_data_path("stepwell") / "studies"
 
 
 def page_files() -> dict[str, bytes]:

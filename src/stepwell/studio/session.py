@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from stepwell.files import preset_text, tables_in
@@ -66,6 +67,7 @@ class Session:
         send: of the socket, bytes.
         threads: where quick questions are answered, so that the socket keeps hearing.
         start: the tables of the design that the command was started with, or None.
+        studies: the folder in which studies are kept, or None.
     """
 
     def __init__(
@@ -73,10 +75,11 @@ class Session:
         send: Callable[[bytes], Awaitable[None]],
         threads: Executor,
         start: dict[str, Any] | None,
+        studies: Path | None = None,
     ):
         self._send = send
         self._threads = threads
-        self._start = start
+        self._start, self._studies = start, studies
         self._quick = Waiting()
         # Of each long type by itself: a wish of minutes must not keep a yield from being told.
         self._long = {kind: Lane(send) for kind in types() if is_long(kind)}
@@ -85,7 +88,7 @@ class Session:
     async def hear(self, text: str) -> None:
         """Take a message of the page; it is answered when its turn comes."""
         try:
-            message = message_of(text, self._types)
+            message = message_of(text, self._types)._replace(studies=self._studies)
         except WireError as error:
             await self._send(failed(error))
             return

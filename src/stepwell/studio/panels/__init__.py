@@ -7,3 +7,4 @@ has it run in a process of its own, from which `ask.tell` says how far it is and
 from stepwell.studio.panels._known import answer, is_long, types
 from stepwell.studio.panels.motions import motion_of
 from stepwell.studio.panels.robots import walked
+from stepwell.studio.panels.studies import end_studies

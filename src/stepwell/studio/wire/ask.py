@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 from stepwell.base import InputError, nearest_word
@@ -24,6 +25,7 @@ class Ask:
         keys: as JSON has them.
         tell: called with (done, total) by panels that take long.
         show: called by them with what they know already.
+        studies: the folder in which the server keeps studies; None where it keeps none.
     """
 
     def __init__(
@@ -31,10 +33,11 @@ class Ask:
         keys: Mapping[str, Any] | None = None,
         tell: Tell = _nobody,
         show: Show = _nobody,
+        studies: Path | None = None,
     ):
         self._keys = dict(keys or {})
         self._known: list[str] = []
-        self.tell, self.show = tell, show
+        self.tell, self.show, self.studies = tell, show, studies
 
     def number(self, key: str, least: float, most: float, default: float | None = None) -> float:
         """A number between two bounds.

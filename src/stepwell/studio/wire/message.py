@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -36,13 +37,14 @@ class WireError(InputError):
 
 
 class Message(NamedTuple):
-    """A request of the page."""
+    """A request of the page; `studies` is the server's own, which no page can say."""
 
     type: str
     seq: int
     design: dict[str, Any] | None = None
     ask: Mapping[str, Any] = MappingProxyType({})
     leg: int = 0
+    studies: Path | None = None
 
 
 def message_of(text: str, types: Iterable[str]) -> Message:

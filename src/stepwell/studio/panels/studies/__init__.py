@@ -1,0 +1,3 @@
+"""Studies and atlases in the server's own folder: begun, watched, stopped, opened."""
+
+from stepwell.studio.panels.studies._running import end_studies
