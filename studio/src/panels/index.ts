@@ -1,6 +1,7 @@
 // The panels in the order of the page; a panel is a module of one shape.
 import type { Component } from "svelte";
 import type { Follower } from "../state.svelte";
+import atlas from "./atlas";
 import graph from "./graph";
 import map from "./map";
 import measured from "./measured";
@@ -9,6 +10,7 @@ import motion from "./motion";
 import prediction from "./prediction";
 import program from "./program";
 import robot from "./robot";
+import study from "./study";
 import summary from "./summary";
 import wish from "./wish";
 import yieldPanel from "./yield";
@@ -36,4 +38,6 @@ export const panels: Panel[] = [
   map,
   wish,
   measured,
+  study,
+  atlas,
 ];

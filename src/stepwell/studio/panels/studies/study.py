@@ -53,6 +53,7 @@ def answer(_design: Design, ask: Ask) -> View:
         "columns": columns,
     }
     del header["schema"]
+    header["failures"] = header.pop("problems")  # `problems` are those of a message that is refused
     return View(header, blocks)
 
 

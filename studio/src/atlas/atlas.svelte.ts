@@ -1,0 +1,191 @@
+// The atlas that is open: its machines, where one stands on the map, and what was found.
+
+import type { Design, Point } from "../design";
+import { refusal, studio } from "../state.svelte";
+import type { View } from "../wire";
+
+export interface Way {
+  from: string;
+  to: string;
+  direction: number;
+  snaps: boolean;
+}
+
+/** A machine as the record has it, with its place on the map. */
+export interface Machine {
+  name: string;
+  cycle: string;
+  designs: number;
+  share_percent: number;
+  share_low_percent: number;
+  share_high_percent: number;
+  yield_percent: number;
+  yield_low_percent: number;
+  yield_high_percent: number;
+  values: number[];
+  agrees: boolean;
+  states: number;
+  reached: number;
+  snaps: number;
+  sub_loops: number;
+  remembers: boolean;
+  scrambled: number;
+  counts: number;
+  counts_by_hand: number;
+  gardens: number;
+  latches: number;
+  design_tables: Design;
+  x: number;
+  y: number;
+  radius: number;
+  ways: Way[];
+}
+
+/** What one change of one number of a machine's most robust design makes of it. */
+export interface Border {
+  machine: string;
+  parameter: string;
+  unit: string;
+  at: number;
+  step: number;
+  beyond: string;
+}
+
+class Charted {
+  /** "" is the one that comes with Stepwell. */
+  name = $state("");
+  view = $state.raw<View | null>(null);
+  /** How much of it is charted, 0 to 1. */
+  done = $state(0);
+  problem = $state("");
+  /** Where one stands. */
+  at = $state("");
+  query = $state("");
+  least = $state<number | null>(null);
+  /** The names that do what was asked; null where nothing was. */
+  found = $state.raw<string[] | null>(null);
+  refused = $state("");
+
+  machines = $derived<Machine[]>(this.view?.machines ?? []);
+  borders = $derived<Border[]>(this.view?.borders ?? []);
+  here = $derived(this.machines.find((one) => one.name === this.at));
+  /** Of each machine those that one change leads to, by the smallest such change. */
+  near = $derived.by(() => {
+    const all = new Map<string, Map<string, Border>>();
+    for (const one of this.borders) {
+      const own = all.get(one.machine) ?? new Map<string, Border>();
+      const known = own.get(one.beyond);
+      if (!known || this.part(one) < this.part(known)) own.set(one.beyond, one);
+      all.set(one.machine, own);
+    }
+    return all;
+  });
+  /** Pairs between which a change leads, either way. */
+  pairs = $derived(
+    [...new Set(this.borders.map((one) => [one.machine, one.beyond].sort().join(" ")))].map((one) => one.split(" ")),
+  );
+
+  private asked = 0;
+
+  /** A change as a part of what its number has in the space. */
+  part({ parameter, step }: Border): number {
+    const span = this.view?.space.find((one: { parameter: string }) => one.parameter === parameter);
+    return Math.abs(step) / (span.to - span.from);
+  }
+
+  open(name: string): void {
+    this.name = name;
+    this.view = null;
+    this.problem = "";
+    this.at = "";
+    this.found = null;
+    this.done = 0;
+    const asked = ++this.asked;
+    studio.once(
+      "atlas",
+      { name },
+      (view) => {
+        if (asked !== this.asked) return;
+        if (!view.ok) {
+          this.problem = refusal(view);
+          return;
+        }
+        this.view = view;
+        this.at = this.machines[0]?.name ?? "";
+      },
+      (view) => {
+        if (asked === this.asked && view.progress) this.done = view.progress[0] / view.progress[1];
+      },
+    );
+  }
+
+  find(): void {
+    this.refused = "";
+    if (!this.query.trim() && !this.least) {
+      this.found = null;
+      return;
+    }
+    const asked = this.asked;
+    const ask = { name: this.name, query: this.query, yield_percent: this.least ?? 0 };
+    if (!this.query.trim()) {
+      const least = this.least ?? 0;
+      this.found = this.machines.filter((one) => one.yield_low_percent >= least).map((one) => one.name);
+      return;
+    }
+    studio.once("atlas", ask, (view) => {
+      if (asked !== this.asked) return;
+      if (!view.ok) {
+        this.refused = refusal(view);
+        return;
+      }
+      this.found = view.found;
+      if (view.found.length && !view.found.includes(this.at)) this.at = view.found[0];
+    });
+  }
+
+  /** The neighbour that lies most in a direction; where one stands if there is none. */
+  towards([dx, dy]: Point): string {
+    const { here } = this;
+    if (!here) return this.at;
+    let [best, least] = [this.at, Infinity];
+    for (const one of this.machines) {
+      if (one === here || !this.joined(here.name, one.name)) continue;
+      const [x, y] = [one.x - here.x, one.y - here.y];
+      const [along, beside] = [x * dx + y * dy, Math.abs(x * dy - y * dx)];
+      if (along <= 0 || beside > 1.8 * along) continue;
+      const cost = Math.hypot(x, y) + beside;
+      if (cost < least) [best, least] = [one.name, cost];
+    }
+    return best;
+  }
+
+  joined(a: string, b: string): boolean {
+    return Boolean(this.near.get(a)?.has(b) || this.near.get(b)?.has(a));
+  }
+}
+
+export const atlas = new Charted();
+
+/** The cells in the order in which they come back, numbered as they load. */
+export function backOf(cycle: string): string {
+  const states = cycle.split(">");
+  const down = states.slice(states.length >> 1);
+  return down
+    .slice(1)
+    .map((state, k) => [...state].findIndex((digit, i) => digit !== down[k][i]) + 1)
+    .join(" ");
+}
+
+/** What a machine remembers, in the words of `stepwell atlas show`. */
+export function memoryOf(one: Machine): string {
+  const counts = Math.max(one.counts, one.counts_by_hand);
+  return [
+    one.remembers ? "remembers" : "forgets",
+    one.scrambled ? "scrambles" : "",
+    counts ? `counts to ${counts}${one.counts === counts ? "" : " by hand"}` : "",
+    one.latches ? "latches" : "",
+    one.gardens ? "has a garden" : "",
+  ]
+    .filter(Boolean)
+    .join(", ");
+}

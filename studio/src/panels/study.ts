@@ -1,0 +1,4 @@
+// Something computed of many designs: begun, watched, stopped, opened.
+import Study from "./Study.svelte";
+
+export default { name: "study", title: "Study", place: "tab" as const, view: Study };
