@@ -31,8 +31,8 @@ interface Look {
 export const ROOM = { left: 54, right: 12, top: 10, bottom: 26 };
 const BARS = 24;
 
-/** Between which values a column is drawn; words stand at whole numbers. */
-function range({ values, words }: Column): Point {
+/** Between which values a column is drawn, with so much room beside; words are at whole numbers. */
+function range({ values, words }: Column, share: number): Point {
   if (words) return [-0.5, Math.max(0, words.length - 1) - 0.5];
   let [low, high] = [Infinity, -Infinity];
   for (let k = 0; k < values.length; k += 1) {
@@ -40,7 +40,7 @@ function range({ values, words }: Column): Point {
     if (values[k] > high) high = values[k];
   }
   if (!Number.isFinite(low)) return [0, 1];
-  const room = high > low ? 0.04 * (high - low) : Math.abs(low) || 1;
+  const room = high > low ? share * (high - low) : Math.abs(low) || 1;
   return [low - room, high + room];
 }
 
@@ -56,9 +56,10 @@ export class Frame {
     readonly wide: number,
     readonly tall: number,
   ) {
-    this.x = range(cloud.x);
+    // Points at the ends are whole; bars end where designs do.
+    this.x = range(cloud.x, cloud.y ? 0.04 : 0);
     if (cloud.y) {
-      this.y = range(cloud.y);
+      this.y = range(cloud.y, 0.04);
       return;
     }
     const count = this.classes();

@@ -23,6 +23,7 @@ OF_ROBOTS = ("walk", "maze")
 BUILT = "built"
 
 _MOST, _MOST_AXES, _FARTHEST = 10_000_000, 12, 1e9
+_STEM = 24  # letters of a store's name that are of the title
 _LAYOUTS, _CYCLES, _LIMIT = 1000, 1000, 3600.0
 
 
@@ -41,8 +42,10 @@ def asked_study(design: Design, ask: Ask, folder: Path) -> Study:
     ask.close()
     found = asked(subject, what, designs, folder, given=given)
     digest = hashlib.sha256(json.dumps(found.asked(), sort_keys=True).encode()).hexdigest()
-    slug = re.sub(r"[^a-z0-9]+", "-", subject.title.lower())[:40].strip("-") or "design"
-    return replace(found, folder=folder / f"{slug}-{what}-{digest[:8]}.zarr")
+    # The first words of the title, of letters that no file system minds.
+    words = re.findall(r"[a-z0-9]+", subject.title.lower().partition(":")[0])
+    stem = "-".join(words)[:_STEM].strip("-") or "design"
+    return replace(found, folder=folder / f"{stem}-{what}-{digest[:8]}.zarr")
 
 
 def _given(what: str, ask: Ask) -> dict[str, Any]:

@@ -14,10 +14,11 @@ from stepwell.studies import Axis, How, Space, Study, Workshop, asked
 def command_of(study: Study) -> str:
     """`stepwell sweep ...` on files that the page's Save writes, and a list of designs if any."""
     subject, given = study.subject, study.given
-    title = re.sub(r"[^a-z0-9]+", "-", subject.title.lower()).strip("-") or "design"
-    words = ["stepwell", "sweep", study.what, f"{title}.toml"]
+    # As the page's Save names it.
+    stem = re.sub(r"[^a-z0-9]+", "-", subject.title.lower()).strip("-")[:40] or "design"
+    words = ["stepwell", "sweep", study.what, f"{stem}.toml"]
     if study.what == "program":
-        words += [*(["--from", str(given["start"])] if given.get("start") else [])]
+        words += ["--from", str(given["start"])] if given.get("start") else []
         words += ["--to", str(given["to"])]
     elif study.what == "walk":
         words += ["--cycles", str(given.get("cycles", 4))]
