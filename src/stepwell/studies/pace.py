@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from itertools import pairwise
 from statistics import median
 from typing import NamedTuple
 
@@ -40,7 +41,7 @@ def pace(study: Study, now: float | None = None) -> Pace | None:
     except OSError:
         return None
     written = sorted(found)[-_LAST:]
-    gaps = [later[0] - earlier[0] for earlier, later in zip(written, written[1:], strict=False)]
+    gaps = [later[0] - earlier[0] for earlier, later in pairwise(written)]
     if not gaps:
         return None
     pause = max(_PAUSE, _GAPS * median(gaps))

@@ -39,7 +39,7 @@ def stores(folder: Path) -> dict[str, Path]:
     return {one.name: one for one in held[:_MOST]}
 
 
-def named(ask: Ask, name: str) -> Path:
+def store_named(ask: Ask, name: str) -> Path:
     """The store of that name, which must be one of those that are listed.
 
     Raises:
@@ -57,7 +57,7 @@ def study_of(ask: Ask) -> Study:
     Raises:
         ValueError: there is none, or it cannot be read.
     """
-    return opened(named(ask, ask.text("name", _NAME)))
+    return opened(store_named(ask, ask.text("name", _NAME)))
 
 
 def described(place: Path) -> dict[str, Any]:

@@ -20,7 +20,7 @@ class _Run:
     """A command at work on a store, and what it says."""
 
     def __init__(self, store: Path):
-        self.log: IO[bytes] = TemporaryFile()
+        self.log: IO[bytes] = TemporaryFile()  # noqa: SIM115  it lives as long as this
         self.stopped = False
         # The same command that a terminal would be given. Its session is its own, so that all of
         # its processes can be ended together, and a Ctrl-C is the server's alone.
@@ -34,7 +34,7 @@ class _Run:
         )
         if hasattr(os, "setpriority"):
             with suppress(OSError):  # it has ended already
-                os.setpriority(os.PRIO_PROCESS, self.process.pid, 10)  # the pointer goes first
+                os.setpriority(os.PRIO_PROCESS, self.process.pid, 5)  # the pointer goes first
 
     def end(self) -> None:
         """End all of it now; the store loses what was not written yet and nothing else."""

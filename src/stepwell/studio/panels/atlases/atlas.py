@@ -10,8 +10,8 @@ from stepwell.atlas import QUERIES, THREE, Atlas, Border, borders, charted, find
 from stepwell.base import need
 from stepwell.results import atlas_record
 from stepwell.studies import opened
-from stepwell.studio.panels.studies._folder import named
-from stepwell.studio.panels.studies._places import placed
+from stepwell.studio.panels.atlases._places import placed
+from stepwell.studio.panels.studies import store_named
 from stepwell.studio.wire import Ask, Design, View
 
 LONG = True
@@ -28,7 +28,7 @@ def answer(_design: Design, ask: Ask) -> View:
     name, query = ask.text("name", 200), ask.text("query", _LONGEST, "")
     least = ask.number("yield_percent", 0.0, 100.0, 0.0)
     ask.close()
-    store = named(ask, name) if name else THREE
+    store = store_named(ask, name) if name else THREE
     if query:
         understood(query)  # or refused at once
     found, near = _charted(store, ask)

@@ -17,9 +17,7 @@ def answer(design: Design, ask: Ask) -> View:
             "label": one.path,
             "unit": one.unit,
             "value": one.values[0],
-            "range": sorted(
-                float(f"{one.values[0] * (1 + way):.3g}") for way in (-_SPREAD, _SPREAD)
-            ),
+            "range": sorted(float(f"{one.values[0] * share:.3g}") for share in _SHARES),
         }
         for one in files.parameters(design.robot)
         if one.values[0]

@@ -1,0 +1,1 @@
+"""Atlases as maps on which one walks from machine to machine."""
