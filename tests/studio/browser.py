@@ -13,13 +13,17 @@ from stepwell.mechanism import Chain
 
 SERVE = """
 import sys
+from pathlib import Path
 from stepwell.files import preset_text, tables_in
 from stepwell.studio.server import serve
 
 if __name__ == "__main__":
     name, port = sys.argv[1], int(sys.argv[2])
     design = tables_in(preset_text(name), name) if name else None
-    serve(design, port=port, opened=lambda address: print(address, flush=True))
+    studies = Path(__file__).with_name("studies")
+    serve(
+        design, port=port, studies=studies, opened=lambda address: print(address, flush=True)
+    )
 """
 
 needed("starlette", "uvicorn", "websockets")
@@ -37,7 +41,10 @@ expect.set_options(timeout=30_000)
 
 @contextmanager
 def served(folder: Path, preset: str, port: int = 0) -> Iterator[str]:
-    """The address of a studio that begins with a preset, or with the gallery."""
+    """The address of a studio that begins with a preset, or with the gallery.
+
+    It keeps studies in the folder `studies` of this one.
+    """
     script = folder / "serve.py"
     script.write_text(SERVE)
     command = [sys.executable, str(script), preset, str(port)]

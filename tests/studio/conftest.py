@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -15,10 +16,16 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which a studio is served."""
+    return tmp_path_factory.mktemp("studio")
+
+
+@pytest.fixture(scope="session")
+def address(home: Path) -> Iterator[str]:
     from studio.browser import served
 
-    with served(tmp_path_factory.mktemp("studio"), "paper-forward") as found:
+    with served(home, "paper-forward") as found:
         yield found
 
 

@@ -89,7 +89,8 @@ def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
     for _ in range(_HALVES):
         half = 0.5 * (low + high)
         key, told = graphs(ways, half)
-        ways, low, high, half, key = (one[told] for one in (ways, low, high, half, key))
+        ways, key = ways[told], key[told]
+        low, high, half = low[told], high[told], half[told]
         same = key == own[machines[ways]]
         low, high = np.where(same, half, low), np.where(same, high, half)
     past = starts[machines[ways]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from itertools import pairwise
-from statistics import median
+from statistics import median_low
 from typing import NamedTuple
 
 from stepwell.studies.store import PROBLEM, Study
@@ -44,7 +44,7 @@ def pace(study: Study, now: float | None = None) -> Pace | None:
     gaps = [later[0] - earlier[0] for earlier, later in pairwise(written)]
     if not gaps:
         return None
-    pause = max(_PAUSE, _GAPS * median(gaps))
+    pause = max(_PAUSE, _GAPS * median_low(gaps))
     first = max((k + 1 for k, gap in enumerate(gaps) if gap > pause), default=0)
     stretch = written[first:]
     spent = stretch[-1][0] - stretch[0][0]

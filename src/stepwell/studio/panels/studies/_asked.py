@@ -63,6 +63,7 @@ def _given(what: str, ask: Ask) -> dict[str, Any]:
             "arena": files.dumps(arena),
             "limit": ask.number("limit_s", 1.0, _LIMIT, 600.0),
             "layouts": ask.whole("layouts", 0, _LAYOUTS, 0),
+            "first": ask.whole("first", 0, 2**31, 0),
         }
     return {}
 

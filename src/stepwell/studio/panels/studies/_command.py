@@ -24,7 +24,8 @@ def command_of(study: Study) -> str:
         words += ["--cycles", str(given.get("cycles", 4))]
     elif study.what == "maze":
         words += ["--arena", "arena.toml", "--limit", f"{given['limit']:g}"]
-        words += ["--layouts", str(given["layouts"])] if given.get("layouts") else []
+        for name in ("layouts", "first"):
+            words += [f"--{name}", str(given[name])] if given.get(name) else []
     elif study.what == "call":
         words += ["--function", f"{Path(str(given['file'])).name}:{given['name']}"]
     words += _designs(study)

@@ -20,8 +20,8 @@ class _Run:
     """A command at work on a store, and what it says."""
 
     def __init__(self, store: Path):
-        self.log: IO[bytes] = TemporaryFile()  # noqa: SIM115  it lives as long as this
-        self.stopped = False
+        self._log: IO[bytes] | None = TemporaryFile()  # noqa: SIM115  until the command has ended
+        self._stopped, self._said = False, ""
         # The same command that a terminal would be given. Its session is its own, so that all of
         # its processes can be ended together, and a Ctrl-C is the server's alone.
         words = [sys.executable, "-P", "-m", "stepwell", "sweep", "resume", str(store)]
@@ -29,33 +29,49 @@ class _Run:
             words,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
-            stderr=self.log,
+            stderr=self._log,
             start_new_session=True,
         )
         if hasattr(os, "setpriority"):
             with suppress(OSError):  # it has ended already
                 os.setpriority(os.PRIO_PROCESS, self.process.pid, 5)  # the pointer goes first
 
-    def end(self) -> None:
-        """End all of it now; the store loses what was not written yet and nothing else."""
+    @property
+    def going(self) -> bool:
+        """Whether it is at work."""
         if self.process.poll() is None:
-            self.stopped = True
-            if hasattr(os, "killpg"):
-                with suppress(ProcessLookupError):
-                    os.killpg(self.process.pid, signal.SIGKILL)
-            else:
-                self.process.kill()
-            self.process.wait()
+            return True
+        if self._log is not None:
+            self._said = "" if self._stopped or not self.process.returncode else _last(self._log)
+            self._log.close()
+            self._log = None
+        return False
 
+    @property
     def said(self) -> str:
         """What it ended with; "" where it goes on, is done, or was stopped."""
-        if self.stopped or not self.process.poll():
-            return ""
-        size = self.log.seek(0, os.SEEK_END)
-        self.log.seek(max(0, size - _LONGEST))
-        lines = self.log.read().decode("utf-8", "replace").split("\n")
-        last = [line.strip() for line in lines if line.strip()][-1:]
-        return "".join(filter(str.isprintable, "".join(last))) or "It ended before it was done."
+        return "" if self.going else self._said
+
+    def end(self) -> None:
+        """End all of it now; the store loses what was not written yet and nothing else."""
+        if not self.going:
+            return
+        self._stopped = True
+        if hasattr(os, "killpg"):
+            with suppress(ProcessLookupError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+        else:
+            self.process.kill()
+        self.process.wait()
+        assert not self.going
+
+
+def _last(log: IO[bytes]) -> str:
+    """The last line that was written."""
+    log.seek(max(0, log.seek(0, os.SEEK_END) - _LONGEST))
+    lines = [line.strip() for line in log.read().decode("utf-8", "replace").split("\n")]
+    last = next((line for line in reversed(lines) if line), "")
+    return "".join(filter(str.isprintable, last)) or "It ended before it was done."
 
 
 # By its store what was begun last.
@@ -69,7 +85,7 @@ def begin(store: Path) -> None:
         ValueError: another study is being computed: two at once would take each other's cores.
     """
     for other, run in _RUNS.items():
-        if run.process.poll() is None:
+        if run.going:
             if other == store:
                 return
             raise InputError(f"{other.name} is being computed: stop it first, or wait for it.")
@@ -79,7 +95,7 @@ def begin(store: Path) -> None:
 def stop(store: Path) -> bool:
     """End what this server has begun on a store; whether there was anything."""
     run = _RUNS.get(store)
-    if run is None or run.process.poll() is not None:
+    if run is None or not run.going:
         return False
     run.end()
     return True
@@ -88,7 +104,7 @@ def stop(store: Path) -> bool:
 def how(store: Path) -> tuple[bool, str]:
     """Whether this server computes it, and if it failed, why."""
     run = _RUNS.get(store)
-    return (False, "") if run is None else (run.process.poll() is None, run.said())
+    return (False, "") if run is None else (run.going, run.said)
 
 
 def end_studies() -> None:

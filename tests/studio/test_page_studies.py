@@ -1,0 +1,192 @@
+"""Studies and the atlas in a browser: what is opened, walked to and taken is Python's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from chromium import nothing_found
+from stepwell import atlas, studies
+from stepwell.design import parameter
+from stepwell.mechanism import Chain
+from stepwell.results import study_record
+from stepwell.studies import Study
+from studio.browser import anchors, number, output, settled, shown_as
+
+pytest.importorskip("zarr", reason="studies in the page are not tested: zarr is not installed")
+
+from studio.stores import filled, plane, small_atlas
+
+from playwright.sync_api import Page, expect  # isort: skip
+
+SLOW = 120_000  # ms: a busy machine is no failure
+
+
+@pytest.fixture(scope="module")
+def study(home: Path) -> Study:
+    return filled(plane(home / "studies", 64))
+
+
+@pytest.fixture(scope="module")
+def charted(home: Path) -> Iterator[atlas.Atlas]:
+    yield atlas.charted(small_atlas(home / "studies" / "two.zarr"))
+
+
+def opened_study(page: Page, study: Study) -> None:
+    page.get_by_role("tab", name="Study").click()
+    page.get_by_role("button", name=study.folder.name, exact=True).click()
+    expect(page.get_by_role("table", name="Outcomes")).to_be_visible(timeout=SLOW)
+
+
+def cells(page: Page, table: str) -> list[list[str]]:
+    rows = page.get_by_role("table", name=table).locator("tbody tr").all()
+    return [[cell.inner_text().strip() for cell in row.locator("th, td").all()] for row in rows]
+
+
+def told(text: str) -> float:
+    return float(text.split()[0].replace("−", "-"))
+
+
+def test_an_open_study_shows_what_the_command_prints(page: Page, study: Study):
+    opened_study(page, study)
+    record = study_record(studies.status(study))
+    expect(output(page, "how far it is")).to_have_text("64 designs, all done")
+    for row, one in zip(cells(page, "Outcomes"), record["outcomes"], strict=True):
+        assert row[0] == one["value"] and int(row[1]) == one["designs"]
+        assert told(row[2]) == float(f"{one['share'] * 100:.3g}")
+    for row, one in zip(cells(page, "Numbers"), record["numbers"], strict=True):
+        assert row[0].startswith(one["column"])
+        assert [told(text) for text in row[1:]] == [
+            shown_as(one[key]) for key in ("least", "median", "most")
+        ]
+    for row, one in zip(cells(page, "Which number decides what"), record["decided"], strict=True):
+        sure = [each for each in one["influences"] if each["share"] > one["floor"]]
+        said = re.findall(r"(\S+) ([\d.]+) %", row[1])
+        assert [(name, float(share)) for name, share in said] == [
+            (each["parameter"], float(f"{each['share'] * 100:.3g}")) for each in sure
+        ]
+
+
+def test_a_design_that_is_pointed_at_is_taken_and_undone(page: Page, study: Study):
+    opened_study(page, study)
+    before = anchors(page, "outer")
+    cloud = page.get_by_role("application", name=re.compile("^Designs over"))
+    cloud.press("ArrowRight")
+    first = output(page, "number of the design").inner_text()
+    cloud.press("ArrowRight")
+    expect(output(page, "number of the design")).not_to_have_text(first)
+    one = int(output(page, "number of the design").inner_text())
+    cloud.press("Enter")
+    expect(page.get_by_text(f"Design {one} is in the editor")).to_be_visible(timeout=SLOW)
+    settled(page)
+    x, y = (float(study.values(name)[one]) * 1e3 for name in ("outer.q.x", "outer.q.y"))
+    assert anchors(page, "outer")[1] == pytest.approx([x, y], abs=1e-9)
+    expect(output(page, "sequence")).to_have_attribute(
+        "data-value", str(study.values("sequence")[one])
+    )
+    page.get_by_role("button", name="Undo").click()
+    settled(page)
+    assert anchors(page, "outer") == before
+
+
+def test_its_table_is_downloaded(page: Page, study: Study, tmp_path: Path):
+    opened_study(page, study)
+    with page.expect_download(timeout=SLOW) as coming:
+        page.get_by_role("button", name="Export CSV").click()
+    study.to_csv(tmp_path / "by-command.csv")
+    assert coming.value.suggested_filename == "plane.csv"
+    assert coming.value.path().read_bytes() == (tmp_path / "by-command.csv").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_study_is_begun_in_the_page_and_ends_there(page: Page, home: Path):
+    page.get_by_role("tab", name="Study").click()
+    group = page.get_by_role("group", name="What varies")
+    expect(group).to_be_visible(timeout=SLOW)
+    for name, value in (("from", "4"), ("to", "16")):
+        page.get_by_role("spinbutton", name=f"x of q of outer, {name}, in mm").fill(value)
+    page.get_by_role("spinbutton", name="x of q of outer, values on the grid").fill("3")
+    page.get_by_role("button", name="Do not vary y of q of outer").click()
+    expect(page.get_by_text("3 designs", exact=True)).to_be_visible()
+    page.get_by_role("button", name="Start", exact=True).click()
+    expect(output(page, "how far it is")).to_have_text("3 designs, all done", timeout=SLOW)
+    (folder,) = (home / "studies").glob("forward-leg-cycle-*.zarr")
+    study = studies.opened(folder)
+    assert study.values("2.q.x").tolist() == pytest.approx([0.004, 0.010, 0.016])
+    leg = study.subject
+    assert isinstance(leg, Chain)
+    for x, said in zip((4, 10, 16), study.values("sequence"), strict=True):
+        there = parameter(leg, "outer.q.x").changed(leg, x / 1e3)
+        assert str(there.cycle().sequence) == str(said)
+
+
+def opened_atlas(page: Page) -> None:
+    page.get_by_role("tab", name="Atlas").click()
+    page.get_by_role("combobox", name="Atlas").select_option("two.zarr", timeout=SLOW)
+    expect(output(page, "machine")).to_be_visible(timeout=SLOW)
+
+
+def test_one_walks_from_machine_to_machine_and_takes_one(page: Page, charted: atlas.Atlas):
+    opened_atlas(page)
+    known = {one.name: one for one in charted.machines}
+    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
+    seen, ground = set(), page.get_by_role("application", name="Map of 3 machines")
+    for key in ("ArrowRight", "ArrowLeft", "ArrowLeft", "ArrowUp", "ArrowDown", "Home"):
+        machine = known[output(page, "machine").inner_text()]
+        seen.add(machine.name)
+        assert output(page, "cycle of the machine").inner_text() == machine.cycle
+        assert number(page, "share of the machine") == shown_as(machine.share.share * 100)
+        assert number(page, "yield of the machine") == shown_as(machine.kept.share * 100)
+        ground.press(key)
+    assert len(seen) > 1
+    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
+    page.get_by_role("list", name="Neighbours").get_by_role("button").first.click()
+    machine = known[output(page, "machine").inner_text()]
+    assert machine != charted.machines[0]
+    page.get_by_role("button", name="Take it").click()
+    settled(page)
+    expect(output(page, "sequence")).to_have_attribute(
+        "data-value", str(machine.chain.cycle().sequence)
+    )
+
+
+def test_a_query_lights_up_what_python_finds_and_a_wrong_one_is_told(
+    page: Page, charted: atlas.Atlas
+):
+    opened_atlas(page)
+    query = page.get_by_label("Which machine")
+    query.fill("reaches every state")
+    query.press("Enter")
+    found = {one.name for one in atlas.find(charted, "reaches every state")}
+    assert 0 < len(found) < 3
+    expect(output(page, "found")).to_contain_text(f"{len(found)} of 3 machines")
+    lit = page.locator(".machine.found")
+    assert {one.get_attribute("data-name") for one in lit.all()} == found
+    query.fill("reaches all")
+    query.press("Enter")
+    expect(page.get_by_role("alert")).to_contain_text("must be a cycle such as")
+    page.get_by_role("button", name="Show all").click()
+    expect(lit).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("wide", "scheme"), [(1280, "light"), (1280, "dark"), (390, "light"), (390, "dark")]
+)
+def test_nobody_is_kept_out(
+    page: Page, study: Study, charted: atlas.Atlas, axe: str, wide: int, scheme: str
+):
+    page.set_viewport_size({"width": wide, "height": 844})
+    page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    opened_study(page, study)
+    page.get_by_role("application", name=re.compile("^Designs over")).press("ArrowRight")
+    page.get_by_text("Where it is, and how a terminal does the same").click()
+    page.get_by_text("A new study of this design").click()
+    nothing_found(page, axe)
+    opened_atlas(page)
+    page.get_by_label("Least yield in percent").fill("99")
+    page.get_by_role("button", name="Find", exact=True).click()
+    nothing_found(page, axe)
+    assert page.evaluate("document.documentElement.scrollWidth") <= page.evaluate("innerWidth")
