@@ -100,6 +100,8 @@ class Charted {
     this.at = "";
     this.found = null;
     this.done = 0;
+    // One that is still being charted is not wanted any more.
+    studio.cancel("atlas");
     const asked = ++this.asked;
     studio.once(
       "atlas",
