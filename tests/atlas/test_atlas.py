@@ -346,6 +346,12 @@ def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tm
     assert record["machines"] == results.atlas_record(found)["machines"]
 
 
+def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:
+    found = changed(chain, [name], [value])
+    assert isinstance(found, sw.Chain)
+    return found
+
+
 @pytest.mark.parametrize(("cells", "designs", "low"), [(2, 20_000, -0.008), (3, 2_000, 0.0)])
 def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cells, designs, low):
     study, found = stores(cells, designs, low=low)
@@ -356,7 +362,7 @@ def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cel
     for one in near[:: 1 if cells == 2 else 17]:
         chain = known[one.machine].chain
         first, last = span[one.parameter]
-        start = parameter(chain, one.parameter).value(chain)
+        start = float(parameter(chain, one.parameter).value(chain))  # type: ignore[arg-type]
         assert one.value == pytest.approx(start + one.step, rel=1e-12)
         assert first <= one.value <= last
         wanted, past = [one.machine, one.beyond], np.sign(one.step) * (last - first)
@@ -364,7 +370,7 @@ def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cel
 
         def names(before, behind, one=one, chain=chain, past=past):
             return [
-                name_of(canonical(ways_of(changed(chain, [one.parameter], [x]).graph()), cells))
+                name_of(canonical(ways_of(chain_at(chain, one.parameter, x).graph()), cells))
                 for x in (one.value - before * past, one.value + behind * past)
             ]
 

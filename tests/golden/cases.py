@@ -612,7 +612,7 @@ WRONG = [
             "walk robot.toml",
             "maze robot-forward wal",
             "view preset:paper-forward --arena open",
-            "studio range.toml.gone --port 0 --demo --no-open",
+            "studio range.toml.gone --port 0 --demo --no-open --studies here",
             "export preset:paper-forward",
         ),
         given={
