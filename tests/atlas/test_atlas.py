@@ -47,7 +47,7 @@ def stores(tmp_path_factory):
         key = cells, designs, drive, low
         if key not in made:
             chain, folder = sw.Chain([CELL] * cells), home / f"{len(made)}.zarr"
-            found = atlas(chain, axes_of(cells, low), designs, folder, drive=drive, workers=1)
+            found = atlas(chain, axes_of(cells, low), designs, folder, drive=drive, workers=0)
             assert found.finished
             made[key] = found.study, charted(found.study, samples=200, checks=40)
         return made[key]
@@ -97,7 +97,7 @@ def test_cycles_are_those_of_their_designs(stores):
 
 def test_the_papers_map_of_two_cells_has_its_shares(tmp_path):
     axes = (Axis("2.q.x", 0.0, 0.020), Axis("2.q.y", -0.015, 0.015))
-    study = atlas(sw.Chain([CELL] * 2), axes, 100_000, tmp_path / "map.zarr", workers=1).study
+    study = atlas(sw.Chain([CELL] * 2), axes, 100_000, tmp_path / "map.zarr", workers=0).study
     shares = {one.sequence: one.share for one in charted(study, samples=1, checks=1).cycles}
     # Kamp et al., Fig. 2: counterclockwise, via 01, via 10, clockwise.
     wanted = {
@@ -135,7 +135,7 @@ def packed_certificate(chain):
 def test_a_store_that_lost_blocks_is_filled_with_the_same_bytes(tmp_path):
     chain, axes = sw.Chain([CELL] * 2), axes_of(2)
     blocks = Blocks(axes, 500, 6, seed=3)
-    whole = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=1).study
+    whole = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=0).study
     shutil.copytree(tmp_path / "a", tmp_path / "b")
     (tmp_path / "b" / "graphs" / "c" / "2").unlink()
     torn = tmp_path / "b" / "told" / "c" / "4"
@@ -195,7 +195,7 @@ def test_a_refused_space_leaves_no_store(tmp_path):
 
 
 def test_another_study_is_no_atlas(tmp_path):
-    study = sweep(sw.Chain([CELL]), "graph", Blocks(axes_of(1), 2, 1), tmp_path / "a", workers=1)
+    study = sweep(sw.Chain([CELL]), "graph", Blocks(axes_of(1), 2, 1), tmp_path / "a", workers=0)
     with pytest.raises(sw.InputError, match="holds no atlas"):
         charted(study.study)
     with pytest.raises(StudyError):
@@ -311,7 +311,7 @@ def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
     shutil.copytree(THREE, tmp_path / "three.zarr")
     for name in opened(THREE).columns:
         (tmp_path / "three.zarr" / name / "c" / "1").unlink()
-    assert resumed(opened(tmp_path / "three.zarr"), workers=1).finished
+    assert resumed(opened(tmp_path / "three.zarr"), workers=0).finished
     assert bytes_of(tmp_path / "three.zarr") == bytes_of(THREE)
 
 

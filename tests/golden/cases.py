@@ -364,7 +364,7 @@ LABS = [
             "--scale 0.05 --anchor 0.5 --stiffness-spread 5 --rest-length-spread 2 "
             "--friction 0.02 --travel-spread 0 --samples 100 --seed 1 --json",
             "lab as-built preset:paper-forward --pulls 5:0.3,30:-0.1 --snaps-out none --ruler 2 "
-            "--hole-mm 4 --want '00>01>11>10>00' --samples 100",
+            "--wrong-hole 2 --hole-mm 4 --want '00>01>11>10>00' --samples 100",
         ),
         prepare=cells,
         within=FITTED,
@@ -432,44 +432,44 @@ ROBOTS = [
             "sweep cycle preset:paper-forward --vary outer.q.x=0:20:5 --vary outer.q.y=-15:15:3 "
             "--chunk 4 --workers 1 --out study.zarr",
             "sweep cycle preset:paper-forward --vary outer.q.x=0:20:5 --vary outer.q.y=-15:15:3 "
-            "--chunk 4 --workers 1 --out study.zarr --json",
+            "--chunk 4 --workers 0 --out study.zarr --json",
             "sweep status study.zarr --json",
             "sweep report study.zarr --out report",
             "sweep report study.zarr --out again --json --force",
-            "sweep resume study.zarr --workers 1",
+            "sweep resume study.zarr --workers 0",
             "sweep export study.zarr --out table.csv",
             "sweep export study.zarr --best 3 --by snaps --by -peak_force --out best.csv",
-            "sweep cycle preset:paper-forward --table best.csv --workers 1 --out best.zarr",
+            "sweep cycle preset:paper-forward --table best.csv --workers 0 --out best.zarr",
         ),
     ),
     Case(
         "sweep/drawn",
         (
             "sweep margin preset:paper-forward --vary outer.q.x=15:20 --sobol 4 --seed 2 "
-            "--chunk 4 --workers 1 --out sobol.zarr",
+            "--chunk 4 --workers 0 --out sobol.zarr",
             "sweep yield preset:paper-forward --vary 2.stiffness=20:40 --latin 2 --seed 2 "
-            "--workers 1 --chunk 2 --out latin.zarr",
+            "--workers 0 --chunk 2 --out latin.zarr",
             "sweep graph preset:paper-forward --vary 2.stiffness=20:40 --random 2 --seed 2 "
-            "--workers 1 --chunk 2 --out random.zarr",
-            "sweep cycle preset:paper-forward --vary outer.lever=-5:20:2 --chunk 2 --workers 1 "
+            "--workers 0 --chunk 2 --out random.zarr",
+            "sweep cycle preset:paper-forward --vary outer.lever=-5:20:2 --chunk 2 --workers 0 "
             "--out poisoned.zarr",
         ),
     ),
     Case(
         "sweep/json",
         (
-            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 1 "
+            "sweep margin preset:paper-forward --vary outer.q.x=15:20 --random 2 --workers 0 "
             "--out margin.zarr --json",
-            "sweep extend margin.zarr --count 3 --workers 1 --json",
+            "sweep extend margin.zarr --count 3 --workers 0 --json",
             "sweep cancel margin.zarr",
-            "sweep resume margin.zarr --workers 1 --json",
-            "sweep cycle preset:paper-forward --table list.csv --workers 1 --out list.zarr",
+            "sweep resume margin.zarr --workers 0 --json",
+            "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr",
             "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness 4 --rest-length 2 "
-            "--lever 0.1 --friction 0.01 --travel 1 --workers 1 --out built.zarr",
+            "--lever 0.1 --friction 0.01 --travel 1 --workers 0 --out built.zarr",
             "sweep program preset:paper-forward --from 00 --to 11 --vary outer.q.x=10:20:2 "
-            "--workers 1 --out program.zarr",
+            "--workers 0 --out program.zarr",
             "sweep call preset:paper-forward --function own.py:measure --vary outer.q.x=10:20:2 "
-            "--workers 1 --out call.zarr",
+            "--workers 0 --out call.zarr",
         ),
         given={
             "list.csv": "outer.q.x_mm,outer.stiffness_N_per_m\n12,28\n18,30\n",
@@ -479,20 +479,20 @@ ROBOTS = [
     Case(
         "sweep/robots",
         (
-            "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 1 "
+            "sweep walk robot-forward --cycles 1 --vary foot.below_mm=0.3:0.6:2 --workers 0 "
             "--engine cpu --out walk.zarr",
             "sweep maze robot-antennas --arena pen --limit 1 --layouts 1 --first 2 --place 60 "
             "--angle 20 --vary antenna.left.angle_deg,-antenna.right.angle_deg=62:63:2 "
-            "--workers 1 --out maze.zarr",
+            "--workers 0 --out maze.zarr",
         ),
         within=SIMULATED,
     ),
     Case(
         "atlas/two",
         (
-            "atlas build --cells 2 --designs 2e4 --workers 1 --out two.zarr",
+            "atlas build --cells 2 --designs 2e4 --workers 0 --out two.zarr",
             "atlas build preset:paper-forward --vary outer.q.x=-8:20 --vary inner.stiffness=28:57 "
-            "--designs 5000 --seed 3 --workers 1 --drive force --out leg.zarr --json",
+            "--designs 5000 --seed 3 --workers 0 --drive force --out leg.zarr --json",
             "atlas show two.zarr --anchor 0.5 --stiffness 8 --rest-length 2 --json",
             "atlas show leg.zarr --out leg",
             "atlas find 'reaches every state' two.zarr --yield 99% --anchor 1 --stiffness 5 "
@@ -509,7 +509,7 @@ ROBOTS = [
             "atlas build --vary 1.limit=30:60 --out a.zarr",
             "atlas build --drive pull --out a.zarr",
             "atlas show gone.zarr",
-            "sweep cycle preset:paper-forward --vary outer.q.x=0:20:2 --workers 1 --out b.zarr",
+            "sweep cycle preset:paper-forward --vary outer.q.x=0:20:2 --workers 0 --out b.zarr",
             "atlas show b.zarr",
             "atlas find counts b.zarr --yield most",
             "atlas find counts b.zarr --out a.txt",

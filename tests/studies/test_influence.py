@@ -27,7 +27,7 @@ def study(tmp_path_factory):
         Axis("2.lever", 0.012, 0.3),
     )
     folder = tmp_path_factory.mktemp("influence") / "study.zarr"
-    return sweep(LEG, "cycle", Space(axes, How.RANDOM, 300, 1), folder, workers=2)
+    return sweep(LEG, "cycle", Space(axes, How.RANDOM, 300, 1), folder, workers=0)
 
 
 def test_shares_of_a_known_function_are_those_that_are_known():

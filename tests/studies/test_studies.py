@@ -120,7 +120,7 @@ def test_a_store_holds_what_the_engine_says(tmp_path):
 )
 def test_other_things_are_computed_too(tmp_path, what, columns):
     axes = (Axis("outer.q.x", 0.018, 0.022, 2),)
-    data = sweep(LEG, what, Space(axes), tmp_path / "s.zarr", workers=1).study.to_xarray()
+    data = sweep(LEG, what, Space(axes), tmp_path / "s.zarr", workers=0).study.to_xarray()
     for name in columns:
         assert np.all(np.isfinite(data[name].values))
 
@@ -202,7 +202,7 @@ def test_two_clients_at_once_write_the_same(tmp_path, undisturbed):
 
 def test_a_design_that_cannot_be_has_a_problem_and_the_others_go_on(tmp_path):
     axes = (Axis("outer.lever", -0.010, 0.020, 4),)
-    found = sweep(LEG, "cycle", Space(axes), tmp_path / "s.zarr", workers=1)
+    found = sweep(LEG, "cycle", Space(axes), tmp_path / "s.zarr", workers=0)
     data = found.study.to_xarray()
     assert [bool(one) for one in data.problem.values] == [True, True, False, False]
     assert np.isnan(data.peak_force.values[:2]).all() and np.isfinite(data.peak_force[3])
@@ -242,10 +242,10 @@ def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
 def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_path):
     small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (11, 21))
     grown, whole = tmp_path / "grown.zarr", tmp_path / "whole.zarr"
-    found = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=1)
+    found = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=0)
     before = found.study.column("share")[:]
     after = resumed(extended(found.study, 21), 1)
-    sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=1)
+    sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=0)
     assert bytes_of(grown) == bytes_of(whole)
     assert after.finished and (after.study.column("share")[:11] == before).all()
     with pytest.raises(StudyError, match="20 would be fewer"):
@@ -265,7 +265,7 @@ def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
     from stepwell.design import Draws
 
     within = sw.Tolerances(anchor=0.002, stiffness=0.1, friction=0.01)
-    data = sweep(LEG, "cycle", Workshop(within, 12, seed=5), tmp_path / "s.zarr", workers=1)
+    data = sweep(LEG, "cycle", Workshop(within, 12, seed=5), tmp_path / "s.zarr", workers=0)
     drawn, found = Draws(LEG, within, 5), data.study.to_xarray()
     for k in range(12):
         chain = drawn.sample(k)
@@ -276,14 +276,14 @@ def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
 
 
 def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
-    first = sweep(LEG, "margin", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=1)
+    first = sweep(LEG, "margin", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=0)
     first.study.to_csv(tmp_path / "all.csv")
     lines = (tmp_path / "all.csv").read_text().splitlines()
     kept = "\n".join(",".join(line.split(",")[:3]) for line in lines)
     (tmp_path / "list.csv").write_text(kept + "\n")
     listed = read_table(tmp_path / "list.csv", LEG)
     assert listed.columns == ("outer.q.x", "outer.q.y")
-    again = sweep(LEG, "margin", listed, tmp_path / "b.zarr", workers=1).study
+    again = sweep(LEG, "margin", listed, tmp_path / "b.zarr", workers=0).study
     assert np.allclose(again.column("anchor")[:], first.study.column("anchor")[:], rtol=1e-9)
     group = opened(tmp_path / "b.zarr").group
     group["listed"][0] = 0.5
@@ -327,7 +327,7 @@ def test_programs_are_found_of_every_design_or_proved_impossible(tmp_path):
     from stepwell.design import parameter
 
     given = {"start": "00", "to": "01"}
-    data = sweep(LEG, "program", space, tmp_path / "p.zarr", given=given, workers=1)
+    data = sweep(LEG, "program", space, tmp_path / "p.zarr", given=given, workers=0)
     found = data.study.to_xarray()
     for k, x in enumerate(np.linspace(0.0, 0.02, 5)):
         chain = parameter(LEG, "outer.q.x").changed(LEG, x)
@@ -361,13 +361,13 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
     space = Space((Axis("outer.q.x", 0.0, 0.02, 3),))
     given = function_of(f"{file}:measure", sw.preset("three-wave"))
     folder = tmp_path / "s.zarr"
-    found = sweep(LEG, "call", space, folder, given=given, workers=1)
+    found = sweep(LEG, "call", space, folder, given=given, workers=0)
     data = found.study.to_xarray()
     assert found.problems == {"KeyError": 1} and "too far" in data.problem.values[2]
     assert data.seed.attrs["units"] == "s" and data.cells.values[0] == 2
     assert [int(one) for one in data.seed.values[:2]] == [found.study.seed_of(k) for k in (0, 1)]
     given = function_of(f"{file}:other", LEG)
-    found = sweep(LEG, "call", space, tmp_path / "o.zarr", given=given, workers=1)
+    found = sweep(LEG, "call", space, tmp_path / "o.zarr", given=given, workers=0)
     assert found.problems == {"StudyError": 3}  # another name than on the design as it was
     (folder / "seed" / "c" / "0").unlink()
     file.write_text(OWN + "# changed\n")
@@ -388,7 +388,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
 
     robot = sw.preset("robot-forward")
     space = Space((Axis("foot.below_mm", 0.3, 0.6, 2),))
-    data = sweep(robot, "walk", space, tmp_path / "w.zarr", given={"cycles": 1}, workers=1)
+    data = sweep(robot, "walk", space, tmp_path / "w.zarr", given={"cycles": 1}, workers=0)
     found = data.study.to_xarray()
     alone = Trial.of(walk(sw.files.vary(robot, {"foot.below_mm": 0.6}), 1))
     assert found.advance.values[1] == alone.advance and found["foot.below_mm"].units == "mm"
@@ -399,7 +399,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     assert (spanned["from"], spanned["to"]) == (0.3, 0.6)
     arena = sw.files.dumps(sw.load_arena("pen"))
     given = {"arena": arena, "limit": 1.0, "layouts": 2}
-    ways = sweep(robot, "maze", space, tmp_path / "m.zarr", given=given, workers=1).study
+    ways = sweep(robot, "maze", space, tmp_path / "m.zarr", given=given, workers=0).study
     assert ways.to_xarray().outcomes.values.tolist() == ["timed out, timed out"] * 2
 
 
@@ -460,14 +460,14 @@ def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
 
 
 def test_the_best_of_a_study_are_a_list_that_another_study_takes(tmp_path):
-    first = sweep(LEG, "cycle", GRID, tmp_path / "a.zarr", chunk=CHUNK, workers=1).study
+    first = sweep(LEG, "cycle", GRID, tmp_path / "a.zarr", chunk=CHUNK, workers=0).study
     snaps, peak = first.values("snaps"), first.values("peak_force")
     best = first.best(5, ["snaps", "-peak_force"])
     wanted = sorted(range(GRID.count), key=lambda k: (-snaps[k], peak[k], k))[:5]
     assert np.array_equal(best.rows, GRID.points(0, GRID.count)[wanted])
     best.to_csv(tmp_path / "best.csv", LEG)
     listed = read_table(tmp_path / "best.csv", LEG)
-    again = sweep(LEG, "cycle", listed, tmp_path / "b.zarr", workers=1).study
+    again = sweep(LEG, "cycle", listed, tmp_path / "b.zarr", workers=0).study
     assert np.allclose(again.values("peak_force"), peak[wanted], rtol=1e-9)
     for count, by in ((0, ["snaps"]), (1, []), (1, ["sequence"]), (1, ["snap"])):
         with pytest.raises(ValueError, match=r"must be"):
@@ -519,7 +519,7 @@ def test_the_layouts_of_a_maze_differ_by_as_much_as_is_asked(monkeypatch):
 
 def test_parquet_holds_what_csv_holds(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet is not tested: no pyarrow")
-    study = sweep(LEG, "cycle", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=1).study
+    study = sweep(LEG, "cycle", Space(AXES, How.RANDOM, 5), tmp_path / "a.zarr", workers=0).study
     assert study.to_parquet(tmp_path / "a.parquet") == study.to_csv(tmp_path / "a.csv") == 5
     table = parquet.read_table(tmp_path / "a.parquet")
     head, *lines = (tmp_path / "a.csv").read_text().splitlines()
