@@ -56,7 +56,7 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "files need neither.",
         ),
         "studies": Extra(
-            {"zarr": "zarr"},
+            {"google-crc32c": "google_crc32c", "zarr": "zarr"},
             "stores of `stepwell sweep`",
             "Sweeps need Zarr",
         ),
