@@ -91,6 +91,7 @@ def charted(
         cycles=tuple(
             space.cycling(code, share_of(count, known), best) for code, (count, best) in often
         ),
+        unseen=_unseen(study, done),
         sampled=space.sampled(_asked(study, done, checks)),
         checked=checked,
         agreed=agreed,
@@ -113,6 +114,19 @@ def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
         key: (counts[key], [(-gap, design) for gap, design in sorted(of)[:_CANDIDATES]])
         for key, of in best.items()
     }
+
+
+def _unseen(study: Study, done: Sequence[int]) -> Share | None:
+    """Of designs of the second half, those with a graph that none of the first half has.
+
+    What the first half has not, all of it may have, so that this bounds what all of it has not.
+    """
+    half = len(done) // 2
+    if not half:
+        return None
+    known = _merged(study.values("graphs", done[:half])).keys()
+    later = {key: count for key, (count, _) in _merged(study.values("graphs", done[half:])).items()}
+    return share_of(sum(later[key] for key in later.keys() - known), sum(later.values()))
 
 
 def _asked(study: Study, done: Sequence[int], most: int) -> list[int]:

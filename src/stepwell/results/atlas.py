@@ -46,6 +46,7 @@ def atlas_record(
         "possible": found.possible,
         "space_proved": found.space_proved,
         "whole": found.whole,
+        "unseen_at_most_percent": None if found.unseen is None else found.unseen.high * 100,
         "checked": found.checked,
         "agreed": found.agreed,
         "sampled": {
@@ -143,6 +144,7 @@ def atlas_facts(record: Mapping[str, Any]) -> dict[str, str]:
     facts = {
         "Found": f"{counted(record['graphs'], 'graph')}, {counted(len(record['cycles']), 'cycle')}",
         "Proved": _proved(record),
+        **({} if record["whole"] else {"Unseen": _unseen(record)}),
         "Space": f"{record['cells']} cells driven by {record['drive']}, "
         f"{len(record['space'])} numbers varied",
         "Designs": f"{record['designs']} drawn evenly, {record['told']} told in closed form",
@@ -170,6 +172,13 @@ def _proved(record: Mapping[str, Any]) -> str:
     cells = "every design" if record["space_proved"] else "not every design"
     of = "" if record["possible"] is None else f"; at most {record['possible']} graphs can occur"
     return f"{cells} of the space has concave cells{of}"
+
+
+def _unseen(record: Mapping[str, Any]) -> str:
+    most = record["unseen_at_most_percent"]
+    if most is None:
+        return "nothing is said of a single block of designs"
+    return f"at most {number(most)} % of designs have another graph, at 95 %"
 
 
 def _sampled(record: Mapping[str, Any]) -> str:
