@@ -20,12 +20,6 @@ from stepwell.atlas import atlas, borders, canonical, charted, find, name_of, po
 from stepwell.atlas.canonical import ways_of
 from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
 from stepwell.design import Tolerances, parameter
-
-
-from stepwell.atlas import atlas, canonical, charted, find, possible, proved_space
-from stepwell.atlas.canonical import ways_of
-from stepwell.concave import FORCE, STROKE, simple
-from stepwell.design import Tolerances
 from stepwell.studies import Axis, Blocks, StudyError, changed, opened, packed, resumed, sweep
 
 CELL = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
@@ -407,7 +401,7 @@ def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
 
 def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     chain, axes = sw.Chain([CELL] * 3), axes_of(3)
-    study = sweep(chain, "atlas", Blocks(axes, 30, 5), tmp_path / "a", chunk=1, workers=1).study
+    study = sweep(chain, "atlas", Blocks(axes, 30, 5), tmp_path / "a", chunk=1, workers=0).study
     found = charted(study, samples=1, checks=0)
     names = []
     for number in range(150):
@@ -417,5 +411,5 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     new = sum(name not in set(names[:60]) for name in names[60:])
     assert 0 < new == found.unseen.times and found.unseen.of == 90 == found.told - 60
     assert new / 90 < found.unseen.high < 1
-    one = sweep(chain, "atlas", Blocks(axes, 30, 1), tmp_path / "b", chunk=1, workers=1).study
+    one = sweep(chain, "atlas", Blocks(axes, 30, 1), tmp_path / "b", chunk=1, workers=0).study
     assert charted(one, samples=1, checks=0).unseen is None

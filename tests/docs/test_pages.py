@@ -5,6 +5,7 @@ import importlib
 import json
 import re
 import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -302,3 +303,33 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
     assert antennas.robot("today").antennas == sw.preset("robot-antennas").antennas
     assert antennas.written(page) == page
     assert antennas.drawn() == antennas.PICTURE.read_text("utf-8")
+
+
+def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch):
+    """A summary has the identity of the study that the command on the page begins."""
+    pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
+    from typer.testing import CliRunner
+
+    from docs import larger_atlases as larger
+    from stepwell.atlas import atlas as rooms
+    from stepwell.cli import app
+    from stepwell.studies import asked
+
+    begun = []
+
+    def sweep(chain, what, of, folder, *, given, chunk, **_):
+        begun.append(asked(chain, what, of, folder, given=given, chunk=chunk))
+        raise sw.InputError("that is enough")
+
+    monkeypatch.setattr(sys.modules[rooms.__module__], "sweep", sweep)
+    for words in larger.commands():
+        assert CliRunner().invoke(app, words).exit_code != 0
+    found = larger.records()
+    assert [one.identity for one in begun] == [one["identity"] for one in found]
+    assert [one.designs.size * one.count for one in begun] == [one["designs"] for one in found]
+    assert all(one["machines_agree"] == one["graphs"] for one in found)
+    assert all(one["agreed"] == one["checked"] == 100 for one in found)
+    # Only four cells count by themselves, in two graphs.
+    assert [one["does"]["counts"]["graphs"] for one in found] == [0, 0, 2]
+    page = larger.PAGE.read_text("utf-8")
+    assert larger.written(page) == page
