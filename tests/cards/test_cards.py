@@ -39,8 +39,8 @@ PARTS = {
         "Rig",
     ),
     *("Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
-    *("Sheet", "SnapPrediction", "Sorted", "Stock", "Table", "Tie", "Tolerances"),
-    *("Transition", "Trial", "Turn", "Wall", "Weighing"),
+    *("Sheet", "SnapPrediction", "Sorted", "Step", "Stock", "Table", "Tie"),
+    *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
 }
 VOID = {"img", "br"}
 HOSTILE = '<script>alert("1")</script>&amp;\x1b[1m\u202e'

@@ -33,7 +33,7 @@ def _atlas(chain: sw.Chain) -> Atlas:
     counts = (100, 60, 0, 40, 0)
     return Atlas(
         chain, (Axis("outer.q.x", 0.0, 0.02),), "stroke", 0, *counts, USUAL, (one,), (),
-        Sampled(0, 0, {}), 0, 0, None, False,
+        share_of(1, 50), Sampled(0, 0, {}), 0, 0, None, False,
     )  # fmt: skip
 
 

@@ -187,3 +187,15 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     assert done.returncode == 0, done.stderr
     assert len((tmp_path / "out" / "sweep.csv").read_text().splitlines()) == 41
     assert not parts.exists()
+
+
+def test_an_interruption_in_a_decoder_is_told_as_any_other(stepwell, monkeypatch):
+    # What Python makes of one there.
+    words = "decoding with 'utf-8-sig' codec failed (KeyboardInterrupt: )"
+
+    def read(*_):
+        raise KeyboardInterrupt(words)
+
+    monkeypatch.setattr("stepwell.cli.chains.motion.read_design", read)
+    result = stepwell("run", "forward.toml")
+    assert (result.exit_code, result.stderr) == (130, "Interrupted; nothing was written.\n")

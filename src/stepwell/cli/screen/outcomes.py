@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from stepwell.base import ExtraError, SettingError
+from stepwell.cli.screen.progress import Interrupted
 from stepwell.cli.screen.show import escaped, warn
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
@@ -37,7 +38,9 @@ class Commands(TyperGroup):
         except (typer.Exit, typer.Abort):
             raise
         except KeyboardInterrupt as error:
-            warn(str(error) or "Interrupted; nothing was written.")
+            # Python itself gives one that breaks into a decoder other words.
+            told = str(error) if isinstance(error, Interrupted) else ""
+            warn(told or "Interrupted; nothing was written.")
             raise typer.Exit(INTERRUPTED) from None
         except _USAGE as error:
             for part in ("message", "param_hint"):

@@ -11,6 +11,8 @@ from stepwell.base import Floats, InputError, Measure
 from stepwell.lab.recordings.columns import GRAVITY, WEIGHTS, columns, pair, split
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
+# What programs write where a number is missing is no note.
+_MISSING = re.compile(r"[-+]?(?:nan|inf(?:inity)?)", re.IGNORECASE)
 # Blanks last: a comma between blanks is a decimal comma.
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
@@ -129,9 +131,12 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
         width = len(fields[start])
         whole = [row for row in fields[start:] if len(row) == width]
         kept = [
-            k for k in range(width) if 2 * sum(map(_is_number, (r[k] for r in whole))) > len(whole)
+            k
+            for k in range(width)
+            if 2 * sum(_is_number(r[k]) or bool(_MISSING.fullmatch(r[k])) for r in whole)
+            > len(whole)
         ]
-        if not start or len(kept) < 2:
+        if not start or not 2 <= len(kept) < width:
             continue
         above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
         notes = ", ".join(repr(above[k][:_SHOWN]) for k in range(width) if k not in kept)
