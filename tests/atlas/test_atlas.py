@@ -403,12 +403,14 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     chain, axes = sw.Chain([CELL] * 3), axes_of(3)
     study = sweep(chain, "atlas", Blocks(axes, 30, 5), tmp_path / "a", chunk=1, workers=0).study
     found = charted(study, samples=1, checks=0)
-    names = []
+    names, space = [], Blocks(axes, 30, 5).space
     for number in range(150):
-        (point,) = study.designs.space.points(number, number + 1).tolist()
-        graph = changed(chain, [axis.name for axis in axes], point).graph()
-        names.append(canonical(ways_of(graph), 3))
+        (point,) = space.points(number, number + 1).tolist()
+        made = changed(chain, [axis.name for axis in axes], point)
+        assert isinstance(made, sw.Chain)
+        names.append(canonical(ways_of(made.graph()), 3))
     new = sum(name not in set(names[:60]) for name in names[60:])
+    assert found.unseen is not None
     assert 0 < new == found.unseen.times and found.unseen.of == 90 == found.told - 60
     assert new / 90 < found.unseen.high < 1
     one = sweep(chain, "atlas", Blocks(axes, 30, 1), tmp_path / "b", chunk=1, workers=0).study

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import docs.antennas_found as antennas
+import docs.larger_atlases as larger
 import stepwell as sw
 from docs.house import page as house_page, picture
 from docs.pages import ROOT, run, unchecked
@@ -310,7 +311,6 @@ def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch)
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
     from typer.testing import CliRunner
 
-    from docs import larger_atlases as larger
     from stepwell.atlas import atlas as rooms
     from stepwell.cli import app
     from stepwell.studies import asked
