@@ -238,7 +238,7 @@ def _run(
     with usable(what):
         study = studies.asked(subject, what, designs, out, given=_given(own, subject), chunk=chunk)
     if estimate:
-        _tell(studies.estimate(study, workers or cores()))
+        _tell(studies.estimate(study, cores() if workers is None else max(workers, 1)))
         return
     with usable(design):
         begun = studies.begun(study)
@@ -465,12 +465,14 @@ def _show(found: Status, as_json: bool) -> None:
 
 
 def _tell(found: Estimate) -> None:
+    from stepwell.base import counted
+
     minutes = found.seconds / 60
     took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
     if minutes > 120:
         took = f"{minutes / 60:.0f} h"
     show_lines(
-        f"{found.designs} designs: about {took} on {found.workers} cores "
+        f"{found.designs} designs: about {took} on {counted(found.workers, 'core')} "
         f"({found.each * 1e3:.3g} ms each, from {found.sample} of them), and at most "
         f"{found.disk / 1e6:.3g} MB."
     )

@@ -55,7 +55,9 @@ def atlas_page(
             parts.part(
                 "How sure it is",
                 parts.listed(
-                    f"{name}: {facts[name]}." for name in ("Engine", "Others") if name in facts
+                    f"{name}: {facts[name]}."
+                    for name in ("Unseen", "Engine", "Others")
+                    if name in facts
                 ),
             ),
         ],
