@@ -46,13 +46,16 @@ def main() -> int:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "dist")
     here, failed, untried = pythons(), list[str](), list[str]()
     print(f"Python here: {', '.join(here) or 'none'}")
-    with tempfile.TemporaryDirectory(prefix="stepwell-") as draft:
+    # A compiler that nobody waits for may still write there at the end.
+    with tempfile.TemporaryDirectory(prefix="stepwell-", ignore_cleanup_errors=True) as draft:
         files = trying.build(Path(draft))
         for name, python in here.items():
             for extra in ("", *trying.CHECKS, "all"):
                 label = f"Python {name}, {extra or 'core alone'}"
                 try:
-                    print(f"{label}: {trying.tried(files[0], extra, python)}", flush=True)
+                    kernels = Path(draft, f"kernels-{name}")
+                    size = trying.tried(files[0], extra, python, kernels)
+                    print(f"{label}: {size}", flush=True)
                 except trying.CannotInstall as why:
                     untried.append(f"{label}: {why}")
                 except AssertionError as why:

@@ -16,7 +16,7 @@ def test_the_core_is_small_and_says_what_it_lacks_and_extras_can_be_added(
 ):
     # One environment, as a user has it: first the core, then everything on top of it.
     # `make release` tries each extra alone, on every Python that is here.
-    env = trying.Fresh.made(tmp_path / "env")
+    env = trying.Fresh.made(tmp_path / "env", tmp_path / "kernels")
     try:
         env.install(str(built[0]))
     except trying.CannotInstall as why:

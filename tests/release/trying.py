@@ -49,12 +49,13 @@ class Fresh:
     """A virtual environment of its own."""
 
     folder: Path
+    kernels: Path
 
     @classmethod
-    def made(cls, folder: Path, python: str = sys.executable) -> Fresh:
-        """Make it with an interpreter."""
+    def made(cls, folder: Path, kernels: Path, python: str = sys.executable) -> Fresh:
+        """Make it with an interpreter; what it compiles is kept in a folder beside it."""
         subprocess.run([python, "-m", "venv", str(folder)], check=True, capture_output=True)
-        return cls(folder)
+        return cls(folder, kernels)
 
     @property
     def python(self) -> Path:
@@ -62,8 +63,8 @@ class Fresh:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Nothing of this checkout, and nothing compiled before."""
-        own = {"NUMBA_CACHE_DIR": str(self.folder / "kernels"), "COLUMNS": "250"}
+        """Nothing of this checkout, and nothing that it compiled."""
+        own = {"NUMBA_CACHE_DIR": str(self.kernels), "COLUMNS": "250"}
         kept = {name: text for name, text in os.environ.items() if not _of_tests(name)}
         return kept | own
 
@@ -248,10 +249,10 @@ CHECKS: dict[str, Callable[[Fresh], None]] = {
 }
 
 
-def tried(wheel: Path, extra: str, python: str) -> str:
+def tried(wheel: Path, extra: str, python: str, kernels: Path) -> str:
     """Install the core, an extra or all into a fresh environment, and use it; its size."""
     with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
-        env = Fresh.made(Path(folder), python)
+        env = Fresh.made(Path(folder), kernels, python)
         env.install(f"{wheel}[{extra}]" if extra else str(wheel))
         size = told(env.sizes())
         core(env)
