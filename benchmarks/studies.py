@@ -5,12 +5,17 @@ taken off those of many, so that what is left is the cost of a task, without tha
 """
 
 import json
+import os
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
 
 import stepwell as sw
 from stepwell.atlas import blocks
@@ -34,32 +39,48 @@ for _ in range({n}):
     burning.burn(None, 0)
 """
 _FEW, _MANY = 2, 8
-_RUNS = 3
+_RUNS = 5
 _CHUNK = 64
+_SIZES = 10**3, 10**5, 10**7
 _PAPER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 
 
-def rows() -> list[tuple[str, str, str]]:
+class _Task(NamedTuple):
+    """What a task takes [s]: of the clock, and of processors in all."""
+
+    clock: float
+    cores: float
+
+
+def rows(sizes: Sequence[int] = _SIZES) -> list[tuple[str, str, str]]:
     """What was timed, what came out, what is wanted."""
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder)
         loops = _second(home)
         (home / "burning.py").write_text(_BURN.format(loops=loops), encoding="utf-8")
-        one, two, bare_one, bare_two = (
-            statistics.median(_each(way, home, workers) for _ in range(_RUNS))
-            for way, workers in ((_swept, 1), (_swept, 2), (_bare, 1), (_bare, 2))
-        )
-    rates = [(designs, _rate(2, designs)) for designs in (10**3, 10**5, 10**7)]
+        # Each beside its like, again and again, so that whatever else is at work here meets both.
+        runs = [
+            [
+                _each(way, home, workers)
+                for way, workers in ((_bare, 1), (_swept, 1), (_bare, 2), (_swept, 2))
+            ]
+            for _ in range(_RUNS)
+        ]
+    more = [one.cores / bare.cores - 1 for bare, one, _, _ in runs]
+    later = [one.clock / bare.clock - 1 for bare, one, _, _ in runs]
+    share = [bare.clock / two.clock for _, _, bare, two in runs]
+    rates = [(designs, _rate(2, designs)) for designs in sizes]
     three = _rate(3, 10**5)
     return [
         (
-            f"a task of {bare_one:.2f} s in a study, beside the same in a bare process",
-            f"{(one / bare_one - 1) * 100:.1f} % more",
+            f"a task of {statistics.median(run[0].clock for run in runs):.2f} s in a study, beside "
+            f"the same in a bare process",
+            f"{_told(more, 100, '.1f')} % more of a core, {_told(later, 100, '.1f')} % later",
             "at most 5 %",
         ),
         (
             "two workers of a study, beside two bare processes",
-            f"{bare_two / two:.3f} of their work",
+            f"{_told(share, 1, '.3f')} of their work",
             "at least 0.95",
         ),
         *(
@@ -73,6 +94,12 @@ def rows() -> list[tuple[str, str, str]]:
         ("three cells by stroke, one core", f"{three / 1e3:.0f} thousand a second", "-"),
         *constants(),
     ]
+
+
+def _told(values: Sequence[float], factor: float, digits: str) -> str:
+    """The median of what repeated runs gave, and the least and the largest."""
+    middle, *ends = (f(values) * factor for f in (statistics.median, min, max))
+    return f"{middle:{digits}} ({ends[0]:{digits}} to {ends[1]:{digits}} in {len(values)} runs)"
 
 
 def constants() -> list[tuple[str, str, str]]:
@@ -138,14 +165,15 @@ def _second(home: Path) -> int:
     return int(3 * 10**6 / (time.perf_counter() - start))
 
 
-def _each(way, home: Path, workers: int) -> float:
-    """Seconds of a task, a worker."""
+def _each(way, home: Path, workers: int) -> _Task:
+    """What a task takes, a worker."""
     taken = []
     for tasks in (_FEW, _MANY):
-        start = time.perf_counter()
+        start, spent = time.perf_counter(), sum(os.times()[:4])
         way(home, tasks * workers, workers)
-        taken.append(time.perf_counter() - start)
-    return (taken[1] - taken[0]) / (_MANY - _FEW)
+        taken.append((time.perf_counter() - start, sum(os.times()[:4]) - spent))
+    clock, cores = np.subtract(taken[1], taken[0]) / (_MANY - _FEW)
+    return _Task(clock, cores / workers)
 
 
 def _swept(home: Path, tasks: int, workers: int) -> None:
@@ -189,5 +217,6 @@ def _blocks(cells: int, axes: tuple[Axis, ...], designs: int):
 
 
 if __name__ == "__main__":
-    for row in rows():
+    # Other numbers of designs than these may be named.
+    for row in rows([int(float(word)) for word in sys.argv[1:]] or _SIZES):
         print(": ".join(row))

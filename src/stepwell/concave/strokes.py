@@ -31,6 +31,8 @@ MOST_CELLS = 6
 _PIECES = 64
 # Longest steps of a flow, of the full travel, that must agree on where it ends; steps at most.
 _COARSE, _FINE, _STEPS = 0.01, 0.005, 10_000
+# What a number of a cell takes, interpreted [s].
+_EACH = 3e-5
 # Two remainders of 31 bits make a key.
 _PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
 
@@ -374,7 +376,7 @@ def _ranked(key: Floats, order: Ints) -> None:
         order[j] = place
 
 
-@entry(3e-5, "numbers")
+@entry(_EACH, "numbers")
 def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, told: Ints) -> None:
     n = numbers.shape[1]
     size = (n + 1) << n
@@ -428,7 +430,8 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
         key[k] = first << 31 | second
 
 
-@entry(2e-6, "key")
+# Priced as the keys of two cells, so that it goes over to machine code when what finds them does.
+@entry(12 * _EACH, "key")
 def _tallied(
     key: Ints, gap: Floats, first: int, keys: Ints, counts: Ints, best: Floats, where: Ints
 ) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stepwell.base import InputError, StepwellError, __version__
 from stepwell.studies.screen import verdicts_of
-from stepwell.studies.store import PROBLEM, Study, StudyError, opened, same_version
+from stepwell.studies.store import PROBLEM, Study, StudyError, edition, opened, same_version
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
 
 # Designs that an estimate computes, and seconds after which it takes no more.
@@ -30,12 +31,19 @@ def fill(folder: str, identity: str, chunk: int) -> None:
         StudyError: the folder holds another study, or one that another version has begun.
         OSError: it cannot be written.
     """
+    study = _meant(folder, identity, edition(folder))
+    if not study.is_done(chunk):
+        study.write(chunk, columns_of(study, chunk))
+
+
+@lru_cache(maxsize=1)
+def _meant(folder: str, identity: str, _edition: tuple[int, ...]) -> Study:
+    """The study, opened once for many chunks, as long as its description is the same file."""
     study = opened(folder)
     same_version(study, __version__)
     if study.identity != identity:
         raise StudyError(f"{folder}: holds another study than the one that was begun.")
-    if not study.is_done(chunk):
-        study.write(chunk, columns_of(study, chunk))
+    return study
 
 
 def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:

@@ -348,7 +348,15 @@ class Study(ByValue):
 
     def column(self, name: str) -> Any:
         """The Zarr array of a column (count,), in which a chunk of empty words is there too."""
-        return self.group[name].with_config({"write_empty_chunks": True})
+        if name not in self._columns:
+            array: Any = self.group[name]
+            self._columns[name] = array.with_config({"write_empty_chunks": True})
+        return self._columns[name]
+
+    @cached_property
+    def _columns(self) -> dict[str, Any]:
+        """The columns that were opened."""
+        return {}
 
     def asked(self) -> dict[str, Any]:
         """All that is asked, as the store holds it."""
@@ -356,7 +364,7 @@ class Study(ByValue):
         if isinstance(designs, Table):
             told: Any = {"columns": designs.columns, "sha256": designs.digest}
         else:
-            told = TypeAdapter(type(designs)).dump_python(designs, mode="json")
+            told = _DESIGNS.dump_python(designs, mode="json")
         return {
             "format": _FORMAT,
             "what": self.what,
@@ -371,6 +379,9 @@ class Study(ByValue):
         names = self.designs.names(self.subject)
         varied = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
         return f"Study({self.what} of {self.count} designs over {varied}, in {self.folder})"
+
+
+_DESIGNS: TypeAdapter[Any] = TypeAdapter(Space | Workshop | Blocks)
 
 
 class _Listed(BaseModel):
@@ -424,6 +435,15 @@ def opened(folder: str | os.PathLike[str]) -> Study:
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise StudyError(f"{place}: holds no study ({type(error).__name__}: {error}).") from None
     return study
+
+
+def edition(folder: str | os.PathLike[str]) -> tuple[int, ...]:
+    """Of the description that a folder holds what differs once it is written anew."""
+    try:
+        held = (Path(folder) / "zarr.json").stat()
+    except OSError:
+        return ()
+    return held.st_ino, held.st_size, held.st_mtime_ns
 
 
 def begun(study: Study) -> Study:
