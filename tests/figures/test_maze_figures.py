@@ -1,6 +1,7 @@
 """The way through an arena and its timeline: obstacles, path, contacts and gaits in place."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -43,9 +44,10 @@ KINDS = (
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])
-def test_every_way_is_drawn_with_words_apart(draw, kind, mazes):
-    figure = draw(mazes[kind])
-    assert untidy(figure, 7.0) == []
+def test_every_way_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, mazes):
+    assert untidy(draw(mazes[kind]), 7.0) == []
+    phone = figures.compose([partial(draw, mazes[kind])], width=85.0)
+    assert untidy(phone.subfigs[0], 7.0) == []
 
 
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])

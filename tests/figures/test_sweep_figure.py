@@ -1,8 +1,11 @@
 """The figure of a sweep shows every robot, whatever was varied and whatever went wrong."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
+from figures.drawn import untidy
 from stepwell import figures, files
 from stepwell.figures.runs.sweep import axis_words
 from stepwell.simulation import Sweep, Trial
@@ -44,6 +47,8 @@ def test_over_two_keys_every_robot_stands_at_its_values_with_its_numbers():
     assert shown(figure) == [6]
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert len(texts) == 6
+    phone = figures.compose([partial(figures.sweep, swept(x, y))], width=85.0)
+    assert untidy(phone.subfigs[0], 7.0) == []
     assert "\N{MINUS SIGN}0.50\n0.0°" in texts
 
 
@@ -57,7 +62,10 @@ def test_draws_of_two_keys_are_too_many_for_numbers():
 @pytest.mark.parametrize(("keys", "panels"), [(3, 3), (5, 5), (10, 8)])
 def test_over_more_keys_each_has_a_panel_up_to_eight(keys, panels):
     rng = np.random.default_rng(keys)
-    assert shown(figures.sweep(swept(*rng.random((keys, 20))))) == [20] * panels
+    found = swept(*rng.random((keys, 20)))
+    assert shown(figures.sweep(found)) == [20] * panels
+    phone = figures.compose([partial(figures.sweep, found)], width=85.0)
+    assert untidy(phone.subfigs[0], 7.0) == []
 
 
 def test_pathways_have_their_colours_and_rare_gaits_share_one():

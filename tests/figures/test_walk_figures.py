@@ -3,6 +3,7 @@
 import itertools
 import math
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -52,9 +53,10 @@ KINDS = (
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("draw", DRAWINGS)
-def test_every_walk_is_drawn_with_words_apart(draw, kind, walks):
-    figure = draw(walks[kind])
-    assert untidy(figure, 7.0) == []
+def test_every_walk_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, walks):
+    assert untidy(draw(walks[kind]), 7.0) == []
+    phone = figures.compose([partial(draw, walks[kind])], width=85.0)
+    assert untidy(phone.subfigs[0], 7.0) == []
 
 
 @pytest.mark.parametrize("draw", DRAWINGS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import shown
 from stepwell.files import dumps, rig_toml
 from stepwell.reports.pages import (
     band_page,
@@ -43,7 +42,7 @@ def write_readings(
         "recordings.csv": lambda file: to_csv(recordings, file),
         "recordings.nc": netcdf(table(recordings)),
         "recordings.json": record,
-        "report.html": readings_page(record, shown(SUMMARY)),
+        "report.html": readings_page(record, SUMMARY),
     }
     return bundle(folder, "lab read", contents, progress=progress, force=force)
 
@@ -91,7 +90,7 @@ def write_comparison(
     contents = {
         "compare.json": record,
         "curves.csv": comparison.to_csv,
-        "report.html": comparison_page(record, shown(CELL_TEST), shown(PAIR_TEST), captioned),
+        "report.html": comparison_page(record, CELL_TEST, PAIR_TEST, captioned),
     }
     return bundle(folder, "lab compare", contents, drawn, progress=progress, force=force)
 
@@ -117,9 +116,7 @@ def write_calibration(
         "band.toml": record["table"],
         "calibration.json": record,
         "calibration.nc": netcdf(calibration.to_xarray()),
-        "report.html": calibration_page(
-            record, shown(PARAMETER), shown(ERROR), shown(SNAP), captioned
-        ),
+        "report.html": calibration_page(record, PARAMETER, ERROR, SNAP, captioned),
     }
     if calibration.pairs:
         first = calibration.pairs[0].series

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 from stepwell.files import dumps
 from stepwell.reports.pages import maze_page, robot_page, sweep_page, walk_page
-from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf
+from stepwell.reports.steps import Film, Folder, Progress, bundle, narrow, netcdf
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 from stepwell.studio.replay import replay
 
@@ -41,18 +42,20 @@ def write_robot(
     """Write what a robot is: robot.toml, robot.json, report.html, robot and prediction drawn."""
     from stepwell import figures
 
-    drawn = {
-        "robot": figures.robot_drawing(robot),
-        "prediction": figures.prediction(prediction),
-    }
+    shown = _shown(
+        {
+            "robot": partial(figures.robot_drawing, robot),
+            "prediction": partial(figures.prediction, prediction),
+        }
+    )
     text = design or dumps(robot)
     record = robot_record(robot, prediction, design=text)
     contents = {
         "robot.toml": text,
         "robot.json": record,
-        "report.html": robot_page(record, prediction.motion.value, _captioned(drawn)),
+        "report.html": robot_page(record, prediction.motion.value, shown.wide, shown.narrow),
     }
-    return bundle(folder, "robot show", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "robot show", contents, shown.files, progress=progress, force=force)
 
 
 def write_walk(
@@ -70,22 +73,25 @@ def write_walk(
     """
     from stepwell import figures
 
-    drawn: dict[str, Figure] = {}
-    if len(walk.time):
-        drawn = {
-            "trajectory": figures.trajectory(walk),
-            "gait": figures.gait(walk),
-            "contacts": figures.contacts(walk),
+    draws = (
+        {
+            "trajectory": partial(figures.trajectory, walk),
+            "gait": partial(figures.gait, walk),
+            "contacts": partial(figures.contacts, walk),
         }
+        if len(walk.time)
+        else {}
+    )
+    shown = _shown(draws)
     text = design or dumps(walk.robot)
     record = walk_record(walk, design=text)
     contents = {
         "robot.toml": text,
         "walk.json": record,
         "walk.nc": walk.to_netcdf,
-        "report.html": walk_page(record, _captioned(drawn), replay(walk) if drawn else ""),
+        "report.html": walk_page(record, shown.wide, shown.narrow, replay(walk) if draws else ""),
     }
-    return bundle(folder, "walk", contents, drawn, film=film, progress=progress, force=force)
+    return bundle(folder, "walk", contents, shown.files, film=film, progress=progress, force=force)
 
 
 def write_maze(
@@ -106,9 +112,12 @@ def write_maze(
     """
     from stepwell import figures
 
-    drawn: dict[str, Figure] = {}
-    if len(maze.walk.time):
-        drawn = {"maze": figures.maze(maze), "timeline": figures.maze_timeline(maze)}
+    draws = (
+        {"maze": partial(figures.maze, maze), "timeline": partial(figures.maze_timeline, maze)}
+        if len(maze.walk.time)
+        else {}
+    )
+    shown = _shown(draws)
     text = design or dumps(maze.walk.robot)
     record = maze_record(maze, design=text, start_seed=start_seed, layout_seed=layout_seed)
     contents = {
@@ -117,10 +126,10 @@ def write_maze(
         "maze.json": record,
         "walk.nc": maze.walk.to_netcdf,
         "report.html": maze_page(
-            record, str(maze.outcome), _captioned(drawn), replay(maze) if drawn else ""
+            record, str(maze.outcome), shown.wide, shown.narrow, replay(maze) if draws else ""
         ),
     }
-    return bundle(folder, "maze", contents, drawn, film=film, progress=progress, force=force)
+    return bundle(folder, "maze", contents, shown.files, film=film, progress=progress, force=force)
 
 
 def write_sweep(
@@ -139,16 +148,29 @@ def write_sweep(
     from stepwell import figures
     from stepwell.simulation import TRIAL
 
-    drawn = {"sweep": figures.sweep(sweep)}
+    shown = _shown({"sweep": partial(figures.sweep, sweep)})
     record = sweep_record(sweep, design=design, seed=seed)
     contents = {
         "sweep.csv": sweep.to_csv,
         "sweep.nc": netcdf(sweep.to_xarray()),
         "sweep.json": record,
-        "report.html": sweep_page(record, TRIAL, _captioned(drawn)),
+        "report.html": sweep_page(record, TRIAL, shown.wide, shown.narrow),
     }
-    return bundle(folder, "robot sweep", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "robot sweep", contents, shown.files, progress=progress, force=force)
 
 
-def _captioned(drawn: Mapping[str, Figure]) -> dict[str, Figure]:
-    return {_CAPTIONS[name]: figure for name, figure in drawn.items()}
+class _Shown(NamedTuple):
+    """Figures by name, and those of a page by caption: on a wide window and on a phone."""
+
+    files: dict[str, Figure]
+    wide: dict[str, Figure]
+    narrow: dict[str, Figure]
+
+
+def _shown(draws: Mapping[str, Callable[[], Figure]]) -> _Shown:
+    files = {name: draw() for name, draw in draws.items()}
+    return _Shown(
+        files,
+        {_CAPTIONS[name]: figure for name, figure in files.items()},
+        {_CAPTIONS[name]: narrow(draw) for name, draw in draws.items()},
+    )

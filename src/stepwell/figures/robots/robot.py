@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from textwrap import wrap
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -36,6 +37,8 @@ _LARGEST = 0.8  # mm of the page per mm of the robot
 _KEY = 12.0
 # What an entry of the key takes [mm], and how many there are.
 _ENTRY, _ENTRIES = 42.0, 8
+# What a line of the title and a letter of it take [mm].
+_LINE, _LETTER = 3.4, 1.7
 
 
 @styled
@@ -56,7 +59,8 @@ def robot_drawing(robot: Robot) -> Figure:
     left, right = min(above[0], side[0]), max(above[1], side[1])
     scale = min(_LARGEST, (page - 4.0) / (right - left))
     high = [(box[3] - box[2]) * scale for box in (above, side)]
-    title = 7.0 if robot.title else 1.0
+    words = wrap(robot.title, int(page / _LETTER))
+    title = 7.0 + _LINE * (len(words) - 1) if words else 1.0
     key = _rows()[1]
     height = sum(high) + key + title + 2.0
     figure = blank(page, height)
@@ -67,9 +71,9 @@ def robot_drawing(robot: Robot) -> Figure:
     for ax in figure.axes:
         ax.set_xlim(left, right)
     _key(figure, robot)
-    if robot.title:
-        look = {"ha": "center", "va": "top", "weight": "bold"}
-        text_at(figure, page / 2, height - 1.5, literal(robot.title), **look)
+    look = {"ha": "center", "va": "top", "weight": "bold"}
+    for k, line in enumerate(words):
+        text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
     return figure
 
 

@@ -21,6 +21,7 @@ from stepwell.figures.common import (
     literal,
     marks,
     name_rows,
+    page_width,
     place,
     styled,
 )
@@ -39,6 +40,8 @@ _LEFT, _RIGHT, _TOP = 20.0, 5.0, 8.0
 _UPPER = (0, (3.0, 2.0))
 _LEAST_FORCE = 0.1  # that the actuator's axis has room for [N]
 _LANE, _FORCE, _LOOP = 4.2, 34.0, 44.0
+# Narrower, force and work stand below each other; what an entry of a key takes [mm].
+_BESIDE, _ENTRY = 150.0, 25.0
 
 
 @styled
@@ -59,14 +62,20 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     """
     some = last_cycles(walk, cycles)
     lanes = _LANE * (len(walk.robot.legs) + 1)
-    height = _TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + 10.0
-    figure = blank(PAGE, height)
-    wide = PAGE - _LEFT - _RIGHT
+    page = page_width(PAGE)
+    below = 0.0 if page >= _BESIDE else _FORCE + 12.0
+    height = _TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + below + 10.0
+    figure = blank(page, height)
+    wide = page - _LEFT - _RIGHT
     bars = place(figure, _LEFT, height - _TOP - lanes, wide, lanes)
-    force = place(figure, _LEFT, 24.0 + _LOOP, wide, _FORCE)
+    force = place(figure, _LEFT, height - _TOP - lanes - 2.5 - _FORCE, wide, _FORCE)
     _carried(bars, force, walk, some)
-    _loop(place(figure, _LEFT, 10.0, 72.0, _LOOP), walk)
-    _work(place(figure, 112.0, 10.0, PAGE - 112.0 - _RIGHT, _LOOP), walk)
+    if below:
+        _loop(place(figure, _LEFT, 10.0 + below, wide, _LOOP), walk)
+        _work(place(figure, _LEFT, 10.0, wide, _FORCE), walk)
+    else:
+        _loop(place(figure, _LEFT, 10.0, 72.0, _LOOP), walk)
+        _work(place(figure, 112.0, 10.0, page - 112.0 - _RIGHT, _LOOP), walk)
     return figure
 
 
@@ -97,9 +106,12 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     look = DASHED | {"linewidth": 0.7, "zorder": 1}
     force.axhline(weight, **look, gid="weight", label="weight of the robot")
     force.set(xlabel="Time [s]", ylabel="Force of the floor [N]")
-    force.set_ylim(0.0, 1.28 * max(weight, float(loads.max(initial=0.0))))
+    room = page_width(PAGE) - _LEFT - _RIGHT
+    columns = max(1, min(len(names) + 1, 7, int(room / _ENTRY)))
+    rows = -(-(len(names) + 1) // columns)
+    force.set_ylim(0.0, (1.14 + 0.14 * rows) * max(weight, float(loads.max(initial=0.0))))
     force.spines[["top", "right"]].set_visible(False)
-    force.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=min(len(names) + 1, 7))
+    force.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
     for ax in (bars, force):
         show_time(ax, walk, some, zorder=0)
 

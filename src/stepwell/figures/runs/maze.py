@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from stepwell.figures.common import (
     literal,
     marks,
     on_white,
+    page_width,
     pale,
     place,
     plain,
@@ -52,7 +54,9 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
 
-_TALLEST, _WIDEST, _TITLE, _KEY = 170.0, PAGE - 4.0, 7.0, 13.0
+_TALLEST, _TITLE, _KEY = 170.0, 7.0, 9.2
+# What a line of the title, a letter of it, an entry of the key and a row of it take [mm].
+_LINE, _LETTER, _ENTRY, _ROW = 3.6, 2.0, 35.0, 3.8
 _HALO = pale(PRESSED, 0.25)
 _START = hollow(5.0)
 _LARGEST = 0.25  # mm of the page per mm of the arena
@@ -68,7 +72,7 @@ def maze(maze: Maze) -> Figure:
         maze: a way through any arena.
 
     Returns:
-        A figure of two columns' width or less, to the scale of its bar: walls and cylinders,
+        A figure of two columns' width, to the scale of its bar: walls and cylinders,
         darker where touched; the path; the robot at its start, its end and in the middle of
         presses of its antennas; where antennas were pressed; start, goal and outcome.
 
@@ -81,16 +85,22 @@ def maze(maze: Maze) -> Figure:
     refuse_empty(walk)
     moments = _moments(maze)
     box = _extent(maze, moments)
-    scale = min(_LARGEST, _WIDEST / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
+    page = page_width(PAGE)
+    scale = min(_LARGEST, (page - 4.0) / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
     wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
-    height = high + _TITLE + _KEY
-    figure = blank(PAGE, height)
-    ax = place(figure, (PAGE - wide) / 2, _KEY, wide, high)
+    title = f"{arena.title}: " if arena.title else ""
+    says = wrap(f"{title}{maze.outcome} after {maze.duration:.0f} s", int(page / _LETTER))
+    handles = _key(maze)
+    columns = max(1, min(5, int(page / _ENTRY)))
+    key = _KEY + _ROW * (-(-len(handles) // columns) - 1)
+    height = high + _TITLE + _LINE * (len(says) - 1) + key
+    figure = blank(page, height)
+    ax = place(figure, (page - wide) / 2, key, wide, high)
     plain(ax, box)
 
     draw_arena(ax, arena, [time is not None for time in maze.touched.values()])
-    used = _path(ax, walk)
-    pressed = _presses(ax, maze)
+    _path(ax, walk)
+    _presses(ax, maze)
     for sample in moments:
         _robot(ax, maze, sample)
     start, end = (np.array([walk.x[k], walk.y[k]]) * MM for k in (0, -1))
@@ -105,11 +115,10 @@ def maze(maze: Maze) -> Figure:
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
     for text in beside(ax, labels, keep_clear=bars):
         text.set_bbox(on_white(alpha=0.75))
-    title = f"{literal(arena.title)}: " if arena.title else ""
-    says = f"{title}{maze.outcome} after {maze.duration:.0f} s"
     look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
-    text_at(figure, PAGE / 2, height - 1.5, says, **look)
-    _key(figure, maze, used, pressed)
+    for k, line in enumerate(says):
+        text_at(figure, page / 2, height - 1.5 - _LINE * k, literal(line), **look)
+    legends.below(figure, handles, columns)
     return figure
 
 
@@ -125,8 +134,8 @@ def _extent(maze: Maze, moments: list[int]) -> tuple[float, float, float, float]
     return limits(every, (0.02 * wide, 0.02 * wide, 0.07 * wide, 0.02 * wide))
 
 
-def _path(ax: Axes, walk: Walk) -> list[str]:
-    """The path in the colours of the robot's motion; which of them occur."""
+def _path(ax: Axes, walk: Walk) -> None:
+    """The path in the colours of the robot's motion."""
     kinds = motions(walk)
     last = len(walk.time) - 1
     # What was no whole cycle has no gait.
@@ -144,11 +153,10 @@ def _path(ax: Axes, walk: Walk) -> list[str]:
     for share in (0.2, 0.4, 0.6, 0.8):
         x, y = walk.x[few] * MM, walk.y[few] * MM
         marks.heading(ax, x, y, INK, at=share, size=13.0)
-    return [kind for kind in MOTION if kind in kinds]
 
 
-def _presses(ax: Axes, maze: Maze) -> bool:
-    """Along the path, where an antenna was pressed; whether one ever was."""
+def _presses(ax: Axes, maze: Maze) -> None:
+    """Along the path, where an antenna was pressed."""
     walk = maze.walk
     ends = [
         (int(np.searchsorted(walk.time, one.begin)), int(np.searchsorted(walk.time, one.end)))
@@ -156,7 +164,6 @@ def _presses(ax: Axes, maze: Maze) -> bool:
     ]
     look = {"color": _HALO, "linewidth": 5.5, "zorder": 5, "solid_capstyle": "butt"}
     _along(ax, walk, ends, gid="pressed", **look)
-    return bool(ends)
 
 
 def _along(ax: Axes, walk: Walk, spans: Iterable[tuple[int, int]], **look: Any) -> None:
@@ -204,9 +211,12 @@ def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
     return in_world(line, walk.x[sample], walk.y[sample], walk.yaw[sample])
 
 
-def _key(figure: Figure, maze: Maze, used: list[str], pressed: bool) -> None:
+def _key(maze: Maze) -> list[Artist]:
+    """What colours and marks mean, of those that occur."""
+    kinds = motions(maze.walk)
+    used = [kind for kind in MOTION if kind in kinds]
     handles: list[Artist] = [legends.line(kind, MOTION[kind], 1.7) for kind in used]
-    if pressed:
+    if maze.contacts:
         handles.append(legends.line("antenna pressed", _HALO, 5.5))
     touched = maze.touched.values()
     if any(time is not None for time in touched):
@@ -214,5 +224,4 @@ def _key(figure: Figure, maze: Maze, used: list[str], pressed: bool) -> None:
     if any(time is None for time in touched):
         look = {"edgecolor": INK, "linewidth": 0.5}
         handles.append(legends.shade("obstacle not touched", OBSTACLE, **look))
-    handles += [legends.mark("start", **_START), legends.mark("end", size=5.0)]
-    legends.below(figure, handles, 5)
+    return [*handles, legends.mark("start", **_START), legends.mark("end", size=5.0)]

@@ -17,6 +17,7 @@ from stepwell.figures.common import (
     legends,
     literal,
     name_rows,
+    page_width,
     pale,
     place,
     styled,
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
 _ANTENNA, _LANE, _GAP = 18.0, 4.6, 3.5
+# What an entry of the key takes [mm].
+_ENTRY = 50.0
 _PRESSED = pale(PRESSED, 0.55)
 MOST_OBSTACLES = 24
 
@@ -54,11 +57,13 @@ def maze_timeline(maze: Maze) -> Figure:
     order = sorted(touched, key=touched.__getitem__)[:MOST_OBSTACLES]
     antennas, legs = walk.robot.antennas, walk.robot.legs
     colours = gait_colours(walk)
-    key_rows = -(-(len(colours) + 2 * bool(antennas)) // 3)
+    page = page_width(PAGE)
+    columns = max(1, min(3, int((page - _LEFT) / _ENTRY)))
+    key_rows = -(-(len(colours) + 2 * bool(antennas)) // columns)
     height = _TOP + len(antennas) * (_ANTENNA + _GAP) + len(legs) * _LANE + _BOTTOM
     height += (len(order) * _LANE + _GAP if order else 0.0) + 3.0 + 4.2 * key_rows
-    figure = blank(PAGE, height)
-    wide = PAGE - _LEFT - _RIGHT
+    figure = blank(page, height)
+    wide = page - _LEFT - _RIGHT
     bottom = height - _TOP
     axes: list[Axes] = []
     for i, antenna in enumerate(antennas):
@@ -88,7 +93,7 @@ def maze_timeline(maze: Maze) -> Figure:
         handles.append(legends.shade("antenna pressed", _PRESSED))
         handles.append(Line2D([], [], **DASHED, label="full swing"))
     if handles:
-        legends.below(figure, handles, 3, _LEFT)
+        legends.below(figure, handles, columns, _LEFT)
     return figure
 
 

@@ -25,6 +25,7 @@ from stepwell.figures.common import (
     literal,
     marks,
     minus,
+    page_width,
     pale,
     place,
     styled,
@@ -48,6 +49,7 @@ _SYMBOLS = {"p", "q"}
 # Keys that by themselves say little.
 _WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
+_BESIDE = 150.0  # narrower, all axes stand below each other [mm]
 
 
 @styled
@@ -90,8 +92,8 @@ class _Shown(NamedTuple):
 def _over_one(shown: _Shown, foot: float) -> Figure:
     tall = 42.0
     ((key, values),) = shown.values.items()
-    figure = blank(PAGE, foot + _BOTTOM + 2 * tall + 5.0 + _TOP)
-    wide = PAGE - _LEFT - _RIGHT
+    figure = blank(page_width(PAGE), foot + _BOTTOM + 2 * tall + 5.0 + _TOP)
+    wide = page_width(PAGE) - _LEFT - _RIGHT
     lower = place(figure, _LEFT, foot + _BOTTOM, wide, tall)
     upper = place(figure, _LEFT, foot + _BOTTOM + tall + 5.0, wide, tall)
     _points(upper, values, shown.advance, shown, 0.5)
@@ -108,8 +110,8 @@ _NUMBERS = 9.0, 6.2
 
 def _over_two(shown: _Shown, foot: float) -> Figure:
     tall = 92.0
-    figure = blank(PAGE, foot + _BOTTOM + tall + _TOP)
-    wide = PAGE - _LEFT - _RIGHT
+    figure = blank(page_width(PAGE), foot + _BOTTOM + tall + _TOP)
+    wide = page_width(PAGE) - _LEFT - _RIGHT
     ax = place(figure, _LEFT, foot + _BOTTOM, wide, tall)
     x, y = shown.values.values()
     columns, rows = (max(2, len(np.unique(one))) for one in (x, y))
@@ -119,30 +121,36 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
     size = float(np.clip(min(wide / (columns + 1), tall / (rows + 1)) * 0.55, 1.0, 7.0))
     # Two lines of numbers beside every disc, if they have room.
     roomy = wide / (columns + 1) > size + _NUMBERS[0] and tall / (rows + 1) > _NUMBERS[1]
-    size *= 72 / 25.4
-    _discs(ax, x, y, shown, size)
+    points = size * 72 / 25.4
+    _discs(ax, x, y, shown, points)
     if roomy:
         look = {"textcoords": "offset points", "va": "center", "linespacing": 1.0}
         for at, d, w in zip(zip(x, y, strict=True), shown.advance, shown.turn, strict=True):
             if np.isfinite(d):
                 text = minus(f"{_whole(d, 0.005):.2f}\n{_whole(w, 0.05):.1f}°")
-                ax.annotate(text, at, (size / 2 + 2, 0), **look)
+                ax.annotate(text, at, (points / 2 + 2, 0), **look)
         title = r"beside each robot: $d/u_\mathrm{max}$ and turn to the left per cycle"
         ax.set_title(title, fontsize=7.0, loc="right", pad=2.0)
     ax.margins(x=0.5 / columns, y=0.5 / rows)
+    if roomy:
+        # The numbers beside the last disc stay inside.
+        low = ax.get_xlim()[0]
+        share = max(0.5 / (columns + 1), (size / 2 + _NUMBERS[0] + 1.0) / wide)
+        ax.set_xlim(low, low + (float(np.max(x)) - low) / (1.0 - share))
     xlabel, ylabel = map(axis_words, shown.values)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     return figure
 
 
 def _over_many(shown: _Shown, foot: float) -> Figure:
-    rows = -(-len(shown.values) // 2)
+    columns = 2 if page_width(PAGE) >= _BESIDE else 1
+    rows = -(-len(shown.values) // columns)
     tall = 40.0
     step = tall + _BOTTOM + 3.0
-    figure = blank(PAGE, foot + rows * step + _TOP)
-    wide = (PAGE - 2 * _LEFT - _RIGHT) / 2
+    figure = blank(page_width(PAGE), foot + rows * step + _TOP)
+    wide = (page_width(PAGE) - columns * _LEFT - _RIGHT) / columns
     for i, (key, values) in enumerate(shown.values.items()):
-        row, column = divmod(i, 2)
+        row, column = divmod(i, columns)
         bottom = foot + _BOTTOM + (rows - 1 - row) * step
         ax = place(figure, _LEFT + column * (wide + _LEFT), bottom, wide, tall)
         _points(ax, values, shown.advance, shown, 0.5)

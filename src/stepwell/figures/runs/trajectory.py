@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -25,6 +27,7 @@ from stepwell.figures.common import (
     limits,
     literal,
     marks,
+    page_width,
     place,
     round_length,
     styled,
@@ -39,7 +42,10 @@ if TYPE_CHECKING:
 
 
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
+# Narrower, the bars stand below the path, this high; what an entry and a row of the key take [mm].
+_BESIDE, _LOW, _ENTRY, _ROW = 150.0, 34.0, 27.0, 3.8
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
+_LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
 _START = hollow(4.5)
 _HEADING = 3.4  # length of an arrow to the heading [mm]
@@ -92,32 +98,54 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         refuse_empty(walk)
     boxes = [_extent(walk) for walk in walks.values()]
     widest = max(box[1] - box[0] for box in boxes)
+    page = page_width(PAGE)
+    beside = page >= _BESIDE
+    wide = _WIDE if beside else page - _LEFT - 5.0
+    bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
     # A tenth of the width more, so that ticks stand clear of the frame.
-    scale = min(_WIDE / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
+    scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
-    bare = list(walks) == [""] and not any(walk.stopped for walk in walks.values())
-    named = 0.0 if bare else 5.0
-    height = sum(tall) + len(tall) * (_ABOVE + named + _BELOW) + _KEY
-    figure = blank(PAGE, height)
+    names = [_name(name, walk, page - _LEFT) for name, walk in walks.items()]
+    named = [5.0 + _LINE * (len(lines) - 1) if any(lines) else 0.0 for lines in names]
+    lower = 0.0 if beside else _LOW + _BELOW
+    handles = _key()
+    columns = max(1, min(len(handles), int((page - _LEFT) / _ENTRY)))
+    key = _KEY + _ROW * (-(-len(handles) // columns) - 1)
+    height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
+    figure = blank(page, height)
     rows: list[tuple[Axes, Axes, Axes]] = []
-    bottom = height - _KEY
-    for (name, walk), box, high in zip(walks.items(), boxes, tall, strict=True):
-        bottom -= _ABOVE + named + high
-        path = place(figure, _LEFT, bottom, _WIDE, high)
-        _path(path, walk, box, scale, high)
-        moved = place(figure, _LEFT + _WIDE + _GAP, bottom, _BAR, high)
-        turned = place(figure, _LEFT + _WIDE + 2 * _GAP + _BAR, bottom, _BAR - 3.0, high)
-        _bars(moved, turned, walk)
+    bottom = height - key
+    shown = zip(walks.values(), names, named, boxes, tall, strict=True)
+    for walk, lines, above, box, high in shown:
+        bottom -= _ABOVE + above + high
+        path = place(figure, _LEFT, bottom, wide, high)
+        _path(path, walk, box, scale, (wide, high))
+        left, under, low = _LEFT, bottom - lower, _LOW
+        if beside:
+            left, low = _LEFT + wide + _GAP, high
+        moved = place(figure, left, under, bar, low)
+        turned = place(figure, left + bar + _GAP, under, bar - 3.0, low)
+        _bars(moved, turned, walk, bar)
         rows.append((path, moved, turned))
-        # In one line: over the panels at the right, a long name would be crossed.
-        title = [literal(name)] * bool(name) + ["stopped early"] * bool(walk.stopped)
-        text_at(figure, _LEFT, bottom + high + 1.8, ", ".join(title), weight="bold")
-        bottom -= _BELOW
+        for k, line in enumerate(reversed(lines)):
+            text_at(figure, _LEFT, bottom + high + 1.8 + _LINE * k, literal(line), weight="bold")
+        bottom -= _BELOW + lower
     for column in (1, 2):
         most = max(row[column].get_ylim()[1] for row in rows)
         for row in rows:
             row[column].set_ylim(-most, most)
-    handles = [
+    legends.on_top(figure, handles, _LEFT, columns=columns)
+    return figure
+
+
+def _name(name: str, walk: Walk, room: float) -> list[str]:
+    """What stands above a path, in lines of so many mm."""
+    words = ", ".join([name] * bool(name) + ["stopped early"] * bool(walk.stopped))
+    return wrap(words, int(room / _LETTER))
+
+
+def _key() -> list[Artist]:
+    return [
         legends.line("path of the body", BLUE),
         legends.mark("start", **_START),
         legends.mark("end"),
@@ -125,8 +153,6 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         legends.shade("along the heading", BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
     ]
-    legends.on_top(figure, handles, _LEFT)
-    return figure
 
 
 def _outline(walk: Walk, sample: int) -> list[Floats]:
@@ -141,8 +167,14 @@ def _extent(walk: Walk) -> tuple[float, float, float, float]:
 
 
 def _path(
-    ax: Axes, walk: Walk, box: tuple[float, float, float, float], scale: float, high: float
+    ax: Axes,
+    walk: Walk,
+    box: tuple[float, float, float, float],
+    scale: float,
+    size: tuple[float, float],
 ) -> None:
+    """The path in axes of this width and height [mm]."""
+    wide, high = size
     x, y = walk.x * MM, walk.y * MM
     for sample, colour in ((0, FAINT), (len(x) - 1, INK)):
         for line in _outline(walk, sample):
@@ -162,17 +194,17 @@ def _path(
     ax.plot(x[0], y[0], "o", **_START, zorder=5, gid="start")
     ax.plot(x[-1], y[-1], "o", markersize=4.5, color=INK, zorder=5, gid="end")
     middle = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
-    ax.set_xlim(middle[0] - _WIDE / scale / 2, middle[0] + _WIDE / scale / 2)
+    ax.set_xlim(middle[0] - wide / scale / 2, middle[0] + wide / scale / 2)
     ax.set_ylim(middle[1] - high / scale / 2, middle[1] + high / scale / 2)
-    step = round_length(min(high, _WIDE / 2) / scale / 1.5)
+    step = round_length(min(high, wide / 2) / scale / 1.5)
     for axis in (ax.xaxis, ax.yaxis):
         low, top = axis.get_view_interval()
         axis.set_ticks(np.arange(math.ceil(low / step), math.floor(top / step) + 1) * step)
     ax.set(aspect="equal", xlabel="$x$ [mm]", ylabel="$y$ [mm]")
-    ax.yaxis.set_label_coords(-9.8 / _WIDE, 0.5)
+    ax.yaxis.set_label_coords(-9.8 / wide, 0.5)
 
 
-def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
+def _bars(moved: Axes, turned: Axes, walk: Walk, wide: float) -> None:
     number = number_cycles(moved, walk)
     number_cycles(turned, walk)
     moved.bar(number, walk.advance, width=0.7, color=BLUE, zorder=2, gid="advance")
@@ -186,6 +218,8 @@ def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
         words = (
             "straight on:\nless than 0.1° a cycle" if most < 0.1 else f"at most {most:.1f}° a cycle"
         )
+        if wide < _BAR:
+            words = fill(words, int(wide / 1.8))
         look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
         turned.text(0.5, 0.75, words, **look)
     moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
@@ -195,4 +229,4 @@ def _bars(moved: Axes, turned: Axes, walk: Walk) -> None:
         most = max(least, *(abs(limit) for limit in ax.get_ylim()))
         ax.set_ylim(-most, most)
         ax.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
-        ax.yaxis.set_label_coords(-9.5 / _BAR, 0.5)
+        ax.yaxis.set_label_coords(-9.5 / wide, 0.5)

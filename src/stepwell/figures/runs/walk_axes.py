@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stepwell.base import InputError
-from stepwell.figures.common import FAINT, marks, on_white
+from stepwell.figures.common import FAINT, PAGE, marks, on_white, page_width
 from stepwell.figures.runs.walk_reading import first_cycle
 
 if TYPE_CHECKING:
@@ -42,6 +42,9 @@ def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
     """
     time = walk.time[some]
     ax.set_xlim(time[0], max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
+    if page_width(PAGE) < PAGE:
+        # Moments of a short walk have many digits.
+        ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     for start in walk.starts:
         if time[0] < start < time[-1]:
             ax.axvline(start, **DASHED, zorder=zorder)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import counted, number, percent, shown
+from stepwell.base import counted, number, percent
 from stepwell.lab.as_built import KNOWN, MOVE, holes_told
 from stepwell.reports.pages import parts
 
@@ -50,12 +50,12 @@ def as_built_page(found: AsBuilt, record: Mapping[str, Any]) -> str:
         [
             parts.part(
                 "Moves of anchors",
-                parts.table(shown(MOVE), record["moves"], "The best, and how many then do it."),
+                parts.table(MOVE, record["moves"], "The best, and how many then do it."),
             ),
             parts.part(
                 "As built",
                 parts.table(
-                    shown(KNOWN),
+                    KNOWN,
                     record["known"],
                     "Means and standard deviations, and those before.",
                 ),

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Quantity, counted, number, percent, shown, signed, told_in
+from stepwell.base import Column, Quantity, counted, number, percent, signed, told_in
 from stepwell.design.margins import WAY
 from stepwell.reports.pages import parts, words
 from stepwell.results import (
@@ -60,7 +60,7 @@ def design_page(found: Design, drawn: Mapping[str, Figure]) -> str:
             parts.part(
                 "How to build it",
                 parts.table(
-                    shown(built_schema(chain)),
+                    built_schema(chain),
                     record["cells"],
                     "Cells, innermost first; p is the anchor on the inner, q on the outer block.",
                 ),

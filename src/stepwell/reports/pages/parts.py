@@ -10,7 +10,7 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Columns, __version__
+from stepwell.base import Column, Columns, __version__, shown
 from stepwell.studio.replay import embedded
 
 if TYPE_CHECKING:
@@ -150,10 +150,11 @@ def motion(replay: str, title: str) -> str:
     return f"{embedded(replay, title)}\n{still}"
 
 
-def table(columns: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> str:
+def table(schema: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> str:
     """A table with what it tells above it, cut where nobody would read on; nothing without rows."""
     if not rows:
         return ""
+    columns = shown(schema)
     if len(rows) > MOST_ROWS:
         about += f" The first {MOST_ROWS} of {len(rows)} are shown."
 
@@ -169,8 +170,8 @@ def table(columns: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> st
         for row in rows[:MOST_ROWS]
     )
     inside = f"<table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table>"
-    shown = _scrolled(inside, about.partition(".")[0])
-    return paragraph(about, "quiet") + _folded(shown, min(len(rows), MOST_ROWS), "rows")
+    whole = _scrolled(inside, about.partition(".")[0])
+    return paragraph(about, "quiet") + _folded(whole, min(len(rows), MOST_ROWS), "rows")
 
 
 def _folded(content: str, count: int, what: str) -> str:
@@ -181,8 +182,10 @@ def _folded(content: str, count: int, what: str) -> str:
 
 
 def _headed(heading: str) -> str:
-    """A heading that begins with a capital, if it begins with a word and no symbol."""
-    return heading[:1].upper() + heading[1:] if heading[:2].isalpha() else heading
+    """A heading that begins with a capital, if it begins with a word, no symbol and no key."""
+    word = heading.partition(" ")[0]
+    plain = heading[:2].isalpha() and "." not in word
+    return heading[:1].upper() + heading[1:] if plain else heading
 
 
 def minus(text: str) -> str:

@@ -17,13 +17,18 @@ _LEGS = Column("leg", lambda row: row["leg"])
 _STATES = Column("states", lambda row: row["states"].replace(">", " → "))
 
 
-def robot_page(record: Mapping[str, Any], does: str, drawn: Mapping[str, Figure]) -> str:
+def robot_page(
+    record: Mapping[str, Any],
+    does: str,
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
+) -> str:
     """The page of a robot and of the gait that statics predicts.
 
     Args:
         record: what `results.robot_record` returns.
         does: what it is predicted to do, in words.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
@@ -53,7 +58,7 @@ def robot_page(record: Mapping[str, Any], does: str, drawn: Mapping[str, Figure]
             **_assumed(record["parameters"]),
         },
         [
-            parts.part("The robot", parts.pictures(drawn)),
+            parts.part("The robot", parts.pictures(drawn, narrow)),
             parts.part(
                 "Predicted gaits",
                 parts.table(
@@ -78,12 +83,17 @@ def robot_page(record: Mapping[str, Any], does: str, drawn: Mapping[str, Figure]
     )
 
 
-def walk_page(record: Mapping[str, Any], drawn: Mapping[str, Figure], replay: str = "") -> str:
+def walk_page(
+    record: Mapping[str, Any],
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
+    replay: str = "",
+) -> str:
     """The page of a walk.
 
     Args:
         record: what `results.walk_record` returns.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
         replay: its motion, as of `studio.replay`; none by default.
 
     Returns:
@@ -105,7 +115,7 @@ def walk_page(record: Mapping[str, Any], drawn: Mapping[str, Figure], replay: st
         },
         [
             parts.part("See it move", parts.motion(replay, title) if replay else ""),
-            parts.part("Where it went", parts.pictures(drawn)),
+            parts.part("Where it went", parts.pictures(drawn, narrow)),
             parts.part(
                 "The gait of each leg",
                 parts.table(
@@ -128,14 +138,18 @@ def walk_page(record: Mapping[str, Any], drawn: Mapping[str, Figure], replay: st
 
 
 def maze_page(
-    record: Mapping[str, Any], outcome: str, drawn: Mapping[str, Figure], replay: str = ""
+    record: Mapping[str, Any],
+    outcome: str,
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
+    replay: str = "",
 ) -> str:
     """The page of a way through an arena.
 
     Args:
         record: what `results.maze_record` returns.
         outcome: how it ended, in words.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
         replay: its motion, as of `studio.replay`; none by default.
 
     Returns:
@@ -169,7 +183,7 @@ def maze_page(
         },
         [
             parts.part("See it move", parts.motion(replay, title) if replay else ""),
-            parts.part("Its way", parts.pictures(drawn)),
+            parts.part("Its way", parts.pictures(drawn, narrow)),
             parts.part(
                 "Obstacles", parts.table(TOUCHED, record["touched"], "When each was touched.")
             ),
@@ -189,20 +203,24 @@ def maze_page(
 
 
 def sweep_page(
-    record: Mapping[str, Any], columns: Sequence[Any], drawn: Mapping[str, Figure]
+    record: Mapping[str, Any],
+    columns: Sequence[Any],
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
 ) -> str:
     """The page of many robots.
 
     Args:
         record: what `results.sweep_record` returns.
         columns: those of a robot among many.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
     """
     trials, keys = record["trials"], record["keys"]
     failed = [trial for trial in trials if trial["stopped"]]
+    why = [Column("why it stopped", lambda trial: trial["stopped"])] if failed else []
     varied = [
         Column(key, lambda trial, k=k: number(trial["values"][k], 6), True)
         for k, key in enumerate(keys)
@@ -214,8 +232,10 @@ def sweep_page(
         [f"The first that did not: {failed[0]['stopped']}" if failed else ""],
         {},
         [
-            parts.part("What they did", parts.pictures(drawn)),
-            parts.part("One by one", parts.table([*varied, *columns], trials, "A row a robot.")),
+            parts.part("What they did", parts.pictures(drawn, narrow)),
+            parts.part(
+                "One by one", parts.table([*varied, *columns, *why], trials, "A row a robot.")
+            ),
         ],
     )
 
