@@ -42,7 +42,11 @@ def atlas_page(
         record["title"] or f"An atlas of {record['cells']} cells",
         f"{facts['Space']}.",
         f"{graphs} and {cycles}",
-        [parts.sentence(facts[name]) for name in ("Designs", "Proved")],
+        [
+            f"{record['designs']} designs were drawn evenly, and {record['told']} of them told in "
+            f"closed form.",
+            parts.sentence(facts["Proved"]),
+        ],
         {},
         [
             parts.part("What they do", parts.pictures(drawn, narrow)),
