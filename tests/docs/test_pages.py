@@ -237,6 +237,7 @@ def difference(one: Path, other: Path) -> float:
     return float(np.mean(np.abs(seen[0] - seen[1])))
 
 
+@pytest.mark.shown
 def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     """A record has the identity of the study that the command on the page begins."""
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
@@ -262,6 +263,7 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
         assert drawn(name) == file.read_text("utf-8"), name
 
 
+@pytest.mark.shown
 def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_path, monkeypatch):
     """The page's commands begin the studies of the records, and hand on the best of each."""
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")

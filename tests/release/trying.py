@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 import urllib.request
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -158,7 +160,11 @@ LACKS = {
     "robot": [("walk", "robot-forward")],
     "studio": [("studio", "--no-open")],
     "studies": [("sweep", "status", "study.zarr")],
+    # These are lacked only where a robot or a study is there.
     "video": [],
+    "parquet": [],
+    "cluster": [],
+    "gpu": [],
 }
 
 
@@ -238,6 +244,53 @@ def studies(env: Fresh) -> None:
     assert len((env.folder / "study.csv").read_text().splitlines()) == 3
 
 
+def parquet(env: Fresh) -> None:
+    """A store as Parquet."""
+    studies(env)
+    env.stepwell("sweep", "export", "study.zarr", "--out", "study.parquet")
+    env.run(
+        "-c",
+        "from pyarrow import parquet\nassert parquet.read_table('study.parquet').num_rows == 2",
+    )
+
+
+def cluster(env: Fresh) -> None:
+    """A study on the worker of a scheduler, both of this installation."""
+    file = env.folder / "scheduler.json"
+    local = ["--no-dashboard", "--scheduler-file", str(file)]
+    parts = (
+        ("scheduler", ["--host", "127.0.0.1", "--port", "0"]),
+        ("worker", ["--nthreads", "1", "--no-nanny", "--local-directory", str(env.folder)]),
+    )
+    going = [
+        subprocess.Popen(
+            [str(env.python), "-m", f"distributed.cli.dask_{name}", *local, *more],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env=env.environment,
+            cwd=env.folder,
+        )
+        for name, more in parts
+    ]
+    try:
+        while not file.exists():
+            assert all(one.poll() is None for one in going), "no scheduler or no worker begins"
+            time.sleep(0.1)
+        address = json.loads(file.read_text("utf-8"))["address"]
+        varied = "--vary", "outer.q.x=10:20:2", "--scheduler", address
+        env.stepwell("sweep", "cycle", "preset:paper-forward", *varied, "--out", "spread.zarr")
+    finally:
+        for one in going:
+            one.kill()
+            one.wait()
+
+
+def gpu(env: Fresh) -> None:
+    """MuJoCo Warp goes with the MuJoCo that is there."""
+    env.run("-c", "import mujoco, mujoco_warp\nmujoco_warp.put_model")
+    assert "pip install 'stepwell[gpu]'" not in env.stepwell("doctor")
+
+
 # What each installation must be able to do, besides what the core does.
 CHECKS: dict[str, Callable[[Fresh], None]] = {
     "figures": figures,
@@ -246,7 +299,12 @@ CHECKS: dict[str, Callable[[Fresh], None]] = {
     "video": video,
     "studio": studio,
     "studies": studies,
+    "parquet": parquet,
+    "cluster": cluster,
+    "gpu": gpu,
 }
+# Not in `all`, for it is heavy.
+_APART = "gpu"
 
 
 def tried(wheel: Path, extra: str, python: str, kernels: Path) -> str:
@@ -259,7 +317,7 @@ def tried(wheel: Path, extra: str, python: str, kernels: Path) -> str:
         if not extra:
             without(env, *CHECKS)
         for name, check in CHECKS.items():
-            if extra in (name, "all"):
+            if extra == name or (extra == "all" and name != _APART):
                 check(env)
         if extra == "all":
             everything(env)

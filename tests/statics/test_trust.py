@@ -227,6 +227,7 @@ def test_an_anchor_far_outside_gives_a_balanced_answer_or_none(seed):
     cells = [far_cell(rng) if rng.random() < 0.7 else OUTER for _ in range(int(rng.integers(2, 4)))]
     try:
         path = sw.Chain(cells).cycle().path.resampled(200)
+        path.force  # noqa: B018  judged when it is asked for
     except (ValueError, statics.StaticsError):
         return
     size = float(np.max(np.abs(path.force))) * path.chain.full_stroke

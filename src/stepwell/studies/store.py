@@ -348,9 +348,12 @@ class Study(ByValue):
 
     def column(self, name: str) -> Any:
         """The Zarr array of a column (count,), in which a chunk of empty words is there too."""
+        import zarr
+
         if name not in self._columns:
-            array: Any = self.group[name]
-            self._columns[name] = array.with_config({"write_empty_chunks": True})
+            # An array takes what holds when it is opened, in every version of Zarr.
+            with zarr.config.set({"array.write_empty_chunks": True}):
+                self._columns[name] = self.group[name]
         return self._columns[name]
 
     @cached_property

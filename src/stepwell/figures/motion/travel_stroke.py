@@ -41,7 +41,7 @@ _GAP, _NAME = 0.42, 3.9
 # In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
 _LANE, _ROW = 11.0, 3.4
 # Digits closer than this cover each other [pt].
-_DIGIT = 7.0
+_DIGIT = 7.2
 
 
 @styled
