@@ -433,11 +433,16 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
 # Priced as the keys of two cells, so that it goes over to machine code when what finds them does.
 @entry(12 * _EACH, "key")
 def _tallied(
-    key: Ints, gap: Floats, first: int, keys: Ints, counts: Ints, best: Floats, where: Ints
+    key: Ints,
+    gap: Floats,
+    first: int,
+    keys: Ints,
+    counts: Ints,
+    best: Floats,
+    where: Ints,
+    taken: Ints,
 ) -> bool:
-    size, taken = len(keys), 0
-    for place in range(size):
-        taken += counts[place] > 0
+    size = len(keys)
     for k in range(len(key)):
         if key[k] < 0:
             continue
@@ -445,8 +450,8 @@ def _tallied(
         while counts[place] > 0 and keys[place] != key[k]:
             place = (place + 1) % size
         if counts[place] == 0:
-            taken += 1
-            if 2 * taken > size:
+            taken[0] += 1
+            if 2 * taken[0] > size:
                 return False
             keys[place], best[place] = key[k], -1.0
         counts[place] += 1
@@ -462,6 +467,7 @@ class Tally:
         self._size = 2 * most + 1
         self._keys, self._where = np.zeros((2, self._size), np.int64)
         self._counts, self._best = np.zeros(self._size, np.int64), np.zeros(self._size)
+        self._taken = np.zeros(1, np.int64)
 
     def add(self, key: Ints, gap: Floats, first: int) -> None:
         """Count keys (m,) of the designs from number `first` on; negative ones are left out.
@@ -470,7 +476,7 @@ class Tally:
             ValueError: there are too many different ones.
         """
         key, gap = np.ascontiguousarray(key), np.ascontiguousarray(gap)
-        table = self._keys, self._counts, self._best, self._where
+        table = self._keys, self._counts, self._best, self._where, self._taken
         if not _tallied(key, gap, first, *table):
             raise InputError(
                 f"there are more than {self._size // 2} different graphs: take fewer cells."
