@@ -134,6 +134,22 @@ def test_names_are_told_letter_by_letter():
         assert "&lt;script&gt;" in html and "&amp;amp;" in html
 
 
+@pytest.mark.parametrize(
+    ("heading", "said"),
+    [
+        ("cell", "Cell"),
+        ("at state 0 [N]", "At state 0 [N]"),
+        ("bands: anchors", "Bands: anchors"),
+        ("p [mm]", "p [mm]"),
+        ("d/u_max", "d/u_max"),
+        ("foot.below_mm", "foot.below_mm"),
+        ("leg.*.chain [mm]", "leg.*.chain [mm]"),
+    ],
+)
+def test_a_word_at_the_head_of_a_column_has_a_capital_and_a_symbol_or_a_key_has_none(heading, said):
+    assert headed(heading) == said
+
+
 @pytest.mark.parametrize("cells", [1, 20])
 def test_short_and_long_chains_have_cards_that_fit(cells):
     chain = sw.Chain(

@@ -16,6 +16,7 @@ from stepwell.base.quantities import (
     Schema,
     amount,
     counted,
+    headed,
     in_measure,
     number,
     percent,

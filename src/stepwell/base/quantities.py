@@ -329,6 +329,13 @@ def percent(share: float) -> str:
     return f"{share * 100:.{digits}f} %".replace(".0000 %", " %")
 
 
+def headed(heading: str) -> str:
+    """The heading of a column, with a capital where it begins with a word and no symbol or key."""
+    word = heading.partition(" ")[0]
+    plain = len(word) > 1 and word.rstrip(":,").replace("-", "").isalpha()
+    return heading[:1].upper() + heading[1:] if plain else heading
+
+
 def counted(count: int, what: str) -> str:
     """How many there are of something that has a plural in s."""
     return f"{number(count)} {what}{'s' * (count != 1)}"

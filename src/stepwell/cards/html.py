@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
-from stepwell.base import Columns, Quantity, Schema, printable, record, shown
+from stepwell.base import Columns, Quantity, Schema, headed, printable, record, shown
 
 # Lines of a table, facts and letters of a sentence; all else is in the value itself.
 _ROWS, _LETTERS = 8, 1000
@@ -65,7 +65,7 @@ def html(card: Card) -> str:
     if card.facts:
         rows = (
             f'<tr style="background:none"><th scope="row" style="{_CELL}left;{_FAINT}">'
-            f'{_safe(_capital(name))}</th><td style="{_CELL}left">{_safe(_short(text))}</td></tr>'
+            f'{_safe(headed(name))}</th><td style="{_CELL}left">{_safe(_short(text))}</td></tr>'
             for name, text in card.facts.items()
         )
         parts.append(_table("", rows))
@@ -74,7 +74,7 @@ def html(card: Card) -> str:
         sides = ["right" if column.numeric else "left" for column in columns]
         heads = (
             f'<th scope="col" style="{_CELL}{side};white-space:nowrap;{_FAINT}">'
-            f"{_safe(_capital(column.heading))}</th>"
+            f"{_safe(headed(column.heading))}</th>"
             for column, side in zip(columns, sides, strict=True)
         )
         rows = (
@@ -111,6 +111,6 @@ def _short(text: str) -> str:
 
 
 def _capital(text: str) -> str:
-    # A symbol or a key, such as d/u_max or foot.below_mm, begins as it is written.
+    # A key, such as foot.below_mm, begins as it is written.
     first = text.split(maxsplit=1)[:1]
     return text[:1].upper() + text[1:] if first and first[0].replace("-", "").isalpha() else text

@@ -10,7 +10,7 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from stepwell.base import Column, Columns, __version__, shown
+from stepwell.base import Column, Columns, __version__, headed, shown
 from stepwell.studio.replay import embedded
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def table(schema: Columns, rows: Sequence[Mapping[str, Any]], about: str) -> str
     if len(rows) > MOST_ROWS:
         about += f" The first {MOST_ROWS} of {len(rows)} are shown."
 
-    heads = [escape(_headed(one.heading)) for one in columns]
+    heads = [escape(headed(one.heading)) for one in columns]
     kinds = ["" if one.numeric else ' class="left"' for one in columns]
     head = "".join(f'<th scope="col"{k}>{h}</th>' for h, k in zip(heads, kinds, strict=True))
     # On a phone a row is a list, and each of its numbers has its heading beside it.
@@ -179,13 +179,6 @@ def _folded(content: str, count: int, what: str) -> str:
     if count <= _FOLDED:
         return content
     return f"<details><summary>Show {count} {what}</summary>\n{content}\n</details>"
-
-
-def _headed(heading: str) -> str:
-    """A heading that begins with a capital, if it begins with a word, no symbol and no key."""
-    word = heading.partition(" ")[0]
-    plain = heading[:2].isalpha() and "." not in word
-    return heading[:1].upper() + heading[1:] if plain else heading
 
 
 def minus(text: str) -> str:
