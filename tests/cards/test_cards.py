@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import stepwell as sw
 from cards.values import every, of_chains
 from stepwell import cards, figures
-from stepwell.base import Drawn, InputError, Shown, brief
+from stepwell.base import Drawn, InputError, Shown, brief, headed
 from stepwell.cards.cards import _CARDS
 from stepwell.figures.common.page import PageFigure
 from stepwell.figures.usual import _USUAL
