@@ -245,7 +245,7 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     from stepwell.studies import How, Space, asked
 
     told, made = commands(), list(records().values())
-    assert len(told) == len(made) == 3
+    assert len(told) == len(made) == 4
     for words, record in zip(told, made, strict=True):
         robot = sw.preset(words[2].removeprefix("preset:"))
         after = {name: words[k + 1] for k, name in enumerate(words) if name.startswith("--")}

@@ -23,7 +23,7 @@ PAGE, FILE = ROOT / "docs" / "what-decides.md", ROOT / "docs" / "what-decides.js
 # One for each study; of a width [mm] at which a phone shows them readably.
 PICTURES = {
     name: ROOT / "docs" / "img" / f"what-decides-{name.replace('_', '-')}.svg"
-    for name in ("forward_10", "forward_30", "right_30")
+    for name in ("forward_10", "forward_30", "backward_30", "right_30")
 }
 WIDTH = 105.0
 # What the keys of the commands are called on the page.
@@ -47,6 +47,7 @@ WORDS = {
 COLUMNS = {
     "forward_10": ("advance", "work"),
     "forward_30": ("advance", "work", "gaits"),
+    "backward_30": ("advance", "work", "gaits"),
     "right_30": ("turn", "work", "gaits"),
 }
 

@@ -66,7 +66,7 @@ def test_a_finger_moves_an_anchor_and_not_the_page(browser: Browser, address: st
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     page = context.new_page()
     page.goto(address)
-    expect(output(page, "sequence")).to_be_visible()
+    settled(page)
     before = anchors(page, "outer")
     x, y = middle(handle(page, "q", "outer").locator(".dot"))
     drawing = page.locator(".drawing svg").first

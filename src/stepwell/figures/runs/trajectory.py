@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 # Narrower, the bars stand below the path, this high; what an entry and a row of the key take [mm].
 _BESIDE, _LOW, _ENTRY, _ROW = 150.0, 34.0, 27.0, 3.8
+_APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
 _LEAST_TURN = 20.0  # that a panel of turns has room for [°]
@@ -107,7 +108,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
     names = [_name(name, walk, page - _LEFT) for name, walk in walks.items()]
     named = [5.0 + _LINE * (len(lines) - 1) if any(lines) else 0.0 for lines in names]
-    lower = 0.0 if beside else _LOW + _BELOW
+    lower = 0.0 if beside else _LOW + _BELOW + _APART
     handles = _key()
     columns = max(1, min(len(handles), int((page - _LEFT) / _ENTRY)))
     key = _KEY + _ROW * (-(-len(handles) // columns) - 1)
