@@ -1,6 +1,7 @@
 """Figures of measured data: every word readable, what is measured told from what is model."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -52,23 +53,31 @@ def band():
 
 
 @pytest.fixture(scope="module")
-def drawn(comparison, band):
+def draws(comparison, band):
     fit = lab.calibrate(lab.prepare([t.series for t in comparison.cells]), "cubic")
     return {
-        "forces": figures.measured_forces(comparison.cells),
-        "energies": figures.measured_energies(comparison.cells),
-        "pairs": figures.measured_pairs(comparison.pairs),
-        "laws": figures.band_laws(band, lab.choose_law(band)),
-        "calibration": figures.calibration(fit),
+        "forces": partial(figures.measured_forces, comparison.cells),
+        "energies": partial(figures.measured_energies, comparison.cells),
+        "pairs": partial(figures.measured_pairs, comparison.pairs),
+        "laws": partial(figures.band_laws, band, lab.choose_law(band)),
+        "calibration": partial(figures.calibration, fit),
     }
+
+
+@pytest.fixture(scope="module")
+def drawn(draws):
+    return {name: draw() for name, draw in draws.items()}
 
 
 NAMES = ("forces", "energies", "pairs", "laws", "calibration")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_word_covers_another_or_leaves_the_page(drawn, name):
+def test_no_word_covers_another_or_leaves_the_page_or_the_phone(draws, drawn, name):
     assert untidy(drawn[name], 7.0) == []
+    phone = figures.compose([draws[name]], width=85.0)
+    # Correlations are as small as their squares.
+    assert untidy(phone.subfigs[0], 7.0 if name != "calibration" else 4.0) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

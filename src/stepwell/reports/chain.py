@@ -26,6 +26,7 @@ from stepwell.reports.steps import (
     narrow,
     netcdf,
     replay_of,
+    shown,
 )
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
 
@@ -72,20 +73,22 @@ def write_run(
     of_yield = {} if built is None else {"yield": figures.yield_bars(built)}
     captions = _captions(chain.measure)
 
-    def shown(of: Mapping[str, Figure]) -> dict[str, Figure]:
+    def captioned(of: Mapping[str, Figure]) -> dict[str, Figure]:
         return {captions[name]: figure for name, figure in of.items()}
 
     page = report(
         cycle,
         margin,
-        shown(drawn),
+        captioned(drawn),
         source,
         landings,
         # Of more cells a phone shows too little.
-        narrow=shown(figures.standard(cycle, width=PHONE)) if len(chain) <= _MOST_NARROW else {},
-        margins=shown(of_margin),
+        narrow=captioned(figures.standard(cycle, width=PHONE))
+        if len(chain) <= _MOST_NARROW
+        else {},
+        margins=captioned(of_margin),
         built=built,
-        built_as=shown(of_yield),
+        built_as=captioned(of_yield),
         replay=replay_of(chain, chain.title or source or "", margin),
     )
     contents = {
@@ -217,11 +220,15 @@ def write_program(
         "program.csv": program.to_csv,
         "program.json": program_record(program, design=design),
     }
-    drawn = {"program": figures.stroke_program(program)}
+    name = "program"
+    found = shown({name: partial(figures.stroke_program, program)}, {name: name})
     contents["report.html"] = program_page(
-        program, drawn["program"], replay_of(program, program.chain.title)
+        program,
+        found.wide[name],
+        found.narrow.get(name),
+        replay_of(program, program.chain.title),
     )
-    return bundle(folder, "program", contents, drawn, progress=progress, force=force)
+    return bundle(folder, name, contents, found.files, progress=progress, force=force)
 
 
 def checked_suffix(file: str | os.PathLike[str]) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import have
@@ -15,7 +16,7 @@ from stepwell.reports.pages import (
     survival_page,
     yield_page,
 )
-from stepwell.reports.steps import Folder, Progress, bundle, replay_of
+from stepwell.reports.steps import Folder, Progress, Shown, bundle, replay_of, shown
 from stepwell.results import (
     check_record,
     design_record,
@@ -71,20 +72,19 @@ def write_yield(
         "design.toml": text,
         "yield.json": yield_record(found, design=text, calibrated=calibrated),
         "yield.csv": found.to_csv,
-        "report.html": yield_page(
-            found, {_CAPTIONS[name]: one for name, one in drawn.items()}, calibrated
-        ),
+        "report.html": yield_page(found, drawn.wide, drawn.narrow, calibrated),
     }
-    return bundle(folder, "yield", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "yield", contents, drawn.files, progress=progress, force=force)
 
 
-def _of_yield(found: Yield) -> dict[str, Figure]:
+def _of_yield(found: Yield) -> Shown:
     from stepwell import figures
 
-    drawn: dict[str, Figure] = {"yield": figures.yield_bars(found)}
+    draws: dict[str, Callable[[], Figure]] = {"yield": partial(figures.yield_bars, found)}
     if len(found.chain) <= _DRAWABLE_CELLS:
-        drawn["force-plane"] = figures.force_plane(found.chain, clouds=found.end_forces(_CLOUD))
-    return drawn
+        clouds = found.end_forces(_CLOUD)
+        draws["force-plane"] = partial(figures.force_plane, found.chain, clouds=clouds)
+    return shown(draws, _CAPTIONS)
 
 
 def write_check(
@@ -99,8 +99,7 @@ def write_check(
     """Write a verdict on a design: design.toml, check.json, report.html."""
     text, chain, built = design or dumps(found.chain), found.chain, found.yield_
     # The verdict needs no figures: where they cannot be drawn, it stands without them.
-    drawn = _of_yield(built) if isinstance(built, Yield) and have("figures") else {}
-    page = {_CAPTIONS[name]: one for name, one in drawn.items()}
+    page = _of_yield(built).wide if isinstance(built, Yield) and have("figures") else {}
     contents = {
         "design.toml": text,
         "check.json": check_record(found, design=text, calibrated=calibrated),

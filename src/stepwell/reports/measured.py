@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from stepwell.files import dumps, rig_toml
@@ -12,7 +13,7 @@ from stepwell.reports.pages import (
     comparison_page,
     readings_page,
 )
-from stepwell.reports.steps import Folder, Progress, bundle, netcdf
+from stepwell.reports.steps import Folder, Progress, bundle, netcdf, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,6 +24,8 @@ _CAPTIONS = {
     "forces": "Forces of unit cells, measured and modelled",
     "energies": "Energies of unit cells, measured and modelled",
     "pairs": "Forces of pairs, measured and modelled",
+    "laws": "Force against stroke, and the laws",
+    "calibration": "Fitted and measured forces",
 }
 
 
@@ -59,10 +62,10 @@ def write_band(
     """Write tension tests, their laws and what `lab.band_record` returns: band and laws."""
     from stepwell import figures
 
-    drawn = {"laws": figures.band_laws(test, choice)}
-    page = band_page(record, {"Force against stroke, and the laws": drawn["laws"]})
+    found = shown({"laws": partial(figures.band_laws, test, choice)}, _CAPTIONS)
+    page = band_page(record, found.wide, found.narrow)
     contents = {"band.toml": record["table"], "band.json": record, "report.html": page}
-    return bundle(folder, "lab band", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "lab band", contents, found.files, progress=progress, force=force)
 
 
 def write_comparison(
@@ -80,19 +83,19 @@ def write_comparison(
     from stepwell import figures
     from stepwell.lab.mechanisms import CELL_TEST, PAIR_TEST
 
-    drawn: dict[str, Figure] = {}
+    draws: dict[str, Callable[[], Figure]] = {}
     if comparison.cells:
-        drawn["forces"] = figures.measured_forces(comparison.cells)
-        drawn["energies"] = figures.measured_energies(comparison.cells)
+        draws["forces"] = partial(figures.measured_forces, comparison.cells)
+        draws["energies"] = partial(figures.measured_energies, comparison.cells)
     if comparison.pairs:
-        drawn["pairs"] = figures.measured_pairs(comparison.pairs)
-    captioned = {_CAPTIONS[name]: figure for name, figure in drawn.items()}
+        draws["pairs"] = partial(figures.measured_pairs, comparison.pairs)
+    found = shown(draws, _CAPTIONS)
     contents = {
         "compare.json": record,
         "curves.csv": comparison.to_csv,
-        "report.html": comparison_page(record, CELL_TEST, PAIR_TEST, captioned),
+        "report.html": comparison_page(record, CELL_TEST, PAIR_TEST, found.wide, found.narrow),
     }
-    return bundle(folder, "lab compare", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "lab compare", contents, found.files, progress=progress, force=force)
 
 
 def write_calibration(
@@ -110,16 +113,15 @@ def write_calibration(
     from stepwell import figures
     from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
 
-    drawn = {"calibration": figures.calibration(calibration)}
-    captioned = {"Fitted and measured forces": drawn["calibration"]}
+    found = shown({"calibration": partial(figures.calibration, calibration)}, _CAPTIONS)
     contents = {
         "band.toml": record["table"],
         "calibration.json": record,
         "calibration.nc": netcdf(calibration.to_xarray()),
-        "report.html": calibration_page(record, PARAMETER, ERROR, SNAP, captioned),
+        "report.html": calibration_page(record, PARAMETER, ERROR, SNAP, found.wide, found.narrow),
     }
     if calibration.pairs:
         first = calibration.pairs[0].series
         contents["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
         contents["rig.toml"] = rig_toml(calibration.rig)
-    return bundle(folder, "lab calibrate", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "lab calibrate", contents, found.files, progress=progress, force=force)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from stepwell.files import dumps
 from stepwell.reports.pages import maze_page, robot_page, sweep_page, walk_page
-from stepwell.reports.steps import Film, Folder, Progress, bundle, narrow, netcdf
+from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf, shown
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 from stepwell.studio.replay import replay
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from stepwell.robot import Prediction, Robot
     from stepwell.simulation import Maze, Sweep, Walk
 
@@ -42,20 +39,21 @@ def write_robot(
     """Write what a robot is: robot.toml, robot.json, report.html, robot and prediction drawn."""
     from stepwell import figures
 
-    shown = _shown(
+    found = shown(
         {
             "robot": partial(figures.robot_drawing, robot),
             "prediction": partial(figures.prediction, prediction),
-        }
+        },
+        _CAPTIONS,
     )
     text = design or dumps(robot)
     record = robot_record(robot, prediction, design=text)
     contents = {
         "robot.toml": text,
         "robot.json": record,
-        "report.html": robot_page(record, prediction.motion.value, shown.wide, shown.narrow),
+        "report.html": robot_page(record, prediction.motion.value, found.wide, found.narrow),
     }
-    return bundle(folder, "robot show", contents, shown.files, progress=progress, force=force)
+    return bundle(folder, "robot show", contents, found.files, progress=progress, force=force)
 
 
 def write_walk(
@@ -82,16 +80,16 @@ def write_walk(
         if len(walk.time)
         else {}
     )
-    shown = _shown(draws)
+    found = shown(draws, _CAPTIONS)
     text = design or dumps(walk.robot)
     record = walk_record(walk, design=text)
     contents = {
         "robot.toml": text,
         "walk.json": record,
         "walk.nc": walk.to_netcdf,
-        "report.html": walk_page(record, shown.wide, shown.narrow, replay(walk) if draws else ""),
+        "report.html": walk_page(record, found.wide, found.narrow, replay(walk) if draws else ""),
     }
-    return bundle(folder, "walk", contents, shown.files, film=film, progress=progress, force=force)
+    return bundle(folder, "walk", contents, found.files, film=film, progress=progress, force=force)
 
 
 def write_maze(
@@ -117,7 +115,7 @@ def write_maze(
         if len(maze.walk.time)
         else {}
     )
-    shown = _shown(draws)
+    found = shown(draws, _CAPTIONS)
     text = design or dumps(maze.walk.robot)
     record = maze_record(maze, design=text, start_seed=start_seed, layout_seed=layout_seed)
     contents = {
@@ -126,10 +124,10 @@ def write_maze(
         "maze.json": record,
         "walk.nc": maze.walk.to_netcdf,
         "report.html": maze_page(
-            record, str(maze.outcome), shown.wide, shown.narrow, replay(maze) if draws else ""
+            record, str(maze.outcome), found.wide, found.narrow, replay(maze) if draws else ""
         ),
     }
-    return bundle(folder, "maze", contents, shown.files, film=film, progress=progress, force=force)
+    return bundle(folder, "maze", contents, found.files, film=film, progress=progress, force=force)
 
 
 def write_sweep(
@@ -148,29 +146,12 @@ def write_sweep(
     from stepwell import figures
     from stepwell.simulation import TRIAL
 
-    shown = _shown({"sweep": partial(figures.sweep, sweep)})
+    found = shown({"sweep": partial(figures.sweep, sweep)}, _CAPTIONS)
     record = sweep_record(sweep, design=design, seed=seed)
     contents = {
         "sweep.csv": sweep.to_csv,
         "sweep.nc": netcdf(sweep.to_xarray()),
         "sweep.json": record,
-        "report.html": sweep_page(record, TRIAL, shown.wide, shown.narrow),
+        "report.html": sweep_page(record, TRIAL, found.wide, found.narrow),
     }
-    return bundle(folder, "robot sweep", contents, shown.files, progress=progress, force=force)
-
-
-class _Shown(NamedTuple):
-    """Figures by name, and those of a page by caption: on a wide window and on a phone."""
-
-    files: dict[str, Figure]
-    wide: dict[str, Figure]
-    narrow: dict[str, Figure]
-
-
-def _shown(draws: Mapping[str, Callable[[], Figure]]) -> _Shown:
-    files = {name: draw() for name, draw in draws.items()}
-    return _Shown(
-        files,
-        {_CAPTIONS[name]: figure for name, figure in files.items()},
-        {_CAPTIONS[name]: narrow(draw) for name, draw in draws.items()},
-    )
+    return bundle(folder, "robot sweep", contents, found.files, progress=progress, force=force)

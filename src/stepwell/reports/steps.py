@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stepwell.base import StepwellError, write_atomic, write_netcdf
 from stepwell.files import staged_folder
@@ -90,6 +90,25 @@ def narrow(draw: Callable[[], Figure]) -> Figure:
     from stepwell import figures
 
     return figures.compose([draw], width=PHONE)
+
+
+class Shown(NamedTuple):
+    """Figures by name, and those of a page by caption: on a wide window and on a phone."""
+
+    files: dict[str, Figure]
+    wide: dict[str, Figure]
+    narrow: dict[str, Figure]
+
+
+def shown(draws: Mapping[str, Callable[[], Figure]], captions: Mapping[str, str]) -> Shown:
+    """What these functions draw, each by its name, for a folder and for its page."""
+    files = {name: draw() for name, draw in draws.items()}
+    wider = [name for name, one in files.items() if 25.4 * one.get_size_inches()[0] > PHONE + 1.0]
+    return Shown(
+        files,
+        {captions[name]: figure for name, figure in files.items()},
+        {captions[name]: narrow(draws[name]) for name in wider},
+    )
 
 
 def replay_of(result: Chain | Program, title: str, margin: Margin | None = None) -> str:

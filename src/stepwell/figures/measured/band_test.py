@@ -21,6 +21,7 @@ from stepwell.figures.common import (
     blank,
     legends,
     marks,
+    page_width,
     pale,
     place,
     styled,
@@ -36,6 +37,8 @@ _LOOKS = {
     "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
 }
 
+# Narrower, the laws stand below the tests; the height of either [mm].
+_BESIDE, _TALL = 150.0, 76.0
 _READINGS = 40  # of a half, up to which each is drawn
 _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
@@ -52,8 +55,10 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         A figure of a page's width. On the left every cycle, those used in green; on the right the
         residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
     """
-    figure = blank(PAGE, 76.0)
-    left = place(figure, 14.0, 11.0, 66.0, 55.0)
+    page = page_width(PAGE)
+    beside = page >= _BESIDE
+    figure = blank(page, _TALL if beside else 2 * _TALL)
+    left = place(figure, 14.0, 11.0 + (not beside) * _TALL, 66.0 if beside else page - 18.0, 55.0)
     used = set(map(id, test.used))
     for loop in sorted(test.loops, key=lambda loop: id(loop) in used):
         mine = id(loop) in used
@@ -69,7 +74,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     handles = [legends.line("used", GREEN), legends.line("not used", pale(FAINT, 0.4))]
     legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
 
-    right = place(figure, 98.0, 11.0, 78.0, 55.0)
+    right = place(figure, 98.0 if beside else 14.0, 11.0, 78.0 if beside else page - 18.0, 55.0)
     marks.zero_line(right)
     curves = [test.curve(sample) for sample in test.samples]
     stroke = curves[0][0]
@@ -82,5 +87,5 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         right.plot(stroke * MM, residual, **look, label=candidate.law.name + name)
     right.set(xlabel="Stroke of the grips [mm]", ylabel="Measured less law [mN]")
     right.margins(y=0.1)
-    legends.above(right, columnspacing=1.0, handlelength=2.4)
+    legends.above(right, columns=3 if beside else 2, columnspacing=1.0, handlelength=2.4)
     return figure

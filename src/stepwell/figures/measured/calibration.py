@@ -19,6 +19,7 @@ from stepwell.figures.common import (
     legends,
     minus,
     mm_pair,
+    page_width,
     place,
     styled,
 )
@@ -40,6 +41,8 @@ _SYMBOLS = {
 _MARKS = "o^sDv"
 _COLOURS = BLUE, VERMILLION, GREEN, PURPLE
 _RIGHT = 94.0  # where the map of correlations begins [mm]
+# Narrower, it stands below the errors; what its bar takes at the right [mm].
+_BESIDE, _BAR = 150.0, 23.0
 
 
 @styled
@@ -55,10 +58,15 @@ def calibration(result: Calibration) -> Figure:
         with their values written in.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
-    head = 6.0 + 3.7 * len(result.kinds)
+    page = page_width(PAGE)
+    beside = page >= _BESIDE
+    columns = 2 if beside else 1
+    head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
     tall = 15.0 + head + 7.0 * max(len(geometries), len(result.parameters))
-    figure = blank(PAGE, tall)
-    left = place(figure, 24.0, 11.0, 52.0, tall - 11.0 - head)
+    side = min(66.0, tall - 11.0 - head) if beside else min(66.0, page - 12.0 - _BAR)
+    below = 0.0 if beside else side + 14.0
+    figure = blank(page, tall + below)
+    left = place(figure, 24.0, 11.0 + below, 52.0 if beside else page - 30.0, tall - 11.0 - head)
     for n, (bands, pair) in enumerate(result.kinds):
         colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
         at = [
@@ -78,11 +86,12 @@ def calibration(result: Calibration) -> Figure:
     left.set_xlim(left=0.0)
     left.grid(axis="y", color=FAINT, linewidth=0.3)
     left.invert_yaxis()
-    legends.above(left, columns=2, columnspacing=1.0)
+    legends.above(left, columns=columns, columnspacing=1.0)
 
     names = [_symbol(p.name) for p in result.parameters]
-    side = min(66.0, tall - 11.0 - head)
-    right = place(figure, _RIGHT, 11.0 + (tall - 11.0 - head - side) / 2, side, side)
+    start = _RIGHT if beside else 12.0
+    bottom = 11.0 + (tall - 11.0 - head - side) / 2 if beside else 9.0
+    right = place(figure, start, bottom, side, side)
     image = right.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
     for (i, j), value in np.ndenumerate(result.correlations):
         if j < i:
@@ -92,12 +101,12 @@ def calibration(result: Calibration) -> Figure:
                 "va": "center",
                 "color": "white" if dark else INK,
             }
-            size = min(7.0, 1.15 * side / len(names))
+            size = min(7.0, (1.15 if beside else 1.0) * side / len(names))
             right.text(j, i, _hundredths(float(value)), fontsize=size, **look, gid="correlation")
     right.set_xticks(range(len(names)), names)
     right.set_yticks(range(len(names)), names)
     right.tick_params(length=0)
-    bar = place(figure, _RIGHT + side + 3.0, 11.0 + (tall - 11.0 - head - side) / 2, 2.5, side)
+    bar = place(figure, start + side + 3.0, bottom, 2.5, side)
     figure.colorbar(image, cax=bar)
     bar.set_ylabel("Correlation [1]")
     return figure

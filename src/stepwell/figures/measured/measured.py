@@ -30,6 +30,7 @@ from stepwell.figures.common import (
     marks,
     mm_pair,
     name_panel,
+    page_width,
     pale,
     place,
     styled,
@@ -39,7 +40,8 @@ from stepwell.lab import CellTest, PairTest
 T = TypeVar("T")
 
 _POINTS = 16
-_KEY = 8.0
+# A row of the key with its surroundings, one more, and an entry [mm].
+_KEY, _ROW, _ENTRY = 8.0, 3.8, 33.0
 # One look for each number of bands: colour and mark say the same.
 _LOOKS = ((BLUE, "o"), (VERMILLION, "^"), (GREEN, "s"))
 _MEASURED = 2.6
@@ -117,17 +119,14 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     """
     if not tests:
         raise InputError("tests is empty: give one pair or more.")
-    figure = _panels(
-        tests, _pair, (2, 52.0, 15.0, 19.0, 17.0), "Stroke $u$ [mm]", "Actuator force [N]"
-    )
     looks = {True: ("measured, unloading", UNLOADING), False: ("measured, loading", LOADING)}
     occur = dict.fromkeys(test.series.unloading for test in tests)
     handles = [legends.line(*looks[unloading], _MEASURED) for unloading in occur]
     handles.append(Line2D([], [], **_MODEL, label="model"))
     handles.append(legends.mark("run snaps", "v", 4.0, color=FAINT))
     handles.append(legends.mark("model snaps", "^", **hollow(4.0)))
-    legends.on_top(figure, handles, 15.0, 2.0)
-    return figure
+    sizes = (2, 52.0, 15.0, 19.0, 17.0)
+    return _panels(tests, _pair, sizes, handles, "Stroke $u$ [mm]", "Actuator force [N]")
 
 
 def _cells(
@@ -145,21 +144,20 @@ def _cells(
     def draw(ax: Axes, group: list[CellTest]) -> None:
         _cell(ax, group, measured, model)
 
-    sizes = (3, 50.0, 16.0, 18.5, 16.0)
-    figure = _panels(list(groups.values()), draw, sizes, "Lever angle $\\theta$ [°]", label)
     handles: list[Artist] = [legends.line("model")]
     for count in sorted({test.series.bands for test in tests}):
         colour, mark = _LOOKS[(count - 1) % len(_LOOKS)]
         handles.append(legends.mark(bands_words(count), mark, 3.2, color=colour))
     handles.append(legends.mark("extrapolated to the stop", **hollow(3.2)))
-    legends.on_top(figure, handles, 16.0, 2.0)
-    return figure
+    sizes = (3, 50.0, 16.0, 18.5, 16.0)
+    return _panels(list(groups.values()), draw, sizes, handles, "Lever angle $\\theta$ [°]", label)
 
 
 def _panels(
     shown: Sequence[T],
     draw: Callable[[Axes, T], None],
     sizes: tuple[int, float, float, float, float],
+    handles: Sequence[Artist],
     xlabel: str,
     ylabel: str,
 ) -> Figure:
@@ -168,14 +166,19 @@ def _panels(
     Args:
         shown: what is in each panel.
         draw: draws one of them.
-        sizes: how many a row has, and in mm the height of a row, the left margin of a panel and how
-            much smaller its axes are than the panel.
+        sizes: how many a row of a page has, and in mm the height of a row, the left margin of a
+            panel and how much smaller its axes are than the panel.
+        handles: of the legend.
         xlabel, ylabel: below the lowest and left of the first panels.
     """
-    columns, tall, left, narrower, lower = sizes
+    most, tall, left, narrower, lower = sizes
+    page = page_width(PAGE)
+    columns = max(1, round(most * page / PAGE))
     rows = math.ceil(len(shown) / columns)
-    wide = PAGE / columns
-    figure = blank(PAGE, rows * tall + _KEY)
+    wide = page / columns
+    keys = max(1, min(len(handles), int((page - left) / _ENTRY)))
+    figure = blank(page, rows * tall + _KEY + _ROW * (math.ceil(len(handles) / keys) - 1))
+    legends.on_top(figure, handles, left, 2.0, columns=keys)
     for k, one in enumerate(shown):
         row, column = divmod(k, columns)
         bottom = (rows - 1 - row) * tall + 10.0

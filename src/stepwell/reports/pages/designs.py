@@ -95,13 +95,16 @@ def _worst(found: dict[str, Any] | None) -> str:
 
 
 def yield_page(
-    found: Yield, drawn: Mapping[str, Figure], calibrated: Mapping[str, Any] | None = None
+    found: Yield,
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
+    calibrated: Mapping[str, Any] | None = None,
 ) -> str:
     """The page of a yield.
 
     Args:
         found: what `design.yields` returns.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
         calibrated: what is told of the recordings that were folded in; None for none.
 
     Returns:
@@ -123,7 +126,7 @@ def yield_page(
         [
             parts.part(
                 "What those built do",
-                parts.pictures(drawn),
+                parts.pictures(drawn, narrow),
                 _critical(found),
                 _outcomes(found),
             ),

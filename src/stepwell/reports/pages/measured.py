@@ -43,12 +43,14 @@ def readings_page(record: Mapping[str, Any], columns: Sequence[Any]) -> str:
     )
 
 
-def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
+def band_page(
+    record: Mapping[str, Any], drawn: Mapping[str, Figure], narrow: Mapping[str, Figure]
+) -> str:
     """The page of tension tests.
 
     Args:
         record: what `lab.band_record` returns.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
@@ -92,7 +94,7 @@ def band_page(record: Mapping[str, Any], drawn: Mapping[str, Figure]) -> str:
         [
             parts.part(
                 "Force laws",
-                parts.pictures(drawn),
+                parts.pictures(drawn, narrow),
                 parts.table(
                     laws,
                     record["laws"],
@@ -111,13 +113,14 @@ def comparison_page(
     cells: Sequence[Any],
     pairs: Sequence[Any],
     drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
 ) -> str:
     """The page of measured against model, its verdicts first.
 
     Args:
         record: what `lab.comparison_record` returns.
         cells, pairs: columns of the tables of unit cells and of pairs.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
@@ -142,7 +145,7 @@ def comparison_page(
             parts.part(
                 "Verdicts", parts.listed(f"{row['series']}: {row['verdict']}" for row in series)
             ),
-            parts.part("Curves", parts.pictures(drawn)),
+            parts.part("Curves", parts.pictures(drawn, narrow)),
             parts.part(
                 "Unit cells",
                 parts.table(cells, told["cell"], "Measured (model); errors in k r and k r²."),
@@ -172,13 +175,14 @@ def calibration_page(
     errors: Sequence[Any],
     snaps: Sequence[Any],
     drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
 ) -> str:
     """The page of a calibration.
 
     Args:
         record: what `stepwell lab calibrate` found.
         numbers, errors, snaps: columns of the tables of numbers, of errors and of snaps.
-        drawn: figures by caption.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
 
     Returns:
         HTML text.
@@ -195,7 +199,7 @@ def calibration_page(
         ],
         {},
         [
-            parts.part("Fitted and measured", parts.pictures(drawn)),
+            parts.part("Fitted and measured", parts.pictures(drawn, narrow)),
             parts.part(
                 "Numbers",
                 parts.table(

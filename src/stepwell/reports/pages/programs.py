@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 _MOST_TURNS = 12
 
 
-def program_page(program: Program, drawn: Figure, replay: str = "") -> str:
+def program_page(program: Program, drawn: Figure, narrow: Figure | None, replay: str = "") -> str:
     """The page of a program.
 
     Args:
         program: played or found.
-        drawn: it as a figure.
+        drawn, narrow: it as a figure, on a wide window and on a phone if that is another one.
         replay: its motion, as of `studio.replay`; none by default.
 
     Returns:
@@ -68,7 +68,7 @@ def program_page(program: Program, drawn: Figure, replay: str = "") -> str:
         [
             parts.part(
                 "The way",
-                parts.figures(parts.figure("The program, and what the cells do", drawn)),
+                parts.figures(parts.figure("The program, and what the cells do", drawn, narrow)),
                 parts.paragraph(
                     f"It passes {record['sequence']}".replace(">", " → ") + "."
                     if record["sequence"]
