@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -35,6 +36,8 @@ from stepwell.studies import (
     SweepError,
     Table,
     Workshop,
+    asked,
+    begun,
     cancel,
     estimate,
     extended,
@@ -47,6 +50,7 @@ from stepwell.studies import (
     sweep,
     unit_in,
 )
+from stepwell.studies.fill import fill
 from stepwell.studies.work import work_of
 
 AXES = (Axis("outer.q.x", 0.0, 0.020, 9), Axis("outer.q.y", -0.015, 0.015, 7))
@@ -250,6 +254,23 @@ def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_p
     assert after.finished and (after.study.column("share")[:11] == before).all()
     with pytest.raises(StudyError, match="20 would be fewer"):
         extended(after.study, 20)
+
+
+def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp_path):
+    folder, space = tmp_path / "s.zarr", Space((Axis("outer.q.x", 0.0, 0.020),), How.RANDOM, 4, 1)
+    study = begun(asked(LEG, "cycle", space, folder, chunk=4))
+    fill(str(folder), study.identity, 0)
+    grown = extended(study, 8)
+    fill(str(folder), study.identity, 1)
+    assert grown.done_chunks() == [0, 1]
+    assert not np.isnan(grown.values("outer.q.x")).any()
+    shutil.rmtree(folder)
+    with pytest.raises(StudyError, match="holds no study"):
+        fill(str(folder), study.identity, 1)
+    other = begun(asked(LEG, "cycle", replace(space, seed=2), folder, chunk=4))
+    with pytest.raises(StudyError, match="holds another study"):
+        fill(str(folder), study.identity, 0)
+    assert other.done_chunks() == []
 
 
 def test_a_grid_a_list_and_a_hypercube_are_not_extended(tmp_path):
