@@ -1,5 +1,6 @@
 """Reading a figure back: its lines, its words, and whether the words can be read."""
 
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
@@ -9,6 +10,8 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
+
+from stepwell import figures
 
 Array = NDArray[np.float64]
 
@@ -101,6 +104,11 @@ def untidy(figure: Figure | SubFigure, smallest: float = 0.0) -> list[str]:
         *(f"{text} leaves the page" for text in _outside(figure, shown)),
         *(f"{text} is too small" for text in small),
     ]
+
+
+def untidy_on_a_phone(draw: Callable[[], Figure], smallest: float = 7.0) -> list[str]:
+    """What cannot be read of a figure as wide as a phone shows it."""
+    return untidy(figures.compose([draw], width=85.0).subfigs[0], smallest)
 
 
 def cut_off(figure: Figure) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import Circle, Polygon
 
-from figures.drawn import lines, points, says, untidy
+from figures.drawn import lines, points, says, untidy, untidy_on_a_phone
 from figures.robots import cut, explorer, walker
 from figures.shapes import boxes, strips
 from stepwell import figures
@@ -46,8 +46,7 @@ KINDS = (
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])
 def test_every_way_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, mazes):
     assert untidy(draw(mazes[kind]), 7.0) == []
-    phone = figures.compose([partial(draw, mazes[kind])], width=85.0)
-    assert untidy(phone.subfigs[0], 7.0) == []
+    assert untidy_on_a_phone(partial(draw, mazes[kind])) == []
 
 
 @pytest.mark.parametrize("draw", [figures.maze, figures.maze_timeline])

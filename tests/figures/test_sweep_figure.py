@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from figures.drawn import untidy
+from figures.drawn import untidy_on_a_phone
 from stepwell import figures, files
 from stepwell.figures.runs.sweep import axis_words
 from stepwell.simulation import Sweep, Trial
@@ -47,8 +47,7 @@ def test_over_two_keys_every_robot_stands_at_its_values_with_its_numbers():
     assert shown(figure) == [6]
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert len(texts) == 6
-    phone = figures.compose([partial(figures.sweep, swept(x, y))], width=85.0)
-    assert untidy(phone.subfigs[0], 7.0) == []
+    assert untidy_on_a_phone(partial(figures.sweep, swept(x, y))) == []
     assert "\N{MINUS SIGN}0.50\n0.0°" in texts
 
 
@@ -64,8 +63,7 @@ def test_over_more_keys_each_has_a_panel_up_to_eight(keys, panels):
     rng = np.random.default_rng(keys)
     found = swept(*rng.random((keys, 20)))
     assert shown(figures.sweep(found)) == [20] * panels
-    phone = figures.compose([partial(figures.sweep, found)], width=85.0)
-    assert untidy(phone.subfigs[0], 7.0) == []
+    assert untidy_on_a_phone(partial(figures.sweep, found)) == []
 
 
 def test_pathways_have_their_colours_and_rare_gaits_share_one():

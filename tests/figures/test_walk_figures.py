@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from figures.drawn import legend_of, lines, points, says, untidy
+from figures.drawn import legend_of, lines, points, says, untidy, untidy_on_a_phone
 from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from stepwell import figures
@@ -55,8 +55,7 @@ KINDS = (
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_walk_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kind, walks):
     assert untidy(draw(walks[kind]), 7.0) == []
-    phone = figures.compose([partial(draw, walks[kind])], width=85.0)
-    assert untidy(phone.subfigs[0], 7.0) == []
+    assert untidy_on_a_phone(partial(draw, walks[kind])) == []
 
 
 @pytest.mark.parametrize("draw", DRAWINGS)

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 
 from stepwell.base import InputError
 from stepwell.reports.pages import atlas_page
-from stepwell.reports.steps import Folder, Progress, bundle, narrow
+from stepwell.reports.steps import Folder, Progress, bundle, pictured
 from stepwell.results import atlas_record
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from stepwell.atlas import Atlas
 
 _CAPTION = "The most frequent machines, and the share and yield of all"
@@ -25,13 +23,10 @@ def write_atlas(
     """Write an atlas: atlas.json, its machines as graphs if they can be seen, and report.html."""
     from stepwell import figures
 
-    drawn: dict[str, Figure] = {}
-    page: dict[str, Figure] = {}
-    small: dict[str, Figure] = {}
+    drawn = pictured({}, {})
     # Of more cells than can be seen side by side the table tells all.
     with suppress(InputError):
-        drawn["machines"] = page[_CAPTION] = figures.machines(found)
-        small[_CAPTION] = narrow(partial(figures.machines, found))
+        drawn = pictured({"machines": partial(figures.machines, found)}, {"machines": _CAPTION})
     record = atlas_record(found)
-    contents = {"atlas.json": record, "report.html": atlas_page(record, page, small)}
-    return bundle(folder, "atlas show", contents, drawn, progress=progress, force=force)
+    contents = {"atlas.json": record, "report.html": atlas_page(record, drawn.wide, drawn.narrow)}
+    return bundle(folder, "atlas show", contents, drawn.files, progress=progress, force=force)

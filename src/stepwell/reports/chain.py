@@ -25,8 +25,8 @@ from stepwell.reports.steps import (
     bundle,
     narrow,
     netcdf,
+    pictured,
     replay_of,
-    shown,
 )
 from stepwell.results import boundary_rows, checked, map_record, program_record, run_record
 
@@ -220,15 +220,14 @@ def write_program(
         "program.csv": program.to_csv,
         "program.json": program_record(program, design=design),
     }
-    name = "program"
-    found = shown({name: partial(figures.stroke_program, program)}, {name: name})
-    contents["report.html"] = program_page(
-        program,
-        found.wide[name],
-        found.narrow.get(name),
-        replay_of(program, program.chain.title),
+    found = pictured(
+        {"program": partial(figures.stroke_program, program)},
+        {"program": "The program, and what the cells do"},
     )
-    return bundle(folder, name, contents, found.files, progress=progress, force=force)
+    contents["report.html"] = program_page(
+        program, found.wide, found.narrow, replay_of(program, program.chain.title)
+    )
+    return bundle(folder, "program", contents, found.files, progress=progress, force=force)
 
 
 def checked_suffix(file: str | os.PathLike[str]) -> str:

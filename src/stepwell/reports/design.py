@@ -16,7 +16,7 @@ from stepwell.reports.pages import (
     survival_page,
     yield_page,
 )
-from stepwell.reports.steps import Folder, Progress, Shown, bundle, replay_of, shown
+from stepwell.reports.steps import Folder, Pictures, Progress, bundle, pictured, replay_of
 from stepwell.results import (
     check_record,
     design_record,
@@ -77,14 +77,14 @@ def write_yield(
     return bundle(folder, "yield", contents, drawn.files, progress=progress, force=force)
 
 
-def _of_yield(found: Yield) -> Shown:
+def _of_yield(found: Yield) -> Pictures:
     from stepwell import figures
 
     draws: dict[str, Callable[[], Figure]] = {"yield": partial(figures.yield_bars, found)}
     if len(found.chain) <= _DRAWABLE_CELLS:
         clouds = found.end_forces(_CLOUD)
         draws["force-plane"] = partial(figures.force_plane, found.chain, clouds=clouds)
-    return shown(draws, _CAPTIONS)
+    return pictured(draws, _CAPTIONS)
 
 
 def write_check(

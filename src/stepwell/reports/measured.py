@@ -13,7 +13,7 @@ from stepwell.reports.pages import (
     comparison_page,
     readings_page,
 )
-from stepwell.reports.steps import Folder, Progress, bundle, netcdf, shown
+from stepwell.reports.steps import Folder, Progress, bundle, netcdf, pictured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,7 +62,7 @@ def write_band(
     """Write tension tests, their laws and what `lab.band_record` returns: band and laws."""
     from stepwell import figures
 
-    found = shown({"laws": partial(figures.band_laws, test, choice)}, _CAPTIONS)
+    found = pictured({"laws": partial(figures.band_laws, test, choice)}, _CAPTIONS)
     page = band_page(record, found.wide, found.narrow)
     contents = {"band.toml": record["table"], "band.json": record, "report.html": page}
     return bundle(folder, "lab band", contents, found.files, progress=progress, force=force)
@@ -89,7 +89,7 @@ def write_comparison(
         draws["energies"] = partial(figures.measured_energies, comparison.cells)
     if comparison.pairs:
         draws["pairs"] = partial(figures.measured_pairs, comparison.pairs)
-    found = shown(draws, _CAPTIONS)
+    found = pictured(draws, _CAPTIONS)
     contents = {
         "compare.json": record,
         "curves.csv": comparison.to_csv,
@@ -113,7 +113,7 @@ def write_calibration(
     from stepwell import figures
     from stepwell.lab.calibration import ERROR, PARAMETER, SNAP
 
-    found = shown({"calibration": partial(figures.calibration, calibration)}, _CAPTIONS)
+    found = pictured({"calibration": partial(figures.calibration, calibration)}, _CAPTIONS)
     contents = {
         "band.toml": record["table"],
         "calibration.json": record,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from stepwell.files import dumps
 from stepwell.reports.pages import maze_page, robot_page, sweep_page, walk_page
-from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf, shown
+from stepwell.reports.steps import Film, Folder, Progress, bundle, netcdf, pictured
 from stepwell.results import maze_record, robot_record, sweep_record, walk_record
 from stepwell.studio.replay import replay
 
@@ -39,7 +39,7 @@ def write_robot(
     """Write what a robot is: robot.toml, robot.json, report.html, robot and prediction drawn."""
     from stepwell import figures
 
-    found = shown(
+    found = pictured(
         {
             "robot": partial(figures.robot_drawing, robot),
             "prediction": partial(figures.prediction, prediction),
@@ -80,7 +80,7 @@ def write_walk(
         if len(walk.time)
         else {}
     )
-    found = shown(draws, _CAPTIONS)
+    found = pictured(draws, _CAPTIONS)
     text = design or dumps(walk.robot)
     record = walk_record(walk, design=text)
     contents = {
@@ -115,7 +115,7 @@ def write_maze(
         if len(maze.walk.time)
         else {}
     )
-    found = shown(draws, _CAPTIONS)
+    found = pictured(draws, _CAPTIONS)
     text = design or dumps(maze.walk.robot)
     record = maze_record(maze, design=text, start_seed=start_seed, layout_seed=layout_seed)
     contents = {
@@ -146,7 +146,7 @@ def write_sweep(
     from stepwell import figures
     from stepwell.simulation import TRIAL
 
-    found = shown({"sweep": partial(figures.sweep, sweep)}, _CAPTIONS)
+    found = pictured({"sweep": partial(figures.sweep, sweep)}, _CAPTIONS)
     record = sweep_record(sweep, design=design, seed=seed)
     contents = {
         "sweep.csv": sweep.to_csv,

@@ -92,7 +92,7 @@ def narrow(draw: Callable[[], Figure]) -> Figure:
     return figures.compose([draw], width=PHONE)
 
 
-class Shown(NamedTuple):
+class Pictures(NamedTuple):
     """Figures by name, and those of a page by caption: on a wide window and on a phone."""
 
     files: dict[str, Figure]
@@ -100,11 +100,11 @@ class Shown(NamedTuple):
     narrow: dict[str, Figure]
 
 
-def shown(draws: Mapping[str, Callable[[], Figure]], captions: Mapping[str, str]) -> Shown:
+def pictured(draws: Mapping[str, Callable[[], Figure]], captions: Mapping[str, str]) -> Pictures:
     """What these functions draw, each by its name, for a folder and for its page."""
     files = {name: draw() for name, draw in draws.items()}
     wider = [name for name, one in files.items() if 25.4 * one.get_size_inches()[0] > PHONE + 1.0]
-    return Shown(
+    return Pictures(
         files,
         {captions[name]: figure for name, figure in files.items()},
         {captions[name]: narrow(draws[name]) for name in wider},

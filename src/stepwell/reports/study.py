@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepwell.base import InputError
 from stepwell.reports.pages import study_page
-from stepwell.reports.steps import Folder, Progress, bundle, narrow
+from stepwell.reports.steps import Folder, Progress, bundle, pictured
 from stepwell.results import study_record
 
 if TYPE_CHECKING:
@@ -41,13 +41,11 @@ def write_study(
     draws: dict[str, Callable[[], Figure]] = {"outcomes": partial(figures.outcomes, study)}
     if what_decides := decided(study):
         draws["influences"] = partial(figures.influences, what_decides)
-    drawn = {name: draw() for name, draw in draws.items()}
-    page = {_CAPTIONS[name]: one for name, one in drawn.items()}
-    small = {_CAPTIONS[name]: narrow(draw) for name, draw in draws.items()}
+    drawn = pictured(draws, _CAPTIONS)
     record = study_record(found)
     contents = {
         "study.csv": study.to_csv,
         "study.json": record,
-        "report.html": study_page(record, page, small),
+        "report.html": study_page(record, drawn.wide, drawn.narrow),
     }
-    return bundle(folder, "sweep report", contents, drawn, progress=progress, force=force)
+    return bundle(folder, "sweep report", contents, drawn.files, progress=progress, force=force)

@@ -25,6 +25,7 @@ from stepwell.figures.common.reading import (
     vertices,
 )
 from stepwell.figures.common.sheet import (
+    BESIDE,
     Draw,
     Panel,
     Size,

@@ -53,6 +53,12 @@ def cells(
     return found
 
 
+def laid(count: int, room: float, entry: float, most: int = 100) -> tuple[int, int]:
+    """Columns, `most` at most, and rows of so many entries of this width in so much room [mm]."""
+    columns = max(1, min(count, most, int(room / entry)))
+    return columns, -(-count // columns)
+
+
 def above(
     ax: Axes,
     handles: Iterable[Artist] | None = None,

@@ -25,6 +25,8 @@ Draw = Callable[[], Figure]
 # Of a panel whose axes may have any shape: its height as a share of its width is kept within
 # these, and its axes are no lower than this [mm].
 _SHAPES, _LOWEST = (0.55, 1.1), 30.0
+# A page of this width has room for panels beside each other [mm].
+BESIDE = 150.0
 # What the letter of a panel takes at the left of its top row [mm].
 _LETTER = 5.0
 

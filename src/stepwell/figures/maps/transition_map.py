@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import Bools, Floats, Quantity, told_in
 from stepwell.figures.common import (
+    BESIDE,
     BLACK,
     BLUE,
     COLUMN,
@@ -56,7 +57,7 @@ if TYPE_CHECKING:
 
 # Of a map, as wide as it may be, and from which width of the page on the key stands beside it
 # [mm]; below it, if it is no higher than this share of the map.
-_SIDE, _WIDEST, _BESIDE, _SHORT = 70.0, 110.0, 150.0, 0.7
+_SIDE, _WIDEST, _SHORT = 70.0, 110.0, 0.7
 # A key beside the map that is so much higher than the map is parted [mm].
 _LONG = 30.0
 # Characters that a row of the key has room for.
@@ -150,7 +151,7 @@ def transition_map(
     # A long key stands beside the map; a short one, which would leave the page empty, below it.
     long = Key(rows, PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
     page = page_width(PAGE if long else COLUMN)
-    aside = page >= _BESIDE
+    aside = page >= BESIDE
     side = _SIDE if aside else min(page - 18.0, _WIDEST)
     tall = side * aspect
     below = []

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stepwell.figures.common import (
+    BESIDE,
     BLACK,
     BLUE,
     FAINT,
@@ -37,8 +38,7 @@ _LOOKS = {
     "Yeoh": (PURPLE, (0, (7, 2, 1, 2))),
 }
 
-# Narrower, the laws stand below the tests; the height of either [mm].
-_BESIDE, _TALL = 150.0, 76.0
+_TALL = 76.0  # tests and laws, each with its surroundings [mm]
 _READINGS = 40  # of a half, up to which each is drawn
 _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
@@ -56,7 +56,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         residual [mN] of each law from the mean of the samples, the chosen one drawn wider.
     """
     page = page_width(PAGE)
-    beside = page >= _BESIDE
+    beside = page >= BESIDE
     figure = blank(page, _TALL if beside else 2 * _TALL)
     left = place(figure, 14.0, 11.0 + (not beside) * _TALL, 66.0 if beside else page - 18.0, 55.0)
     used = set(map(id, test.used))

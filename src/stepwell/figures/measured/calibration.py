@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stepwell.figures.common import (
+    BESIDE,
     BLUE,
     FAINT,
     GREEN,
@@ -41,8 +42,7 @@ _SYMBOLS = {
 _MARKS = "o^sDv"
 _COLOURS = BLUE, VERMILLION, GREEN, PURPLE
 _RIGHT = 94.0  # where the map of correlations begins [mm]
-# Narrower, it stands below the errors; what its bar takes at the right [mm].
-_BESIDE, _BAR = 150.0, 23.0
+_BAR = 23.0  # what its bar takes at the right where it stands below the errors [mm]
 
 
 @styled
@@ -59,7 +59,7 @@ def calibration(result: Calibration) -> Figure:
     """
     geometries = sorted({sample.geometry for sample in result.samples})
     page = page_width(PAGE)
-    beside = page >= _BESIDE
+    beside = page >= BESIDE
     columns = 2 if beside else 1
     head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
     tall = 15.0 + head + 7.0 * max(len(geometries), len(result.parameters))

@@ -176,9 +176,9 @@ def _panels(
     columns = max(1, round(most * page / PAGE))
     rows = math.ceil(len(shown) / columns)
     wide = page / columns
-    keys = max(1, min(len(handles), int((page - left) / _ENTRY)))
-    figure = blank(page, rows * tall + _KEY + _ROW * (math.ceil(len(handles) / keys) - 1))
-    legends.on_top(figure, handles, left, 2.0, columns=keys)
+    beside, below = legends.laid(len(handles), page - left, _ENTRY)
+    figure = blank(page, rows * tall + _KEY + _ROW * (below - 1))
+    legends.on_top(figure, handles, left, 2.0, columns=beside)
     for k, one in enumerate(shown):
         row, column = divmod(k, columns)
         bottom = (rows - 1 - row) * tall + 10.0

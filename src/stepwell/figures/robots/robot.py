@@ -132,8 +132,8 @@ def _view(
 
 def _rows() -> tuple[int, float]:
     """Columns of the key, and its height [mm]."""
-    columns = max(1, min(4, int(page_width(PAGE) / _ENTRY)))
-    return columns, _KEY + 3.8 * (-(-_ENTRIES // columns) - 2)
+    columns, rows = legends.laid(_ENTRIES, page_width(PAGE), _ENTRY, 4)
+    return columns, _KEY + 3.8 * (rows - 2)
 
 
 def _key(figure: Figure, robot: Robot) -> None:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.figures.common import (
+    BESIDE,
     INK,
     LOADING,
     MJ,
@@ -40,8 +41,7 @@ _LEFT, _RIGHT, _TOP = 20.0, 5.0, 8.0
 _UPPER = (0, (3.0, 2.0))
 _LEAST_FORCE = 0.1  # that the actuator's axis has room for [N]
 _LANE, _FORCE, _LOOP = 4.2, 34.0, 44.0
-# Narrower, force and work stand below each other; what an entry of a key takes [mm].
-_BESIDE, _ENTRY = 150.0, 25.0
+_ENTRY = 25.0  # what one of a key takes [mm]
 
 
 @styled
@@ -63,7 +63,7 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     some = last_cycles(walk, cycles)
     lanes = _LANE * (len(walk.robot.legs) + 1)
     page = page_width(PAGE)
-    below = 0.0 if page >= _BESIDE else _FORCE + 12.0
+    below = 0.0 if page >= BESIDE else _FORCE + 12.0
     height = _TOP + lanes + 2.5 + _FORCE + 14.0 + _LOOP + below + 10.0
     figure = blank(page, height)
     wide = page - _LEFT - _RIGHT
@@ -107,8 +107,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     force.axhline(weight, **look, gid="weight", label="weight of the robot")
     force.set(xlabel="Time [s]", ylabel="Force of the floor [N]")
     room = page_width(PAGE) - _LEFT - _RIGHT
-    columns = max(1, min(len(names) + 1, 7, int(room / _ENTRY)))
-    rows = -(-(len(names) + 1) // columns)
+    columns, rows = legends.laid(len(names) + 1, room, _ENTRY, 7)
     force.set_ylim(0.0, (1.14 + 0.14 * rows) * max(weight, float(loads.max(initial=0.0))))
     force.spines[["top", "right"]].set_visible(False)
     force.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns)

@@ -68,8 +68,8 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         legends.line("stroke", width=1.2),
         legends.line("command", FAINT, 1.0),
     ]
-    columns = max(1, min(len(handles), int((page - _LEFT) / _ENTRY)))
-    above = _TOP + _ROW * (-(-len(handles) // columns) - 1)
+    columns, rows = legends.laid(len(handles), page - _LEFT, _ENTRY)
+    above = _TOP + _ROW * (rows - 1)
     height = above + _STROKE + 3.0 + len(robot.legs) * (_LEG + _STATES) + _BOTTOM
     figure = blank(page, height)
     across = page - _LEFT - _RIGHT

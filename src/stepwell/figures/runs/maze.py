@@ -91,8 +91,8 @@ def maze(maze: Maze) -> Figure:
     title = f"{arena.title}: " if arena.title else ""
     says = wrap(f"{title}{maze.outcome} after {maze.duration:.0f} s", int(page / _LETTER))
     handles = _key(maze)
-    columns = max(1, min(5, int(page / _ENTRY)))
-    key = _KEY + _ROW * (-(-len(handles) // columns) - 1)
+    columns, rows = legends.laid(len(handles), page, _ENTRY, 5)
+    key = _KEY + _ROW * (rows - 1)
     height = high + _TITLE + _LINE * (len(says) - 1) + key
     figure = blank(page, height)
     ax = place(figure, (page - wide) / 2, key, wide, high)

@@ -58,8 +58,8 @@ def maze_timeline(maze: Maze) -> Figure:
     antennas, legs = walk.robot.antennas, walk.robot.legs
     colours = gait_colours(walk)
     page = page_width(PAGE)
-    columns = max(1, min(3, int((page - _LEFT) / _ENTRY)))
-    key_rows = -(-(len(colours) + 2 * bool(antennas)) // columns)
+    entries = len(colours) + 2 * bool(antennas)
+    columns, key_rows = legends.laid(entries, page - _LEFT, _ENTRY, 3)
     height = _TOP + len(antennas) * (_ANTENNA + _GAP) + len(legs) * _LANE + _BOTTOM
     height += (len(order) * _LANE + _GAP if order else 0.0) + 3.0 + 4.2 * key_rows
     figure = blank(page, height)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError, Quantity
 from stepwell.figures.common import (
+    BESIDE,
     BLUE,
     FAINT,
     GREEN,
@@ -49,7 +50,6 @@ _SYMBOLS = {"p", "q"}
 # Keys that by themselves say little.
 _WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
-_BESIDE = 150.0  # narrower, all axes stand below each other [mm]
 
 
 @styled
@@ -143,7 +143,7 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
 
 
 def _over_many(shown: _Shown, foot: float) -> Figure:
-    columns = 2 if page_width(PAGE) >= _BESIDE else 1
+    columns = 2 if page_width(PAGE) >= BESIDE else 1
     rows = -(-len(shown.values) // columns)
     tall = 40.0
     step = tall + _BOTTOM + 3.0

@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import (
+    BESIDE,
     BLUE,
     FAINT,
     INK,
@@ -42,8 +43,8 @@ if TYPE_CHECKING:
 
 
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
-# Narrower, the bars stand below the path, this high; what an entry and a row of the key take [mm].
-_BESIDE, _LOW, _ENTRY, _ROW = 150.0, 34.0, 27.0, 3.8
+# The height of bars below a path, and what an entry and a row of the key take [mm].
+_LOW, _ENTRY, _ROW = 34.0, 27.0, 3.8
 _APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
@@ -100,18 +101,18 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     boxes = [_extent(walk) for walk in walks.values()]
     widest = max(box[1] - box[0] for box in boxes)
     page = page_width(PAGE)
-    beside = page >= _BESIDE
+    beside = page >= BESIDE
     wide = _WIDE if beside else page - _LEFT - 5.0
     bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
     # A tenth of the width more, so that ticks stand clear of the frame.
     scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
     names = [_name(name, walk, page - _LEFT) for name, walk in walks.items()]
-    named = [5.0 + _LINE * (len(lines) - 1) if any(lines) else 0.0 for lines in names]
+    named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
     lower = 0.0 if beside else _LOW + _BELOW + _APART
     handles = _key()
-    columns = max(1, min(len(handles), int((page - _LEFT) / _ENTRY)))
-    key = _KEY + _ROW * (-(-len(handles) // columns) - 1)
+    columns, keys = legends.laid(len(handles), page - _LEFT, _ENTRY)
+    key = _KEY + _ROW * (keys - 1)
     height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
     figure = blank(page, height)
     rows: list[tuple[Axes, Axes, Axes]] = []

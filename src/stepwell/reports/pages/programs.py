@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from stepwell.base import Quantity, counted, number, told_in
@@ -18,12 +19,17 @@ if TYPE_CHECKING:
 _MOST_TURNS = 12
 
 
-def program_page(program: Program, drawn: Figure, narrow: Figure | None, replay: str = "") -> str:
+def program_page(
+    program: Program,
+    drawn: Mapping[str, Figure],
+    narrow: Mapping[str, Figure],
+    replay: str = "",
+) -> str:
     """The page of a program.
 
     Args:
         program: played or found.
-        drawn, narrow: it as a figure, on a wide window and on a phone if that is another one.
+        drawn, narrow: figures by caption, on a wide window and on a phone.
         replay: its motion, as of `studio.replay`; none by default.
 
     Returns:
@@ -68,7 +74,7 @@ def program_page(program: Program, drawn: Figure, narrow: Figure | None, replay:
         [
             parts.part(
                 "The way",
-                parts.figures(parts.figure("The program, and what the cells do", drawn, narrow)),
+                parts.pictures(drawn, narrow),
                 parts.paragraph(
                     f"It passes {record['sequence']}".replace(">", " → ") + "."
                     if record["sequence"]
