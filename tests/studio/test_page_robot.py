@@ -109,6 +109,28 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     )
 
 
+# Moves the cursor to the start in the moment in which a run has ended.
+AT_ONCE = """() => new MutationObserver((changes, watch) => {
+  const slider = document.querySelector('[aria-label="Time in the run"]');
+  if (!slider || slider.disabled || !changes.some((change) => change.target === slider)) return;
+  watch.disconnect();
+  slider.value = "0";
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  document.body.dataset.moved = "yes";
+}).observe(document.body, { subtree: true, attributeFilter: ["disabled"] })"""
+
+
+def test_the_cursor_stays_where_it_is_put_as_soon_as_a_run_has_ended(robot_page: Page):
+    page = robot_page
+    typed(page, "Cycles to walk", "1")
+    page.evaluate(AT_ONCE)
+    button(page, "Walk").click()
+    page.locator("body[data-moved]").wait_for(timeout=PATIENT)
+    moved = number(page, "time")
+    page.wait_for_timeout(400)  # twice as long as the picture takes to catch up
+    assert number(page, "time") == moved < 0.1
+
+
 def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
     page = robot_page
     page.get_by_role("combobox", name="Arena", exact=True).select_option("open")

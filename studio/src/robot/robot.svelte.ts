@@ -37,6 +37,8 @@ class RobotState {
 
   readonly track = new Track();
   private run = 0;
+  /** Whether the cursor follows the newest sample by itself. */
+  private follows = false;
 
   parts = $derived<Part[]>(this.rest?.parts ?? []);
   lines = $derived<Line[]>(this.rest?.lines ?? []);
@@ -122,6 +124,19 @@ class RobotState {
     this.catchUp(run);
   }
 
+  /** Puts the cursor where somebody wants it, and there it stays. */
+  seek(at: number): void {
+    this.follows = this.playing = false;
+    this.at = at;
+  }
+
+  /** Plays from the cursor on, from the start again after the end; or pauses. */
+  play(): void {
+    this.follows = false;
+    if (!this.playing && this.at + 1 >= this.count) this.at = 0;
+    this.playing = !this.playing;
+  }
+
   cancel(): void {
     if (this.running) studio.cancel(this.running);
   }
@@ -133,8 +148,8 @@ class RobotState {
     this.running = "";
     this.result = null;
     this.failed = "";
-    this.count = this.at = 0;
-    this.playing = false;
+    this.count = 0;
+    this.seek(0);
     this.track.count = 0;
   }
 
@@ -150,8 +165,9 @@ class RobotState {
   // New samples come some times a second; the picture goes on between.
   private catchUp(run: number): void {
     let last: number | null = null;
+    this.follows = true;
     const tick = (now: number): void => {
-      if (run !== this.run) return;
+      if (run !== this.run || !this.follows) return;
       const newest = Math.max(0, this.count - 1);
       if (last !== null) {
         const share = Math.min(1, (now - last) / CATCH_UP_MS);
