@@ -405,3 +405,40 @@ def test_every_kernel_can_be_compiled_from_what_it_names():
     assert len(marked) >= 20
     prints = {name: fingerprint(one.function) for name, one in marked.items()}
     assert len(set(prints.values())) == len(prints)
+
+
+@pytest.mark.slow
+def test_every_array_that_machine_code_gets_is_whole_so_that_it_is_made_once(monkeypatch):
+    asked, call = {}, Entry.__call__
+
+    def parts(value):
+        if isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, tuple):
+            for item in value:
+                yield from parts(item)
+
+    def told(self, *args):
+        for array in parts(args):
+            asked[self.__name__] = asked.get(self.__name__, True) and array.flags.c_contiguous
+        return call(self, *args)
+
+    monkeypatch.setattr(Entry, "__call__", told)
+    for name in ("paper-forward", "kresling"):
+        chain = sw.preset(name)
+        assert isinstance(chain, sw.Chain)
+        cycle, ones = chain.cycle(), [0.01] * len(chain)
+        for snap in cycle.snaps[:1]:
+            cycle.path.inertial_landing(snap, masses=ones, damping=ones)
+        chain.margin()
+        chain.graph()
+    leg = sw.preset("paper-forward")
+    assert isinstance(leg, sw.Chain)
+    axis = np.linspace(0, 0.02, 3)
+    sw.transition_map(leg, cell=1, x=axis, y=axis)
+    # Blocks of many designs are parts of what they fill.
+    many = np.linspace(0, 0.02, 160)
+    sw.transition_map(leg, cell=1, x=many, y=many)
+    sw.design("00>10>11>01>00", holes=0.005, n=500)
+    assert len(asked) >= 8
+    assert not [name for name, whole in asked.items() if not whole]

@@ -224,7 +224,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
         rows=np.concatenate([*curves, *all_rows]),
     )
     # A stop, but for elements that fold back, is where a cell ends and cannot go on.
-    sheets = Sheets(table[now][:, [LOW, HIGH, LOW, HIGH]], now, table)
+    sheets = Sheets(table[now[:, None], [LOW, HIGH, LOW, HIGH]], now, table)
     for i, cell in enumerate(cells):
         if isinstance(cell, Element):
             change_sheet(laws, sheets, i, now[i])

@@ -106,20 +106,23 @@ class Outcomes:
             return found
         base, n = self.base, len(self.chain)
         turned = np.array(self.turned)
-        blocks: dict[int, tuple[Ints, Ints]] = {}
+        blocks: dict[int, tuple[Found, Ints]] = {}
 
         def block(begin: int, end: int) -> None:
-            m = slice(begin, end)
-            run, orders = np.empty(end - begin, np.int32), np.empty((end - begin, 2, n), np.int32)
-            added = self.added(values[m])
-            out = found.strokes[:, m], found.snaps[:, m], found.gap[m], found.monostable[m]
-            runs = sweep(added, base, self.rows, self.columns, turned, run, orders, *out)
-            blocks[begin] = run, orders[:runs].copy()
+            # Machine code is for arrays that are whole, and parts of others would need their own.
+            one, orders = Found.nothing(end - begin), np.empty((end - begin, 2, n), np.int32)
+            added = self.added(values[begin:end])
+            out = one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable
+            runs = sweep(added, base, self.rows, self.columns, turned, *out)
+            blocks[begin] = one, orders[:runs].copy()
 
         in_blocks(block, len(values), sweep.block(min(_BLOCK, len(values)), values, base))
-        for begin, (run, orders) in sorted(blocks.items(), key=itemgetter(0)):
-            numbers = [self._of_orders(one) for one in orders] + [UNSOLVED]
-            found.sequence[begin : begin + len(run)] = np.array(numbers, np.int32)[run]
+        for begin, (one, orders) in sorted(blocks.items(), key=itemgetter(0)):
+            m = slice(begin, begin + len(one.sequence))
+            numbers = [self._of_orders(each) for each in orders] + [UNSOLVED]
+            found.sequence[m] = np.array(numbers, np.int32)[one.sequence]
+            found.strokes[:, m], found.snaps[:, m] = one.strokes, one.snaps
+            found.gap[m], found.monostable[m] = one.gap, one.monostable
         found.degenerate[:] = found.gap < tie
         return found
 
