@@ -131,10 +131,10 @@ class RobotState {
   }
 
   /** Plays from the cursor on, from the start again after the end; or pauses. */
-  play(): void {
+  play(on = !this.playing): void {
     this.follows = false;
-    if (!this.playing && this.at + 1 >= this.count) this.at = 0;
-    this.playing = !this.playing;
+    if (on && this.at + 1 >= this.count) this.at = 0;
+    this.playing = on;
   }
 
   cancel(): void {
